@@ -6,10 +6,10 @@
 
 use burstscope::dataset::DatasetSource;
 use burstscope::detector::{DetectorParams, SearchParams, Slope, SlopeGrid};
-use burstscope::engine::{DatasetUpdate, Engine, Held, Update};
+use burstscope::engine::{Engine, Held, Wanted};
 use burstscope::requests::{
-    BurstSource, Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DetectRequest, Keeping, OpenBurst, PictureKind,
-    PictureRequest, PictureSlot,
+    BurstSource, Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, DetectRequest, Keeping, OpenBurst, OpenRequest,
+    PictureKind, PictureRequest, Request, ThumbnailsRequest,
 };
 use peak_alloc::PeakAlloc;
 use std::path::Path;
@@ -54,16 +54,22 @@ fn write_frames(folder: &Path) {
     }
 }
 
-/// Waits for an update that `wanted` accepts.
-fn wait_for<T>(engine: &Engine, mut wanted: impl FnMut(Update) -> Option<T>) -> T {
+/// Waits for what `poll` returns.
+fn wait_for<T>(mut poll: impl FnMut() -> Option<T>) -> T {
     let end = Instant::now() + PATIENCE;
     loop {
-        if let Some(found) = engine.poll().into_iter().find_map(&mut wanted) {
+        if let Some(found) = poll() {
             return found;
         }
         assert!(Instant::now() < end, "nothing happened in {PATIENCE:?}");
         std::thread::sleep(Duration::from_millis(1));
     }
+}
+
+/// Asks, and waits for the answer.
+fn answer_of<R: Request>(engine: &Engine, wanted: &mut Wanted<R>, request: R) -> R::Answer {
+    wanted.ask(engine, request);
+    wait_for(|| wanted.take().into_iter().next()).result.expect("there is an answer")
 }
 
 /// Memory held by the engine and by the program, after each burst.
@@ -99,19 +105,28 @@ impl Soak {
 /// Finds the features of all bursts, as the workspace *Matches* does.
 fn find_all(engine: &Engine, bursts: &Bursts, keeping: &Keeping) -> Soak {
     let mut soak = Soak::default();
-    engine.datasets.request_thumbnails(bursts.to_vec(), 16, burstscope::burst::OpenOptions::default());
-    engine.datasets.submit(DatasetRequest::Detect { bursts: bursts.clone(), keeping: keeping.clone() });
+    let (mut thumbnails, mut detecting) = (Wanted::default(), Wanted::default());
+    let open = burstscope::burst::OpenOptions::default();
+    thumbnails.ask(engine, ThumbnailsRequest { bursts: bursts.to_vec(), max_side_px: 16, open });
+    detecting.ask(engine, DatasetRequest::Detect { bursts: bursts.clone(), keeping: keeping.clone() });
     let mut found = 0;
-    wait_for(engine, |update| match update {
-        Update::Dataset(DatasetUpdate::Event(DatasetEvent::Done { finished, .. })) => {
-            found += finished.features;
-            soak.note(engine);
-            None
+    let ended = wait_for(|| {
+        thumbnails.take_told();
+        thumbnails.take();
+        let ended = detecting.take().into_iter().next();
+        for event in detecting.take_told() {
+            match event {
+                DatasetEvent::Done { finished, .. } => {
+                    found += finished.features;
+                    soak.note(engine);
+                }
+                DatasetEvent::Failed { error, .. } => panic!("{error}"),
+                _ => {}
+            }
         }
-        Update::Dataset(DatasetUpdate::Event(DatasetEvent::Failed { error, .. })) => panic!("{error}"),
-        Update::Dataset(DatasetUpdate::Ended(answer)) => Some(answer.result.expect("all are found")),
-        _ => None,
+        ended
     });
+    ended.result.expect("all are found");
     assert!(found >= BURSTS / 2, "{found} features: blobs that are seen by nobody test nothing");
     soak
 }
@@ -119,26 +134,17 @@ fn find_all(engine: &Engine, bursts: &Bursts, keeping: &Keeping) -> Soak {
 /// Opens, searches and shows one burst after the other, as a user going through a filmstrip does.
 fn look_at_each(engine: &Engine, bursts: &Bursts, params: &SearchParams) -> Soak {
     let mut soak = Soak::default();
+    let (mut opening, mut detecting) = (Wanted::default(), Wanted::default());
+    let mut pictures: [Wanted<PictureRequest>; 2] = Default::default();
     for source in bursts.iter() {
-        engine.open(BurstSource::Paths(source.paths.clone()));
-        let burst: OpenBurst = wait_for(engine, |update| match update {
-            Update::Opened(answer) => Some(answer.result.expect("it opens")),
-            _ => None,
-        });
+        let source = BurstSource::Paths(source.paths.clone());
+        let burst: OpenBurst = answer_of(engine, &mut opening, OpenRequest { source, options: Default::default() });
         engine.keep_trails_of(&[burst.id]);
-        engine.detect(DetectRequest { burst: burst.clone(), params: params.clone() });
-        wait_for(engine, |update| match update {
-            Update::Detected(answer) => Some(answer.result.expect("it is searched")),
-            _ => None,
-        });
-        for (slot, u) in [0.0, 1.0].into_iter().enumerate() {
+        let params = params.clone();
+        answer_of(engine, &mut detecting, DetectRequest { burst: burst.clone(), params: params.clone() });
+        for (wanted, u) in pictures.iter_mut().zip([0.0, 1.0]) {
             let kind = PictureKind::Stack { slope: Slope::new(u, 0.0) };
-            let slot = PictureSlot(slot as u32);
-            engine.request_picture(slot, PictureRequest::new(burst.clone(), kind, params.detector.clone()));
-            wait_for(engine, |update| match update {
-                Update::Picture(of, answer) if of == slot => Some(answer.result.expect("a picture")),
-                _ => None,
-            });
+            answer_of(engine, wanted, PictureRequest::new(burst.clone(), kind, params.detector.clone()));
         }
         assert!(engine.wait_idle(PATIENCE));
         soak.note(engine);
@@ -166,14 +172,10 @@ fn five_hundred_bursts_leave_no_more_behind_than_one_hundred() {
         params: params.clone(),
         open: keeping.open.clone(),
     };
-    engine.datasets.submit(request);
-    let dataset = wait_for(&engine, |update| match update {
-        Update::Dataset(DatasetUpdate::Ended(answer)) => match answer.result.expect("it opens") {
-            DatasetAnswer::Opened(dataset) => Some(dataset),
-            other => panic!("{other:?}"),
-        },
-        _ => None,
-    });
+    let dataset = match answer_of(&engine, &mut Wanted::default(), request) {
+        DatasetAnswer::Opened(dataset) => dataset,
+        other => panic!("{other:?}"),
+    };
     assert_eq!(dataset.bursts.len(), BURSTS);
 
     find_all(&engine, &dataset.bursts, &keeping).assert_does_not_grow("a dataset");

@@ -149,11 +149,13 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
         |ctx, _| BurstscopeApp::new(ctx, None, startup),
         |app, ui| {
             app.show(ui);
-            let is_open = app.model.slots.a.burst.is_some() && (options.second.is_none() || app.model.slots.b.burst.is_some());
+            let is_open =
+                app.model.slots.a.burst.is_some() && (options.second.is_none() || app.model.slots.b.burst.is_some());
             if is_open && !placed {
                 if options.session.is_none() && options.lesson.is_none() {
                     place(app, options);
-                    *unfit.borrow_mut() = app.model.slots.a.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
+                    *unfit.borrow_mut() =
+                        app.model.slots.a.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
                 }
                 placed = true;
             }
@@ -166,13 +168,10 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
             if options.select_strongest && app.model.selected.is_none() && !app.model.listed.is_empty() {
                 app.model.selected = app.model.listed.first().copied();
             }
-            problem = app
-                .model
-                .messages
-                .errors()
-                .first()
-                .map(|m| m.text.clone())
-                .or_else(|| app.model.slots.a.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string));
+            problem =
+                app.model.messages.errors().first().map(|m| m.text.clone()).or_else(|| {
+                    app.model.slots.a.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string)
+                });
         },
         |app| {
             let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();

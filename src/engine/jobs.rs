@@ -102,11 +102,6 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         JobKey { kind: self.kind, slot }
     }
 
-    /// Asks; the request that waits or runs is superseded.
-    pub fn submit(&self, request: Q) -> JobId {
-        self.submit_for(0, request)
-    }
-
     /// Asks for `slot`: only what waits or runs for it is superseded.
     pub fn submit_for(&self, slot: u32, request: Q) -> JobId {
         self.submit_as(self.manner, slot, request)
@@ -135,12 +130,12 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
 
     /// The request that runs, or the one that waits to.
     pub fn running(&self) -> Option<Running> {
-        self.queue.running(self.key(0))
+        self.running_for(0)
     }
 
-    /// Whether nothing of this kind runs and nothing waits.
-    pub fn is_idle(&self) -> bool {
-        self.queue.is_idle(self.kind)
+    /// Likewise for `slot`.
+    pub fn running_for(&self, slot: u32) -> Option<Running> {
+        self.queue.running(self.key(slot))
     }
 
     /// Takes the answers since the last call with their slots, oldest first.

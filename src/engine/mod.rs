@@ -20,11 +20,11 @@ mod wanted;
 
 pub use cache::PictureCache;
 pub use held::Held;
-pub use queue::{JobKey, JobQueue};
 pub use task::{TaskDone, TaskId};
 pub use wanted::{Ended, Want, Wanted};
 
 use crate::requests::BurstId;
+use queue::JobQueue;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use stores::Stores;

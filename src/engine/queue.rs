@@ -192,12 +192,6 @@ impl JobQueue {
         running.or_else(|| waiting().map(|job| Running { id: job.id, started: Instant::now(), progress: None }))
     }
 
-    /// Whether nothing of `kind` runs and nothing waits.
-    pub(super) fn is_idle(&self, kind: u32) -> bool {
-        let state = self.shared.lock();
-        state.waiting.iter().all(|job| job.key.kind != kind) && state.running.iter().all(|job| job.key.kind != kind)
-    }
-
     /// How many requests wait or run.
     pub(super) fn len(&self) -> usize {
         let state = self.shared.lock();

@@ -17,10 +17,9 @@ type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Told>;
 
 /// One thing that is wanted of the engine at a time.
 ///
-/// In each pass [`Self::want`] is told what is wanted now. It submits a request that is neither running nor the one
-/// that ended last, which supersedes the running one. So a request that failed or was cancelled is not repeated until
-/// something else is wanted, [`Self::ask`] asks for it, or [`Self::forget`] was called. Dropping it cancels the
-/// request.
+/// In each pass [`Self::want`] is told what is missing now. It submits a request that is not running already, which
+/// supersedes the running one. One that failed or was cancelled is not repeated until something else was wanted,
+/// [`Self::ask`] asked for it, or [`Self::forget`] was called. Dropping it cancels the request.
 pub struct Wanted<R: Request> {
     /// Made with the first request.
     jobs: Option<JobsOf<R>>,
@@ -63,7 +62,7 @@ impl<R: Request> Drop for Wanted<R> {
 }
 
 impl<R: Request> Wanted<R> {
-    /// Requests `wanted` unless it is running or ended last. `None` cancels the running request.
+    /// Requests `wanted` unless it is running, or ended last and failed. `None` cancels the running request.
     pub fn want(&mut self, engine: &Engine, wanted: Option<R>) {
         let Some(wanted) = wanted else {
             if self.is_pending() {
@@ -73,8 +72,8 @@ impl<R: Request> Wanted<R> {
         };
         let is_known = match (self.pending(), &self.ended) {
             (Some(pending), _) => pending.is_same(&wanted),
-            (None, Some((ended, _))) => ended.is_same(&wanted),
-            (None, None) => false,
+            (None, Some((failed, Some(_)))) => failed.is_same(&wanted),
+            (None, _) => false,
         };
         if !is_known {
             self.ask(engine, wanted);

@@ -52,7 +52,8 @@ mod tests {
     use crate::detector::{DetectorParams, SlopeGrid};
     use crate::inspect::probe::Wanted;
     use crate::inspect::{ProbeOptions, probe};
-    use crate::requests::{BurstSource, DetectRequest, NothingKept, OpenBurst};
+    use crate::monitor::Monitor;
+    use crate::requests::{BurstSource, DetectRequest, OpenBurst};
     use crate::synth::Example;
 
     #[test]
@@ -63,9 +64,9 @@ mod tests {
         let of = DetectionSource { burst: burst.clone(), asked: params.clone().into(), params, finding: None };
         let monitor = Monitor::default();
         let detect = DetectRequest { burst, params: of.asked.clone() };
-        let detection = detect.compute(&NothingKept, &monitor).expect("valid").detection;
+        let detection = detect.compute(&Work::alone(&monitor)).expect("valid").detection;
         let request = CoherenceRequest { of: of.clone(), detection };
-        let Coherences { detection, values } = request.compute(&NothingKept, &monitor).expect("valid");
+        let Coherences { detection, values } = request.compute(&Work::alone(&monitor)).expect("valid");
         assert_eq!(values.len(), detection.features.len());
         assert!(values.iter().flatten().all(|c| (0.0..=1.0).contains(c)));
         let cache = of.trail(&monitor).expect("valid");

@@ -1,43 +1,15 @@
 //! Opening a burst, and a burst that is open.
 
 use super::error::JobError;
-use super::request::{Request, Urgency, Work};
 use super::source::BurstSource;
 use crate::burst::{Burst, OpenOptions, find_bursts};
-use crate::inspect::words::counted;
 use crate::inspect::truth::{TruthError, is_known, truth_of};
-use crate::synth::{FrameLevels, Truth, synth_chart};
-use std::convert::Infallible;
+use crate::inspect::words::counted;
 use crate::monitor::Monitor;
+use crate::synth::{FrameLevels, Truth, synth_chart};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// A burst to be opened, and how.
-#[derive(Debug, Clone)]
-pub struct OpenRequest {
-    /// Where it comes from.
-    pub source: BurstSource,
-    /// How it is opened: its calibration.
-    pub options: OpenOptions,
-}
-
-impl Request for OpenRequest {
-    type Answer = OpenBurst;
-    type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.source == other.source && self.options == other.options
-    }
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<OpenBurst, JobError> {
-        self.source.open(&self.options, work.monitor)
-    }
-}
 
 /// Tells one opening of a burst from another, also of the same files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

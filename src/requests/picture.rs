@@ -1,18 +1,13 @@
 //! What can be shown of a burst: a frame, a motion-stack image, a DoG response, a map, the merged frames, or the
 //! difference of two of these.
 
-use super::error::JobError;
 use super::map::{MapKind, MotionMap};
 use super::open::{BurstId, OpenBurst};
-use super::request::{Kept, Request, Urgency, Work};
-use crate::baseline::{merge_burst, prepare};
-use crate::detector::view::{dog_view, stack_view};
 use crate::detector::{DetectorParams, Interpolation, Method, Slope};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::difference;
 use image::RgbaImage;
-use std::convert::Infallible;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
@@ -179,96 +174,6 @@ impl PictureRequest {
                 params: hash_of(&self.params),
             },
         }
-    }
-
-    /// Computes the picture, which is no difference.
-    fn plain(self, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
-        let (trails, monitor) = (work.kept.trails, work.monitor);
-        let mut motion = None;
-        let burst = &self.burst.burst;
-        let plane = match self.kind {
-            PictureKind::Frame(index) => burst.frames.get(index).cloned().ok_or_else(|| {
-                JobError::Failed(format!("there is no frame {index}; the burst has {} frames", burst.len()))
-            })?,
-            PictureKind::Stack { slope } => {
-                let (burst, params) = prepare(burst, &self.params, monitor)?;
-                Arc::new(stack_view(&burst, &params, slope, monitor)?)
-            }
-            PictureKind::Dog { octave, level, slope } => {
-                let (burst, params) = prepare(burst, &self.params, monitor)?;
-                Arc::new(dog_view(&burst, &params, slope, octave, level, monitor)?)
-            }
-            PictureKind::Merge => {
-                let used = self.params.used_frames(burst.len());
-                if used.is_empty() || used.end > burst.len() {
-                    let wrong =
-                        format!("frames {}..{} cannot be merged; the burst has {}", used.start, used.end, burst.len());
-                    return Err(JobError::Failed(wrong));
-                }
-                merge_burst(burst, used, monitor)?.frames[0].clone()
-            }
-            PictureKind::Map { map, octave, level, slope } => {
-                let at = (slope, octave, level);
-                let (plane, colours) = map.compute(&self.burst, &self.params, at, (trails, monitor))?;
-                motion = colours.map(Arc::new);
-                Arc::new(plane)
-            }
-        };
-        Ok(Picture { request: self, plane, motion })
-    }
-}
-
-impl Request for PictureRequest {
-    type Answer = Picture;
-    type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        let own = if self.kind.is_slow() { Urgency::SlowPicture } else { Urgency::Picture };
-        self.minus().map_or(own, |minus| own.max(minus.urgency()))
-    }
-
-    /// Whether both have the same pixels.
-    fn is_same(&self, other: &Self) -> bool {
-        self.key() == other.key()
-    }
-
-    fn kept(&self, kept: &Kept<'_>) -> Option<Picture> {
-        kept.pictures.get(self)
-    }
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
-        if let Some(picture) = self.kept(&work.kept) {
-            return Ok(picture);
-        }
-        let picture = match self.minus().cloned() {
-            None => self.plain(work)?,
-            // Both pictures are kept too: they are mostly shown beside their difference.
-            Some(minus) => self.alone().compute(work)?.minus(&minus.compute(work)?),
-        };
-        work.kept.pictures.put(&picture);
-        Ok(picture)
-    }
-}
-
-/// Several pictures that are shown together, such as the two from which the patches of a match are cut.
-#[derive(Debug, Clone)]
-pub struct PicturesRequest(pub Vec<PictureRequest>);
-
-impl Request for PicturesRequest {
-    /// The pictures, in the order of their requests.
-    type Answer = Vec<Picture>;
-    type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        self.0.iter().map(PictureRequest::urgency).max().unwrap_or(Urgency::Picture)
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(|(a, b)| a.is_same(b))
-    }
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<Picture>, JobError> {
-        self.0.into_iter().map(|request| request.compute(work)).collect()
     }
 }
 

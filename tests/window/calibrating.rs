@@ -33,7 +33,18 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     assert!((value(&window, 0, 0) - 1300.0).abs() < 3.0 && (value(&window, 90, 1) - 900.0).abs() < 3.0);
     // The suggestion about the values was noted when the burst was opened.
     assert!(
-        window.app().model.slots.a.burst.as_ref().unwrap().burst.notes().iter().any(|note| note.option == Some("full-scale"))
+        window
+            .app()
+            .model
+            .slots
+            .a
+            .burst
+            .as_ref()
+            .unwrap()
+            .burst
+            .notes()
+            .iter()
+            .any(|note| note.option == Some("full-scale"))
     );
     window.run_action("calibration");
     // The first dropped file is the bias; the flat is chosen.

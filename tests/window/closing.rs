@@ -4,13 +4,13 @@
 use crate::lab::run_small_study;
 use crate::support::{Start, Window};
 use burstscope::app::project::measure::MeasuredLine;
-use burstscope::engine::{Jobs, Priority};
+use burstscope::engine::Wanted;
 use burstscope::export::is_temporary_name;
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
-use burstscope::monitor::Monitor;
-use burstscope::requests::{BurstSource, JobError};
+use burstscope::requests::{BurstSource, JobError, Request, Urgency, Work};
+use std::convert::Infallible;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, mpsc};
+use std::sync::{Arc, Mutex, mpsc};
 use std::time::Duration;
 
 /// All files below `folder`.
@@ -38,21 +38,40 @@ fn assert_nothing_half_written(folder: &Path) {
     }
 }
 
-/// Holds back the writing of files until the window is being closed: a task before them waits for a search job, which
-/// releases it when it is cancelled.
-fn hold_files_until_closing(window: &Window) -> Jobs<(), ()> {
-    let engine = &window.app().engine;
-    let (release, held) = mpsc::channel::<()>();
-    let release = Mutex::new(Some(release));
-    let until_closing = move |(): (), monitor: &Monitor| -> Result<(), JobError> {
-        while !monitor.is_cancelled() {
+/// Runs until it is cancelled, and drops its sender then.
+#[derive(Clone)]
+struct UntilCancelled {
+    release: Arc<Mutex<Option<mpsc::Sender<()>>>>,
+}
+
+impl Request for UntilCancelled {
+    type Answer = ();
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, _: &Self) -> bool {
+        true
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<(), JobError> {
+        while !work.monitor.is_cancelled() {
             std::thread::sleep(Duration::from_millis(1));
         }
-        release.lock().unwrap().take();
-        Ok(monitor.check()?)
-    };
-    let closing = Jobs::new(engine.queue(), Priority::Search, Duration::ZERO, until_closing);
-    closing.submit(());
+        self.release.lock().unwrap().take();
+        Ok(work.monitor.check()?)
+    }
+}
+
+/// Holds back the writing of files until the window is being closed: a task before them waits for a search job, which
+/// releases it when it is cancelled.
+fn hold_files_until_closing(window: &Window) -> Wanted<UntilCancelled> {
+    let engine = &window.app().engine;
+    let (release, held) = mpsc::channel::<()>();
+    let mut closing = Wanted::default();
+    closing.ask(engine, UntilCancelled { release: Arc::new(Mutex::new(Some(release))) });
     engine.task("Hold", move || {
         // Returns when the sender is dropped.
         let _ = held.recv();
@@ -142,9 +161,11 @@ fn what_was_matched_and_measured_is_whole_too() {
 fn figures_that_are_being_made_are_whole_or_not_there() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("paper");
-    let window = Start::nothing_open().open_without_waiting();
+    let mut window = Start::nothing_open().open_without_waiting();
     let only = vec![PaperFigure::Fig9, PaperFigure::Fig5];
-    window.app().engine.figures.start(FiguresJob { out: out.clone(), only, size: FigureSize::Quick, colmap: None });
+    let app = window.app_mut();
+    let job = FiguresJob { out: out.clone(), only, size: FigureSize::Quick, colmap: None };
+    app.model.figures.ask(&app.engine, job);
     while files(&out).is_empty() {
         assert!(!window.app().engine.is_idle(), "it ended without a file");
         std::thread::sleep(Duration::from_millis(1));
@@ -177,7 +198,7 @@ fn a_dataset_that_is_being_exported_leaves_whole_files_and_goes_on_later() {
         camera: CameraChoice::Guessed(CameraModel::SimpleRadial),
     };
     for out in [&ours, &theirs] {
-        export_colmap(&bursts, out, &job, &mut |_| {}, &Monitor::default()).unwrap();
+        export_colmap(&bursts, out, &job, &mut |_| {}, &burstscope::Monitor::default()).unwrap();
     }
     let database = |folder: &Path| std::fs::read(folder.join("database.db")).unwrap();
     assert_eq!(database(&ours), database(&theirs));

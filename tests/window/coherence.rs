@@ -2,12 +2,12 @@
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
+use burstscope::app::project::side::Side;
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::shares::coherences;
 use egui::accesskit::Role;
 use egui::pos2;
 use egui_kittest::kittest::Queryable;
-use std::sync::Arc;
 
 fn colour_by_coherence(window: &mut Window) {
     window.harness.get_by_role_and_label(Role::ComboBox, "Colour by").click();
@@ -26,7 +26,8 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let model = &window.app().model;
     let detection = model.slots.a.found.as_ref().unwrap().detection.clone();
     let values = model.coherence.of(&detection).unwrap().clone();
-    let cache = ProbeCache::new(&model.slots.a.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default()).unwrap();
+    let cache =
+        ProbeCache::new(&model.slots.a.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default()).unwrap();
     assert_eq!(*values, coherences(&cache.trail, &Monitor::default()).unwrap());
     assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not known yet"));
     assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(Option::is_none));
@@ -66,7 +67,10 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let model = &mut window.app_mut().model;
     assert!(model.coherence.of(&detection).is_none() && model.coherence.of(&now).is_some());
     model.coherence = Default::default();
-    model.coherence.fail(Arc::clone(&now), "cancelled".to_owned());
+    let missing = model.missing_coherence(Side::A).expect("it is shown, and was forgotten");
+    let app = window.app_mut();
+    app.model.coherence.wanted.a.ask(&app.engine, missing);
+    app.model.coherence.wanted.a.cancel();
     window.settle();
     assert!(window.shows("Grey: cancelled"));
     colour_by_coherence(&mut window);

@@ -100,16 +100,16 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     start.startup.params.detector.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
     let mut window = start.open();
     window.click("Detect");
-    window.wait("the detection runs", |app| app.model.busy.detecting.is_some());
+    window.wait("the detection runs", |app| app.model.slots.a.detecting.is_pending());
     // Scrubbing works while the detection runs.
     window.slide("Slope u", 1.0);
     window.wait("the picture of the new slope", |app| app.model.picture_is_current());
     assert!(
-        window.app().model.busy.detecting.is_some(),
+        window.app().model.slots.a.detecting.is_pending(),
         "the detection must still run for this test to mean something"
     );
     window.click("Cancel");
-    window.wait("the detection ends", |app| app.model.busy.detecting.is_none());
+    window.wait("the detection ends", |app| !app.model.slots.a.detecting.is_pending());
     assert!(window.app().model.slots.a.found.is_none());
     assert!(window.shows("Detection cancelled"));
     window.settle();

@@ -48,7 +48,7 @@ fn type_snrs(window: &mut Window, text: &str) {
 fn run(window: &mut Window) {
     window.click("Run study");
     window.wait("the study is finished", |app| {
-        app.model.lab.running.is_none() && app.model.lab.current.as_ref().is_some_and(|result| result.is_whole)
+        !app.model.lab.wanted.is_pending() && app.model.lab.current.as_ref().is_some_and(|result| result.is_whole)
     });
     window.settle();
 }
@@ -131,7 +131,7 @@ fn a_study_that_is_cancelled_leaves_the_curves_so_far() {
     window.click("Run study");
     window.wait("some charts are finished", |app| app.model.lab.current.is_some());
     window.run_action("cancel study");
-    window.wait("it has stopped", |app| app.model.lab.running.is_none());
+    window.wait("it has stopped", |app| !app.model.lab.wanted.is_pending());
     let result = window.app().model.lab.current.as_ref().unwrap();
     assert!(!result.is_whole && !result.report.plots(0).is_empty());
     assert!(window.shows("Curves so far"));
@@ -194,7 +194,7 @@ fn nonsense_is_said_in_place_and_cannot_be_run() {
     type_snrs(&mut window, "0.5, dark");
     assert!(window.shows("'dark' is no ratio"));
     window.click("Run study");
-    assert!(window.app().model.lab.running.is_none());
+    assert!(!window.app().model.lab.wanted.is_pending());
 }
 
 #[test]

@@ -192,7 +192,11 @@ fn play(name: &str) {
         let open = window.app().lessons.open.as_ref().unwrap_or_else(|| panic!("{what}: the lesson was left"));
         assert!(open.step == place && open.is_ready, "{what}: {} {errors}", open.step);
         assert!(!open.is_done(), "{what}: done before anything was tried");
-        assert!(window.app().model.slots.a.param_error.is_none(), "{what}: {:?}", window.app().model.slots.a.param_error);
+        assert!(
+            window.app().model.slots.a.param_error.is_none(),
+            "{what}: {:?}",
+            window.app().model.slots.a.param_error
+        );
         let drawn = parts::drawn(&window.harness.ctx);
         for part in &step.highlight {
             let rect = drawn.iter().find(|(drawn, _)| drawn == part);

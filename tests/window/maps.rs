@@ -96,7 +96,8 @@ fn coverage_is_a_share_of_the_frames() {
     shift(&mut window, Key::C);
     let model = &window.app().model;
     let burst = &model.slots.a.burst.as_ref().unwrap().burst;
-    let expected = coverage_view(burst, &model.slots.a.usable_params, model.cursor().slope, &Monitor::default()).unwrap();
+    let expected =
+        coverage_view(burst, &model.slots.a.usable_params, model.cursor().slope, &Monitor::default()).unwrap();
     let map = model.picture().unwrap().plane.clone();
     assert_eq!(*map, expected);
     assert_eq!((map.at(120, 80), map.at(0, 80)), (1.0, 0.5), "half of the frames reach the left border");

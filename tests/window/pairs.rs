@@ -73,11 +73,11 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     for name in ["Patch in A", "Patch in B", "Descriptor in A", "Descriptor in B"] {
         assert!(window.harness.query_by_role_and_label(Role::Image, name).is_some(), "{name}");
     }
-    let patches = window.app().pair_panels.patches.clone().unwrap();
+    let patches = window.app().model.pair.patches.clone();
     let model = &window.app().model;
     let row = model.pair.matches.as_ref().unwrap().row(chosen).unwrap();
-    assert_eq!(patches.a.request.kind, PictureKind::Stack { slope: row.a.slope }, "from its own motion stack");
-    assert_eq!(patches.b.request.kind, PictureKind::Stack { slope: row.b.slope });
+    assert_eq!(patches[0].request.kind, PictureKind::Stack { slope: row.a.slope }, "from its own motion stack");
+    assert_eq!(patches[1].request.kind, PictureKind::Stack { slope: row.b.slope });
     assert!(window.shows(&format!("{:.3}", row.found.ratio)) && window.shows("Epipolar error"));
     // Rows and keys select too.
     window.harness.get_by_role_and_label(Role::Row, &format!("Match {}", chosen + 1)).click();

@@ -41,7 +41,10 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
     window.settle();
     assert_eq!((window.app().model.slopes, grid(&window).v.count), (SlopeChoice::Given, 3));
-    assert_eq!((grid(&window).u, window.app().model.slots.a.found.as_ref().unwrap().params.slopes.v.count), (found.u, 3));
+    assert_eq!(
+        (grid(&window).u, window.app().model.slots.a.found.as_ref().unwrap().params.slopes.v.count),
+        (found.u, 3)
+    );
 }
 
 #[test]

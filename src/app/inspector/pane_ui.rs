@@ -1,7 +1,6 @@
 //! Picture of one pane, and another one over it.
 
 use super::widgets::PaneWidgets;
-use crate::requests::Request;
 use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId};
@@ -10,6 +9,7 @@ use crate::app::panel::picture::readout_of;
 use crate::app::project::Model;
 use crate::app::project::look::RangeClass;
 use crate::app::project::workspace::Workspace;
+use crate::requests::Request;
 use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, pos2, vec2};
 
 /// Drawn pane.

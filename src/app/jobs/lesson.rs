@@ -168,10 +168,8 @@ impl BurstscopeApp {
         let is_own = |source: &BurstSource| *source == open.step().state.burst() || open.opens.contains(source);
         let opening = self.model.slots.a.opening.pending();
         if self.restoring.session.is_some() || opening.is_some_and(|request| !is_own(&request.source)) {
-            let (opening, restoring) = (
-                std::mem::take(&mut self.model.slots.a.opening),
-                std::mem::take(&mut self.restoring),
-            );
+            let (opening, restoring) =
+                (std::mem::take(&mut self.model.slots.a.opening), std::mem::take(&mut self.restoring));
             self.leave_lesson();
             (self.model.slots.a.opening, self.restoring) = (opening, restoring);
         }

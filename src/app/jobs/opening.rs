@@ -201,7 +201,8 @@ impl BurstscopeApp {
     }
 
     fn take_opened_second(&mut self, ended: Ended<OpenRequest>) {
-        let session = self.restoring.pair.take_if(|(id, ..)| *id == ended.id).map(|(_, session, panes)| (session, panes));
+        let session =
+            self.restoring.pair.take_if(|(id, ..)| *id == ended.id).map(|(_, session, panes)| (session, panes));
         match ended.result {
             Ok(mut burst) => {
                 self.remember(&mut burst);

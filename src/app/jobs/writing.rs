@@ -167,6 +167,7 @@ mod tests {
     use crate::app::project::tests::{detected, feature, open};
     use crate::detector::{DetectorParams, SearchParams};
     use crate::monitor::Monitor;
+    use crate::requests::Request;
     use crate::requests::{PictureKind, PictureRequest};
     use std::time::Duration;
 
@@ -212,7 +213,7 @@ mod tests {
         model.params = params.clone();
         let features = vec![feature(10.0, 10.0, 4, &params.slopes), feature(30.0, 20.0, 2, &params.slopes)];
         let found = detected(&burst, &params, features);
-        model.take_detection(found.clone(), Duration::ZERO);
+        model.take_detection(Side::A, found.clone(), Duration::ZERO);
         let home = tempfile::tempdir().expect("a folder");
         let (csv, toml) = (home.path().join("f.csv"), home.path().join("p.toml"));
         let work = [(Purpose::Export(ExportKind::Csv), &csv), (Purpose::SaveParams, &toml)]
@@ -238,7 +239,9 @@ mod tests {
     fn a_coarse_picture_is_laid_on_the_pixels_of_the_image() {
         let of = |kind| {
             let params = DetectorParams { octaves: 2, ..DetectorParams::default() };
-            PictureRequest::new(open((65, 40), 3), kind, params).compute(&Monitor::default()).expect("a picture")
+            PictureRequest::new(open((65, 40), 3), kind, params)
+                .compute(&crate::requests::Work::alone(&Monitor::default()))
+                .expect("a picture")
         };
         let frame = of(PictureKind::Frame(0));
         assert_eq!(on_image_pixels(&frame), *frame.plane);

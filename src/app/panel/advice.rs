@@ -8,7 +8,8 @@ use egui::{Label, RichText, Ui};
 /// Draws the reason why there are no or few features, or why most lie at the slope limit, while the features belong to
 /// the present parameters.
 pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let advice = model.slots.a.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
+    let advice =
+        model.slots.a.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
     if let Some(advice) = advice {
         let text = RichText::new(advice.for_window()).color(crate::app::style::warning(ui));
         ui.horizontal_wrapped(|ui| {

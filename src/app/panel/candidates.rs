@@ -116,7 +116,9 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
 /// Draws the data of the selected candidate, and its actions.
 pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
     let Some(mark) = model.selected_candidate().copied() else { return };
-    let Some(slope) = model.slots.a.found.as_ref().map(|found| found.detection.slopes.slope(mark.slope_index)) else { return };
+    let Some(slope) = model.slots.a.found.as_ref().map(|found| found.detection.slopes.slope(mark.slope_index)) else {
+        return;
+    };
     Frame::group(ui.style()).inner_margin(Margin::symmetric(6, 3)).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
             let text = mark_text(&mark, slope).replace('\n', "  ·  ");

@@ -197,6 +197,7 @@ mod tests {
     use crate::detector::{DetectorParams, FrameRange};
     use crate::monitor::Monitor;
     use crate::requests::MapKind;
+    use crate::requests::{Request, Work};
 
     fn line(kind: PictureKind, params: DetectorParams, minus: Option<PictureKind>) -> String {
         let burst = open((40, 30), 5);
@@ -205,7 +206,7 @@ mod tests {
             Some(minus) => request.less(&PictureRequest::new(burst, minus, params)),
             None => request,
         };
-        describe(&request.compute(&Monitor::default()).expect("a picture"))
+        describe(&request.compute(&Work::alone(&Monitor::default())).expect("a picture"))
     }
 
     #[test]

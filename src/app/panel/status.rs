@@ -24,7 +24,8 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
         ui.separator();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.label(RichText::new(burst_text(model)).weak());
-            let opening = [("Opening…", model.slots.a.opening.running()), ("Opening B…", model.slots.b.opening.running())];
+            let opening =
+                [("Opening…", model.slots.a.opening.running()), ("Opening B…", model.slots.b.opening.running())];
             if let Some((what, running)) = opening.into_iter().find_map(|(what, busy)| Some((what, busy?))) {
                 let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
                 if model.slots.a.burst.is_some() && ui.small_button("Cancel opening").clicked() {

@@ -4,9 +4,9 @@ use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_tex
 use crate::app::panel::widgets::progress_text;
 use crate::app::parts::mark;
 use crate::app::project::Model;
-use crate::app::project::side::Side as BurstSide;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair;
+use crate::app::project::side::Side as BurstSide;
 use crate::app::project::workspace::Workspace;
 use crate::inspect::words::counted;
 use crate::requests::Running;

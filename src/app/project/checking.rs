@@ -43,7 +43,8 @@ impl Model {
     /// Checks the edited parameters against A's burst and brings all cursors into range.
     pub fn check_params(&mut self) {
         let auto = self.slopes.is_auto();
-        self.slots.a.param_error = checked(self.slots.a.burst.as_ref(), self.params.clone(), auto, &mut self.slots.a.usable_params);
+        self.slots.a.param_error =
+            checked(self.slots.a.burst.as_ref(), self.params.clone(), auto, &mut self.slots.a.usable_params);
         self.check_cursors();
     }
 
@@ -62,8 +63,10 @@ impl Model {
     /// they were beside it.
     fn check_cursors(&mut self) {
         let follows = self.panes.followers();
-        let bursts =
-            [(self.slots.a.burst.as_ref(), &self.slots.a.usable_params), (self.slots.b.burst.as_ref(), &self.slots.b.usable_params)];
+        let bursts = [
+            (self.slots.a.burst.as_ref(), &self.slots.a.usable_params),
+            (self.slots.b.burst.as_ref(), &self.slots.b.usable_params),
+        ];
         for (id, pane) in self.panes.iter_mut() {
             if let (Some(burst), params) = bursts[pane.side as usize]
                 && !follows.contains(&id)

@@ -5,9 +5,9 @@ use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::params::doc;
 use crate::detector::{Method, ParamChange, ParamError, SlopeChoice, Test};
+use crate::engine::{Engine, Wanted};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::spectrum::Spectrum;
-use crate::engine::{Engine, Wanted};
 use crate::requests::{ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Request};
 use std::sync::Arc;
 

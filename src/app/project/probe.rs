@@ -4,9 +4,9 @@ use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::detector::params::doc;
 use crate::detector::{ParamChange, Slope, SlopeChoice, SlopeGrid};
+use crate::engine::{Engine, Wanted};
 use crate::inspect::probe::Wanted as Subject;
 use crate::inspect::remedy::nearest_slope;
-use crate::engine::{Engine, Wanted};
 use crate::requests::{
     BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Request, Traced,
 };

@@ -7,6 +7,7 @@ use crate::detector::{Detection, Feature, Slope, SlopeGrid, StageTimes, Tally};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::requests::{BurstSource, Detected, PictureKind, PictureRequest};
+use crate::requests::{OpenBurst, Request, Work};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -55,7 +56,7 @@ fn with_features() -> Model {
     model.take_burst(burst.clone());
     let grid = model.params.slopes;
     let features = vec![feature(10.0, 10.0, 4, &grid), feature(30.0, 20.0, 4, &grid), feature(50.0, 30.0, 2, &grid)];
-    model.take_detection(detected(&burst, &model.params.clone(), features), Duration::from_millis(10));
+    model.take_detection(Side::A, detected(&burst, &model.params.clone(), features), Duration::from_millis(10));
     model
 }
 
@@ -67,11 +68,11 @@ fn changed_parameters_make_features_stale_and_undoing_makes_them_good() {
     model.params.peak_threshold = 0.5;
     model.check_params();
     assert_eq!(model.stale(), Some(Stale::Parameters));
-    assert!(model.needs_detection());
+    assert!(model.needs_detection(Side::A));
     model.params.octaves = 0;
     model.check_params();
     assert_eq!(model.stale(), Some(Stale::InvalidParameters));
-    assert!(!model.needs_detection());
+    assert!(!model.needs_detection(Side::A));
     assert_eq!(model.slots.a.usable_params.octaves, before.octaves, "pictures go on with what made sense");
     model.params = before;
     model.check_params();
@@ -84,10 +85,10 @@ fn answers_of_another_burst_are_dropped() {
     let other = open((64, 48), 5);
     let request = PictureRequest::new(other.clone(), PictureKind::Frame(0), DetectorParams::default());
     let id = model.focus();
-    model.take_picture(id, request.compute(&Monitor::default()).expect("frame 0 is there"));
+    model.take_picture(id, request.compute(&Work::alone(&Monitor::default())).expect("frame 0 is there"));
     assert!(model.picture().is_none());
     let before = model.features().len();
-    model.take_detection(detected(&other, &DetectorParams::default(), Vec::new()), Duration::ZERO);
+    model.take_detection(Side::A, detected(&other, &DetectorParams::default(), Vec::new()), Duration::ZERO);
     assert_eq!(model.features().len(), before);
 }
 
@@ -99,7 +100,7 @@ fn the_busiest_slope_is_shown_until_a_hand_chooses() {
     (pane.cursor.slope, pane.slope_chosen) = (Slope::new(0.25, 0.0), true);
     let (burst, params) = (model.slots.a.burst.clone().expect("open"), model.params.clone());
     let grid = params.slopes;
-    model.take_detection(detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]), Duration::ZERO);
+    model.take_detection(Side::A, detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]), Duration::ZERO);
     assert_eq!(model.cursor().slope, Slope::new(0.25, 0.0));
 }
 
@@ -110,9 +111,9 @@ fn a_feature_that_is_found_again_stays_selected() {
     let (burst, params) = (model.slots.a.burst.clone().expect("open"), model.params.clone());
     let grid = params.slopes;
     let again = vec![feature(30.3, 20.2, 4, &grid), feature(10.0, 10.0, 4, &grid)];
-    model.take_detection(detected(&burst, &params, again), Duration::ZERO);
+    model.take_detection(Side::A, detected(&burst, &params, again), Duration::ZERO);
     assert_eq!(model.selected, Some(0));
-    model.take_detection(detected(&burst, &params, vec![feature(5.0, 40.0, 4, &grid)]), Duration::ZERO);
+    model.take_detection(Side::A, detected(&burst, &params, vec![feature(5.0, 40.0, 4, &grid)]), Duration::ZERO);
     assert_eq!(model.selected, None, "another feature is not the same one");
 }
 
@@ -138,7 +139,7 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
     assert!(model.slots.a.found.is_none() && model.selected.is_none() && model.picture().is_none());
     assert_eq!(model.slots.a.param_error.as_ref().map(|e| e.parameter), Some("frames"));
     let wanted = model.wanted(model.focus()).expect("open");
-    assert!(wanted.compute(&Monitor::default()).is_ok());
+    assert!(wanted.compute(&Work::alone(&Monitor::default())).is_ok());
 }
 
 #[test]
@@ -163,7 +164,7 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
         order(&mut ids);
         for id in ids {
             let wanted = model.wanted(id).expect("its burst is open");
-            model.take_picture(id, wanted.compute(&Monitor::default()).expect("not cancelled"));
+            model.take_picture(id, wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled"));
             let seen = model.look.ranges.intensity;
             assert_ne!((seen.min, seen.max), (0.0, 1.0), "what is seen first is seen in a range of its own");
         }
@@ -176,7 +177,7 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
 fn make_pictures(model: &mut Model) {
     for id in model.visible_panes() {
         let wanted = model.wanted(id).expect("its burst is open");
-        model.take_picture(id, wanted.compute(&Monitor::default()).expect("not cancelled"));
+        model.take_picture(id, wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled"));
     }
 }
 

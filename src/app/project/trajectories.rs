@@ -1,11 +1,11 @@
 //! An estimated and a true trajectory, as plain values.
 
-use crate::app::view::View;
-use crate::evaluate::poses::{PlaneAxes, PoseReport, PoseStudy, Projection, Trajectory};
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
 use crate::app::session::SavedTrajectories;
+use crate::app::view::View;
 use crate::engine::{Engine, Wanted};
+use crate::evaluate::poses::{PlaneAxes, PoseReport, PoseStudy, Projection, Trajectory};
 use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -4,14 +4,15 @@ mod burst;
 mod pair;
 mod pictures;
 mod queue;
+mod wanted;
 mod work;
 
-use super::{JobQueue, OnUpdate};
+use super::{DEFAULT_CACHE_BYTES, Ended, Engine, JobQueue, OnUpdate, Wanted};
 use crate::burst::Burst;
 use crate::detector::{DetectorParams, Slope};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
-use crate::requests::{BurstSource, JobError, OpenBurst, PictureKind, PictureRequest};
+use crate::requests::{BurstSource, JobError, OpenBurst, PictureKind, PictureRequest, Request};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -43,6 +44,22 @@ pub(super) fn wait_for<T>(mut poll: impl FnMut() -> Option<T>) -> T {
         assert!(Instant::now() < end, "nothing happened in {PATIENCE:?}");
         std::thread::sleep(Duration::from_millis(1));
     }
+}
+
+fn engine() -> Engine {
+    Engine::new(nobody(), DEFAULT_CACHE_BYTES)
+}
+
+/// Waits for the end of a request.
+pub(super) fn end_of<R: Request>(wanted: &mut Wanted<R>) -> Ended<R> {
+    wait_for(|| wanted.take().into_iter().next())
+}
+
+/// Asks, and waits for the answer.
+pub(super) fn answer_of<R: Request>(engine: &Engine, request: R) -> R::Answer {
+    let mut wanted = Wanted::default();
+    wanted.ask(engine, request);
+    end_of(&mut wanted).result.expect("there is an answer")
 }
 
 fn small_burst() -> OpenBurst {

@@ -1,10 +1,11 @@
 //! A second burst, and the matches between the two.
 
-use super::{PATIENCE, nobody, small_burst, stack_request, wait_for};
+use super::{PATIENCE, answer_of, end_of, engine, small_burst, stack_request, wait_for};
+use crate::burst::OpenOptions;
 use crate::detector::{Detection, DetectorParams, Feature, SlopeGrid};
-use crate::engine::{DEFAULT_CACHE_BYTES, Engine, PairJobs, PairUpdate};
+use crate::engine::Wanted;
 use crate::monitor::Monitor;
-use crate::requests::{BurstSource, DetectRequest, JobError, MatchRequest, PatchesRequest};
+use crate::requests::{BurstSource, DetectRequest, JobError, MatchRequest, OpenRequest, PicturesRequest, Request};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -44,80 +45,68 @@ fn detection(count: usize, moved: f32) -> Arc<Detection> {
     })
 }
 
-fn pair_update<T>(engine: &Engine, pick: impl Fn(PairUpdate) -> Option<T>) -> T {
-    wait_for(|| engine.pair().poll().into_iter().find_map(&pick))
-}
-
 #[test]
 fn matches_are_those_of_the_library() {
-    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
     let request = MatchRequest { a: detection(40, 0.0), b: detection(40, 3.0), params: Default::default() };
-    engine.pair().match_features(request.clone());
-    let matched = pair_update(&engine, |u| match u {
-        PairUpdate::Matched(answer) => Some(answer.result.expect("valid")),
-        _ => None,
-    });
+    let matched = answer_of(&engine(), request.clone());
     let expected = crate::matching::match_detections(&request.a, &request.b, &request.params, &Monitor::default());
     assert_eq!(Ok(&*matched.result), expected.as_ref());
-    assert!(matched.request.same_matches(&request));
+    assert!(matched.request.is_same(&request));
     assert_eq!(matched.result.matches.len(), 40);
-    assert!(!matched.request.same_matches(&MatchRequest { a: detection(40, 0.0), ..request }));
+    assert!(!matched.request.is_same(&MatchRequest { a: detection(40, 0.0), ..request }));
 }
 
 #[test]
 fn a_long_matching_can_be_cancelled() {
-    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
+    let (engine, mut matching) = (engine(), Wanted::default());
     let request = MatchRequest { a: detection(60_000, 0.0), b: detection(60_000, 3.0), params: Default::default() };
-    engine.pair().match_features(request);
-    wait_for(|| engine.pair().running(PairJobs::Match).filter(|r| r.started.elapsed() > Duration::from_millis(20)));
-    engine.pair().cancel(PairJobs::Match);
+    matching.ask(&engine, request);
     // It tells how far it is until it ends.
     let mut done = 0.0f32;
-    let result = wait_for(|| {
-        let progress = engine.pair().running(PairJobs::Match).and_then(|running| running.progress);
+    let mut look = |matching: &mut Wanted<MatchRequest>| {
+        let ended = matching.take().into_iter().next();
+        let progress = matching.running().and_then(|running| running.progress);
         done = progress.map_or(done, |progress| done.max(progress.fraction));
-        engine.pair().poll().into_iter().find_map(|update| match update {
-            PairUpdate::Matched(answer) => Some(answer.result),
-            _ => None,
-        })
+        (ended, done)
+    };
+    wait_for(|| {
+        let (ended, _) = look(&mut matching);
+        assert!(ended.is_none(), "it takes long");
+        matching.running().filter(|running| running.started.elapsed() > Duration::from_millis(20))
     });
+    matching.cancel();
+    let result = wait_for(|| look(&mut matching).0).result;
     assert!(matches!(result, Err(JobError::Cancelled)), "{:?}", result.map(|m| m.result.counts));
     assert!(done < 0.5, "{done} of it was done all the same");
 }
 
 #[test]
 fn patches_come_together_and_from_the_cache() {
-    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
-    let (a, b) = (small_burst(), small_burst());
-    let request = PatchesRequest { a: stack_request(&a, 0.5), b: stack_request(&b, -0.5) };
-    let patches = |engine: &Engine| {
-        engine.pair().request_patches(request.clone());
-        pair_update(engine, |u| match u {
-            PairUpdate::Patches(answer) => Some(answer.result.expect("valid")),
-            _ => None,
-        })
-    };
-    let (first, second) = (patches(&engine), patches(&engine));
-    assert!(Arc::ptr_eq(&first.a.plane, &second.a.plane) && Arc::ptr_eq(&first.b.plane, &second.b.plane));
-    assert_eq!((first.a.request.burst.id, first.b.request.burst.id), (a.id, b.id));
+    let (engine, a, b) = (engine(), small_burst(), small_burst());
+    let request = PicturesRequest(vec![stack_request(&a, 0.5), stack_request(&b, -0.5)]);
+    let (first, second) = (answer_of(&engine, request.clone()), answer_of(&engine, request));
+    assert!(first.iter().zip(&second).all(|(first, second)| Arc::ptr_eq(&first.plane, &second.plane)));
+    assert!(first.iter().map(|picture| picture.request.burst.id).eq([a.id, b.id]));
     assert!(engine.wait_idle(PATIENCE));
 }
 
 #[test]
-fn the_second_burst_is_opened_and_searched_beside_the_first() {
-    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
-    engine.pair().open(BurstSource::DemoLater);
-    let burst = pair_update(&engine, |u| match u {
-        PairUpdate::Opened(answer) => Some(answer.result.expect("built in")),
-        _ => None,
-    });
-    assert_eq!(burst.burst.name, "demo-later");
-    engine.pair().detect(DetectRequest { burst: burst.clone(), params: DetectorParams::default().into() });
-    let detected = pair_update(&engine, |u| match u {
-        PairUpdate::Detected(answer) => Some(answer.result.expect("valid")),
-        _ => None,
-    });
-    let expected =
-        crate::detector::detect(&burst.burst, &DetectorParams::default(), &Monitor::default()).expect("valid");
-    assert_eq!(detected.detection.features, expected.features);
+fn two_bursts_are_opened_and_searched_side_by_side() {
+    let engine = engine();
+    let mut opening: [Wanted<OpenRequest>; 2] = Default::default();
+    for (wanted, source) in opening.iter_mut().zip([BurstSource::Demo, BurstSource::DemoLater]) {
+        wanted.ask(&engine, OpenRequest { source, options: OpenOptions::default() });
+    }
+    let bursts = opening.each_mut().map(|wanted| end_of(wanted).result.expect("built in"));
+    assert_eq!(bursts.each_ref().map(|open| open.burst.name.as_str()), ["demo", "demo-later"]);
+    let params = DetectorParams::default();
+    let mut detecting: [Wanted<DetectRequest>; 2] = Default::default();
+    for (wanted, burst) in detecting.iter_mut().zip(&bursts) {
+        wanted.ask(&engine, DetectRequest { burst: burst.clone(), params: params.clone().into() });
+    }
+    for (wanted, open) in detecting.iter_mut().zip(&bursts) {
+        let detected = end_of(wanted).result.expect("valid");
+        let expected = crate::detector::detect(&open.burst, &params, &Monitor::default()).expect("valid");
+        assert_eq!(detected.detection.features, expected.features);
+    }
 }

@@ -1,10 +1,11 @@
 //! The queue's promises: the latest request of a key wins, each has one answer, what is urgent goes first.
 
 use super::{queue, until_cancelled, wait_for};
+use crate::engine::JobQueue;
+use crate::engine::jobs::Jobs;
 use crate::engine::queue::THREADS;
-use crate::engine::{JobQueue, Jobs, Priority};
 use crate::monitor::Monitor;
-use crate::requests::{JobError, JobId};
+use crate::requests::{JobError, JobId, Urgency};
 use std::sync::{Arc, Mutex, mpsc};
 use std::time::Duration;
 
@@ -25,7 +26,7 @@ fn stubborn(go: mpsc::Receiver<()>) -> impl Fn(u32, &Monitor) -> Result<u32, Job
 /// Jobs that run until they are cancelled or let go, and the sender of the words that let one go.
 fn stubborn_jobs(grace: Duration) -> (Jobs<u32, u32>, mpsc::Sender<()>) {
     let (go, gone) = mpsc::channel();
-    (Jobs::new(&queue(), Priority::Search, grace, stubborn(gone)), go)
+    (Jobs::new(&queue(), Urgency::Search, grace, stubborn(gone)), go)
 }
 
 /// Waits for `count` answers: their slots, ids and results.
@@ -42,11 +43,11 @@ fn answers_of(jobs: &Jobs<u32, u32>, count: usize) -> Vec<(u32, JobId, Result<u3
 #[test]
 fn the_latest_request_wins_and_every_request_has_one_answer() {
     let (jobs, go) = stubborn_jobs(Duration::ZERO);
-    let ids: Vec<JobId> = (0..50).map(|i| jobs.submit(i)).collect();
+    let ids: Vec<JobId> = (0..50).map(|i| jobs.submit_for(0, i)).collect();
     wait_for(|| jobs.running().filter(|r| r.id == ids[49]));
     go.send(()).expect("the work listens");
     let mut answers = answers_of(&jobs, 50);
-    wait_for(|| jobs.is_idle().then_some(()));
+    wait_for(|| jobs.running().is_none().then_some(()));
     answers.sort_by_key(|(_, id, _)| *id);
     assert!(answers.iter().map(|(_, id, _)| *id).eq(ids), "each once");
     assert_eq!(answers.pop().map(|(.., result)| result), Some(Ok(49)));
@@ -57,10 +58,10 @@ fn the_latest_request_wins_and_every_request_has_one_answer() {
 #[test]
 fn within_its_grace_a_superseded_request_is_still_answered() {
     let (jobs, go) = stubborn_jobs(Duration::from_secs(60));
-    let first = jobs.submit(1);
+    let first = jobs.submit_for(0, 1);
     // One that has a progress or a time of its own runs; one that waits has begun just now.
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
-    let second = jobs.submit(2);
+    let second = jobs.submit_for(0, 2);
     go.send(()).expect("the work listens");
     assert_eq!(answers_of(&jobs, 1), [(0, first, Ok(1))]);
     go.send(()).expect("the work listens");
@@ -71,10 +72,10 @@ fn within_its_grace_a_superseded_request_is_still_answered() {
 fn after_its_grace_a_superseded_request_is_cancelled() {
     let queue = queue();
     let (go, gone) = mpsc::channel();
-    let jobs = Jobs::new(&queue, Priority::Search, Duration::from_millis(30), stubborn(gone));
-    let first = jobs.submit(1);
+    let jobs = Jobs::new(&queue, Urgency::Search, Duration::from_millis(30), stubborn(gone));
+    let first = jobs.submit_for(0, 1);
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
-    let second = jobs.submit(2);
+    let second = jobs.submit_for(0, 2);
     wait_for(|| {
         queue.enforce_grace();
         jobs.running().filter(|r| r.id == second)
@@ -88,7 +89,7 @@ fn after_its_grace_a_superseded_request_is_cancelled() {
 fn slots_do_not_disturb_one_another() {
     let (jobs, go) = stubborn_jobs(Duration::ZERO);
     let old = jobs.submit_for(7, 1);
-    wait_for(|| (!jobs.is_idle()).then_some(()));
+    wait_for(|| jobs.running_for(7));
     let (other, new) = (jobs.submit_for(8, 2), jobs.submit_for(7, 3));
     let superseded = answers_of(&jobs, 1);
     assert_eq!(superseded, [(7, old, Err(JobError::Superseded))]);
@@ -102,7 +103,7 @@ fn slots_do_not_disturb_one_another() {
 #[test]
 fn what_is_there_already_comes_at_once_and_the_older_one_never() {
     let (jobs, _go) = stubborn_jobs(Duration::from_secs(60));
-    let old = jobs.submit(1);
+    let old = jobs.submit_for(0, 1);
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
     let new = jobs.publish_for(0, 5);
     let answers = answers_of(&jobs, 2);
@@ -125,26 +126,26 @@ impl BusyQueue {
         let mut busy = Self { queue: queue(), going, begun, datasets: Vec::new(), searches: Vec::new() };
         let threads = |limit| THREADS.into_iter().filter(|of| *of == limit).count();
         // Datasets first: their threads take searches too.
-        busy.datasets = busy.begin(Priority::Dataset, threads(Priority::Dataset));
-        busy.searches = busy.begin(Priority::Search, threads(Priority::Search));
+        busy.datasets = busy.begin(Urgency::Dataset, threads(Urgency::Dataset));
+        busy.searches = busy.begin(Urgency::Search, threads(Urgency::Search));
         assert!(busy.datasets.len() > 1 && busy.searches.len() > 1);
         busy
     }
 
-    fn begin(&self, priority: Priority, count: usize) -> Vec<Jobs<(), ()>> {
+    fn begin(&self, priority: Urgency, count: usize) -> Vec<Jobs<(), ()>> {
         let kinds: Vec<_> = (0..count).map(|_| self.endless(priority, "busy")).collect();
         kinds.iter().for_each(|_| assert_eq!(self.next_begun(), "busy"));
         kinds
     }
 
     /// Asks for work that ends only when it is cancelled.
-    fn endless(&self, priority: Priority, name: &'static str) -> Jobs<(), ()> {
+    fn endless(&self, priority: Urgency, name: &'static str) -> Jobs<(), ()> {
         let going = Mutex::new(self.going.clone());
         let jobs = Jobs::new(&self.queue, priority, Duration::ZERO, move |(): (), monitor: &Monitor| {
             going.lock().expect("not poisoned").send(name).expect("the test listens");
             until_cancelled(monitor)
         });
-        jobs.submit(());
+        jobs.submit_for(0, ());
         jobs
     }
 
@@ -156,9 +157,9 @@ impl BusyQueue {
 #[test]
 fn a_picture_is_made_while_searches_and_datasets_keep_all_their_threads_busy() {
     let busy = BusyQueue::new();
-    let more = busy.endless(Priority::Search, "more");
-    let pictures = Jobs::new(&busy.queue, Priority::Picture, Duration::ZERO, |request: u32, _: &Monitor| Ok(request));
-    pictures.submit(3);
+    let more = busy.endless(Urgency::Search, "more");
+    let pictures = Jobs::new(&busy.queue, Urgency::Picture, Duration::ZERO, |request: u32, _: &Monitor| Ok(request));
+    pictures.submit_for(0, 3);
     assert_eq!(wait_for(|| pictures.take_answers().next()).result, Ok(3));
     assert!(busy.begun.try_recv().is_err(), "no thread was left for one more search");
     for jobs in busy.datasets.iter().chain(&busy.searches).chain([&more]) {
@@ -169,8 +170,8 @@ fn a_picture_is_made_while_searches_and_datasets_keep_all_their_threads_busy() {
 #[test]
 fn a_search_goes_before_a_dataset_that_was_asked_for_earlier() {
     let busy = BusyQueue::new();
-    let _later = busy.endless(Priority::Dataset, "dataset");
-    let search = busy.endless(Priority::Search, "search");
+    let _later = busy.endless(Urgency::Dataset, "dataset");
+    let search = busy.endless(Urgency::Search, "search");
     // A thread that takes both.
     busy.datasets[0].cancel();
     assert_eq!(busy.next_begun(), "search");
@@ -181,14 +182,14 @@ fn a_search_goes_before_a_dataset_that_was_asked_for_earlier() {
 #[test]
 fn cancelling_answers_cancelled_also_what_waits_behind_a_superseded_one() {
     let (jobs, go) = stubborn_jobs(Duration::from_secs(60));
-    let first = jobs.submit(1);
+    let first = jobs.submit_for(0, 1);
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
-    let second = jobs.submit(2);
+    let second = jobs.submit_for(0, 2);
     jobs.cancel();
     let mut answers = answers_of(&jobs, 2);
     answers.sort_by_key(|(_, id, _)| *id);
     assert_eq!(answers, [(0, first, Err(JobError::Superseded)), (0, second, Err(JobError::Cancelled))]);
-    let next = jobs.submit(3);
+    let next = jobs.submit_for(0, 3);
     go.send(()).expect("the work listens");
     assert_eq!(answers_of(&jobs, 1), [(0, next, Ok(3))]);
 }

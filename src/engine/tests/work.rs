@@ -1,9 +1,10 @@
 //! What holds for every kind of work: it tells how far it is, its panics become messages, and it ends with the engine.
 
-use super::{PATIENCE, nobody, queue, until_cancelled, wait_for};
-use crate::engine::{DEFAULT_CACHE_BYTES, Engine, JobQueue, Jobs, OnUpdate, Priority, TaskDone, Update};
+use super::{PATIENCE, engine, queue, until_cancelled, wait_for};
+use crate::engine::jobs::Jobs;
+use crate::engine::{JobQueue, OnUpdate, TaskDone};
 use crate::monitor::{Monitor, Stage};
-use crate::requests::JobError;
+use crate::requests::{JobError, Urgency};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -23,14 +24,14 @@ fn work_tells_on_the_way_and_what_was_superseded_tells_nothing_more() {
         tell(10 * request + 1);
         Ok(request)
     };
-    let jobs: Jobs<u32, u32, u32> = Jobs::telling(&queue, Priority::Dataset, Duration::ZERO, work);
-    jobs.submit(1);
+    let jobs: Jobs<u32, u32, u32> = Jobs::telling(&queue, Urgency::Dataset, Duration::ZERO, work);
+    jobs.submit_for(0, 1);
     let mut told = Vec::new();
     wait_for(|| {
         told.extend(jobs.take_news().0);
         (told == [10]).then_some(())
     });
-    jobs.submit(2);
+    jobs.submit_for(0, 2);
     let (mut told, mut answers) = (Vec::new(), Vec::new());
     wait_for(|| {
         let (more, ended) = jobs.take_news();
@@ -42,29 +43,19 @@ fn work_tells_on_the_way_and_what_was_superseded_tells_nothing_more() {
     assert!(answers[0].is_superseded() && answers[1].result == Ok(2));
 }
 
-/// A kind of work of one's own takes these few lines.
-#[test]
-fn a_new_kind_of_work_is_a_function_on_the_queue_of_an_engine() {
-    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
-    let doubling = Jobs::new(engine.queue(), Priority::Search, Duration::ZERO, |x: u32, _: &Monitor| Ok(2 * x));
-    doubling.submit(21);
-    assert_eq!(wait_for(|| doubling.take_answers().next()).result, Ok(42));
-    assert!(engine.wait_idle(PATIENCE));
-}
-
 #[test]
 fn closing_cancels_what_runs_and_finishes_what_is_written() {
     let written = Arc::new(AtomicUsize::new(0));
     let ends: Arc<Mutex<Option<Result<(), JobError>>>> = Arc::default();
-    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
+    let engine = engine();
     let its = ends.clone();
-    let endless = Jobs::new(engine.queue(), Priority::Search, Duration::ZERO, move |(): (), monitor: &Monitor| {
+    let endless = Jobs::new(&engine.queue, Urgency::Search, Duration::ZERO, move |(): (), monitor: &Monitor| {
         monitor.report(Stage::Noise, 0.0);
         let end = until_cancelled(monitor);
         *its.lock().expect("not poisoned") = Some(end.clone());
         end
     });
-    endless.submit(());
+    endless.submit_for(0, ());
     wait_for(|| endless.running().and_then(|running| running.progress));
     for _ in 0..20 {
         let written = written.clone();
@@ -81,14 +72,14 @@ fn closing_cancels_what_runs_and_finishes_what_is_written() {
 
 #[test]
 fn a_panic_becomes_a_message_with_its_place_and_the_queue_works_on() {
-    let jobs = Jobs::new(&queue(), Priority::Search, Duration::ZERO, |request: u32, _: &Monitor| {
+    let jobs = Jobs::new(&queue(), Urgency::Search, Duration::ZERO, |request: u32, _: &Monitor| {
         use rayon::prelude::*;
         // Deep inside a parallel loop, where the panic happens on another thread than the queue's.
         let sum: u32 =
             (0..1000u32).into_par_iter().map(|i| if i == request { panic!("no {request}") } else { 1 }).sum();
         Ok(sum)
     });
-    jobs.submit(7);
+    jobs.submit_for(0, 7);
     match wait_for(|| jobs.take_answers().next()).result {
         Err(JobError::Panicked { message, place }) => {
             assert_eq!(message, "no 7");
@@ -96,7 +87,7 @@ fn a_panic_becomes_a_message_with_its_place_and_the_queue_works_on() {
         }
         other => panic!("expected a panic's message, got {other:?}"),
     }
-    jobs.submit(5000);
+    jobs.submit_for(0, 5000);
     assert_eq!(wait_for(|| jobs.take_answers().next()).result, Ok(1000));
 }
 
@@ -114,8 +105,8 @@ fn an_answer_is_published_before_the_listener_hears_of_it() {
     });
     let queue = Arc::new(JobQueue::new(on_update));
     let work = |request: u32, _: &Monitor| Ok(request);
-    *jobs.lock().expect("not poisoned") = Some(Jobs::new(&queue, Priority::Search, Duration::ZERO, work));
-    jobs.lock().expect("not poisoned").as_ref().expect("just put there").submit(3);
+    *jobs.lock().expect("not poisoned") = Some(Jobs::new(&queue, Urgency::Search, Duration::ZERO, work));
+    jobs.lock().expect("not poisoned").as_ref().expect("just put there").submit_for(0, 3);
     wait_for(|| (heard.load(Ordering::SeqCst) == 1).then_some(()));
     jobs.lock().expect("not poisoned").take();
 }
@@ -126,8 +117,8 @@ fn progress_can_be_read_while_it_runs() {
         monitor.report(Stage::Search { octave: 2 }, 0.25);
         until_cancelled(monitor)
     };
-    let jobs = Jobs::new(&queue(), Priority::Search, Duration::ZERO, work);
-    jobs.submit(());
+    let jobs = Jobs::new(&queue(), Urgency::Search, Duration::ZERO, work);
+    jobs.submit_for(0, ());
     let progress = wait_for(|| jobs.running().and_then(|r| r.progress));
     assert_eq!((progress.stage, progress.fraction), (Stage::Search { octave: 2 }, 0.25));
     jobs.cancel();
@@ -135,19 +126,12 @@ fn progress_can_be_read_while_it_runs() {
 
 #[test]
 fn a_task_says_what_it_did_or_why_not() {
-    let engine = Engine::new(nobody(), DEFAULT_CACHE_BYTES);
+    let engine = engine();
     engine.task("Good", || Ok("written".into()));
     engine.task("Bad", || Err("disk full".into()));
     engine.task("Ugly", || panic!("oh"));
     assert!(engine.wait_idle(PATIENCE));
-    let mut done: Vec<TaskDone> = engine
-        .poll()
-        .into_iter()
-        .filter_map(|u| match u {
-            Update::Task(done) => Some(done),
-            _ => None,
-        })
-        .collect();
+    let mut done: Vec<TaskDone> = engine.take_tasks();
     done.sort_by(|a, b| a.label.cmp(&b.label));
     assert_eq!(done[0].result, Err(JobError::Failed("disk full".into())));
     assert_eq!(done[1].result, Ok("written".into()));

@@ -3,14 +3,14 @@
 use super::{DetectionSource, Trails};
 use crate::baseline::{Searched, search};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeChoice, SlopeGrid};
-use crate::engine::tests::wait_for;
-use crate::engine::{DEFAULT_CACHE_BYTES, Engine, Update};
+use crate::engine::tests::answer_of;
+use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
 use crate::inspect::ProbeCache;
 use crate::inspect::candidates::SurveyOptions;
 use crate::monitor::Monitor;
 use crate::requests::{
     AgainstRequest, BurstSource, DetectRequest, Detected, ExplainQuestion, ExplainRequest, MapKind, NothingKept,
-    OpenBurst, PictureKind, PictureRequest, PictureSlot, Reference, TrailStore,
+    OpenBurst, PictureKind, PictureRequest, Reference, Request, TrailStore, Work,
 };
 use crate::synth::{Example, demo_burst};
 use std::sync::Arc;
@@ -32,13 +32,7 @@ fn source(burst: &OpenBurst, params: &SearchParams) -> DetectionSource {
 }
 
 fn detected(engine: &Engine, burst: &OpenBurst, params: &SearchParams) -> Detected {
-    engine.detect(DetectRequest { burst: burst.clone(), params: params.clone() });
-    wait_for(|| {
-        engine.poll().into_iter().find_map(|update| match update {
-            Update::Detected(answer) => Some(answer.result.expect("valid")),
-            _ => None,
-        })
-    })
+    answer_of(engine, DetectRequest { burst: burst.clone(), params: params.clone() })
 }
 
 #[test]
@@ -65,8 +59,8 @@ fn a_detection_that_keeps_its_trail_is_the_plain_one() {
         assert_eq!(found.detection.frames_used, plain.frames_used);
         assert_eq!((&found.params, &found.asked, &found.finding), (&made_with, &params, &finding));
         let Detected { asked, params, finding, .. } = found;
-        let kept = engine.probe().kept(&DetectionSource { burst: burst.clone(), asked, params, finding });
-        assert_eq!(kept.expect("it fits").cache.detection().features, plain.features);
+        let kept = engine.stores.trails.get(&DetectionSource { burst: burst.clone(), asked, params, finding });
+        assert_eq!(kept.expect("it fits").detection().features, plain.features);
     }
 }
 
@@ -79,30 +73,26 @@ fn nobody_who_asks_after_a_detection_searches_again() {
     let found = detected(&engine, &burst, &params);
     let of = source(&burst, &params);
     let answer = |question| {
-        engine.explainer().ask(ExplainRequest { of: of.clone(), question });
-        wait_for(|| engine.explainer().poll().pop()).1.result.expect("valid");
+        answer_of(&engine, ExplainRequest { of: of.clone(), question });
     };
     answer(ExplainQuestion::Slopes);
     answer(ExplainQuestion::Candidates(SurveyOptions::default()));
-    engine.probe().trace(of.clone());
-    let traced = wait_for(|| engine.probe().poll_trail()).expect("valid");
-    assert!(Arc::ptr_eq(&traced.cache, &engine.probe().kept(&of).expect("kept").cache));
+    let traced = answer_of(&engine, of.clone());
+    assert!(Arc::ptr_eq(&traced.cache, &engine.stores.trails.get(&of).expect("kept")));
     let truth = Reference::Truth { burst: burst.clone(), params: params.detector.clone() };
-    engine.against.start(AgainstRequest { detection: found.detection.clone(), with: truth });
-    wait_for(|| engine.against.poll().next()).result.expect("the truth is known");
+    answer_of(&engine, AgainstRequest { detection: found.detection.clone(), with: truth });
     let motion = PictureKind::Map { map: MapKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
-    engine.request_picture(PictureSlot(1), PictureRequest::new(burst.clone(), motion, params.detector.clone()));
-    wait_for(|| engine.poll().into_iter().find(|u| matches!(u, Update::Picture(_, a) if a.result.is_ok())));
-    assert_eq!(engine.cache.trails().repeated(), 0);
+    answer_of(&engine, PictureRequest::new(burst.clone(), motion, params.detector.clone()));
+    assert_eq!(engine.stores.trails.repeated(), 0);
     // The same again is the same again.
     let again = detected(&engine, &burst, &params);
     assert_eq!(again.detection.times, found.detection.times, "it was not searched again");
     engine.keep_trails_of(&[burst.id]);
-    assert!(engine.probe().kept(&of).is_some());
+    assert!(engine.stores.trails.get(&of).is_some());
     engine.keep_trails_of(&[self::burst().id]);
-    assert!(engine.probe().kept(&of).is_none());
+    assert!(engine.stores.trails.get(&of).is_none());
     answer(ExplainQuestion::Slopes);
-    assert_eq!(engine.cache.trails().repeated(), 1);
+    assert_eq!(engine.stores.trails.repeated(), 1);
 }
 
 #[test]
@@ -110,10 +100,11 @@ fn answers_are_the_same_whether_trails_are_kept_or_not() {
     let (burst, params, monitor) = (burst(), with(Method::Buff, line(5)), Monitor::default());
     let answers = |trails: &dyn TrailStore| {
         let request = DetectRequest { burst: burst.clone(), params: params.clone() };
-        let features = request.compute(trails, &monitor).expect("valid").detection.features.clone();
+        let features =
+            request.compute(&Work::alone(&monitor).with_trails(trails)).expect("valid").detection.features.clone();
         let motion = PictureKind::Map { map: MapKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
         let picture = PictureRequest::new(burst.clone(), motion, params.detector.clone());
-        (features, picture.compute_with(trails, &monitor).expect("valid").plane)
+        (features, picture.compute(&Work::alone(&monitor).with_trails(trails)).expect("valid").plane)
     };
     let kept = Trails::default();
     let first = answers(&kept);

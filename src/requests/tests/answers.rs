@@ -23,6 +23,7 @@ use crate::requests::{
     PictureKind, PictureRequest, PosesRequest, ProbeQuestion, ProbeRequest, Reference, StudyRequest, Traced,
     TrailStore, TrajectorySource,
 };
+use crate::requests::{Request, Work};
 use crate::synth::FeatureTruth;
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
@@ -46,14 +47,11 @@ fn the_comparison_of_methods_searches_as_each_method_does() {
     for method in Method::ALL {
         let asked: SearchParams = DetectorParams { method, ..params() }.into();
         let request = CompareRequest::Detect(DetectRequest { burst: open(), params: asked.clone() });
-        let Ok(Compared::Detected(found)) = request.compute(&no_monitor()) else { panic!("{method:?}") };
+        let Ok(Compared::Detected(found)) = request.compute(&Work::alone(&no_monitor())) else { panic!("{method:?}") };
         let expected = baseline::search(&open().burst, &asked, &no_monitor()).expect("valid parameters");
         assert_eq!(found.detection.features, expected.detection.features, "{method:?}");
         assert_eq!((found.params, found.asked), (expected.params, asked), "{method:?}");
     }
-    let open_one = CompareRequest::Open(open().source, OpenOptions::default());
-    let Ok(Compared::Opened(opened)) = open_one.compute(&no_monitor()) else { panic!("it opens") };
-    assert_eq!(opened.burst.frames, open().burst.frames);
 }
 
 /// Keeps the last trail, and counts what was asked of it.
@@ -105,15 +103,15 @@ fn without_times(of: &Spectrum) -> String {
 fn what_a_detection_leaves_behind_is_kept_and_serves_the_next() {
     let store = OneKept::default();
     let request = DetectRequest { burst: open(), params: params().into() };
-    let first = request.clone().compute(&store, &no_monitor()).expect("valid");
+    let first = request.clone().compute(&Work::alone(&no_monitor()).with_trails(&store)).expect("valid");
     let trail = store.kept.borrow().clone().expect("it was put there");
-    let second = request.compute(&store, &no_monitor()).expect("valid");
+    let second = request.compute(&Work::alone(&no_monitor()).with_trails(&store)).expect("valid");
     assert!(Arc::ptr_eq(&trail, &store.kept.borrow().clone().expect("kept")), "nothing was searched again");
     assert_eq!((store.room.get(), first.detection.features == second.detection.features), (1, true));
     let explain = |of| ExplainRequest { of, question: ExplainQuestion::Slopes };
-    let kept = explain(source()).compute(&store, &no_monitor()).expect("valid").explanation;
+    let kept = explain(source()).compute(&Work::alone(&no_monitor()).with_trails(&store)).expect("valid").explanation;
     assert_eq!(store.made.get(), 0);
-    let made = explain(source()).compute(&NothingKept, &no_monitor()).expect("valid").explanation;
+    let made = explain(source()).compute(&Work::alone(&no_monitor())).expect("valid").explanation;
     let (Explanation::Slopes(kept), Explanation::Slopes(made)) = (kept, made) else { panic!("slopes were asked for") };
     assert_eq!(without_times(&kept), without_times(&made));
 }
@@ -121,7 +119,8 @@ fn what_a_detection_leaves_behind_is_kept_and_serves_the_next() {
 #[test]
 fn pictures_are_those_of_the_detectors_view() {
     let slope = Slope::new(0.5, 0.0);
-    let of = |kind| PictureRequest::new(open(), kind, params()).compute(&no_monitor()).expect("a picture");
+    let of =
+        |kind| PictureRequest::new(open(), kind, params()).compute(&Work::alone(&no_monitor())).expect("a picture");
     let frame = of(PictureKind::Frame(2));
     assert!(Arc::ptr_eq(&frame.plane, &open().burst.frames[2]), "a frame is not copied");
     let stack = of(PictureKind::Stack { slope });
@@ -137,13 +136,14 @@ fn pictures_are_those_of_the_detectors_view() {
 fn a_difference_is_of_the_pixels_of_the_first() {
     let stack = PictureRequest::new(open(), PictureKind::Stack { slope: Slope::default() }, params());
     let frame = PictureRequest::new(open(), PictureKind::Frame(0), params());
-    let difference = stack.clone().less(&frame).compute(&no_monitor()).expect("pictures");
-    let (a, b) = (stack.compute(&no_monitor()).expect("a picture"), &open().burst.frames[0]);
+    let difference = stack.clone().less(&frame).compute(&Work::alone(&no_monitor())).expect("pictures");
+    let (a, b) = (stack.compute(&Work::alone(&no_monitor())).expect("a picture"), &open().burst.frames[0]);
     let expected = |at: usize| a.plane.data()[at] - b.data()[at];
     assert!(difference.plane.data().iter().enumerate().all(|(at, x)| (x - expected(at)).abs() < 1e-6));
     // The octave's pixels are twice as large: the frame is taken at every second place.
     let dog = PictureKind::Dog { octave: 1, level: 1, slope: Slope::default() };
-    let coarse = PictureRequest::new(open(), dog, params()).less(&frame).compute(&no_monitor()).expect("pictures");
+    let coarse =
+        PictureRequest::new(open(), dog, params()).less(&frame).compute(&Work::alone(&no_monitor())).expect("pictures");
     assert_eq!(coarse.plane.size(), (48, 36));
     assert_eq!(coarse.request.minus().map(|minus| minus.kind), Some(PictureKind::Frame(0)));
 }
@@ -152,7 +152,7 @@ fn a_difference_is_of_the_pixels_of_the_first() {
 fn maps_have_the_pixels_of_their_octave_and_their_own_colours() {
     let of = |map| {
         let kind = PictureKind::Map { map, octave: 1, level: 1, slope: Slope::default() };
-        PictureRequest::new(open(), kind, params()).compute(&no_monitor()).expect("a map")
+        PictureRequest::new(open(), kind, params()).compute(&Work::alone(&no_monitor())).expect("a map")
     };
     let [noise, coverage, motion] = MapKind::ALL.map(of);
     assert_eq!((noise.plane.size(), coverage.plane.size(), motion.plane.size()), ((48, 36), (96, 72), (48, 36)));
@@ -173,12 +173,12 @@ fn maps_have_the_pixels_of_their_octave_and_their_own_colours() {
 fn matches_and_losses_are_those_of_the_library() {
     let (a, b) = (detected().detection, detected().detection);
     let request = MatchRequest { a: a.clone(), b: b.clone(), params: Default::default() };
-    let matched = request.compute(&no_monitor()).expect("valid");
+    let matched = request.compute(&Work::alone(&no_monitor())).expect("valid");
     assert_eq!(Ok(&*matched.result), match_detections(&a, &b, &Default::default(), &no_monitor()).as_ref());
     // A burst matched with itself: each feature has its own as the nearest.
     assert!(matched.result.matches.iter().all(|m| m.a == m.b) && !matched.result.matches.is_empty());
     let losses = LossesRequest { request: matched.request, result: matched.result, size_b: (96, 72) };
-    let found = losses.compute(&no_monitor()).expect("not cancelled");
+    let found = losses.compute(&Work::alone(&no_monitor())).expect("not cancelled");
     assert_eq!(found.lost.len(), a.features.len());
     for (lost, count) in found.counts {
         assert_eq!(found.lost.iter().filter(|&&of| of == lost).count(), count, "{lost:?}");
@@ -189,7 +189,9 @@ fn matches_and_losses_are_those_of_the_library() {
 fn questions_about_a_detection_are_answered_by_inspect() {
     let cache = NothingKept.get_or_make(&source(), &no_monitor()).expect("valid");
     let traced = Traced { burst: open().id, cache: cache.clone() };
-    let ask = |question| ProbeRequest { traced: traced.clone(), question }.compute(&no_monitor()).expect("an answer");
+    let ask = |question| {
+        ProbeRequest { traced: traced.clone(), question }.compute(&Work::alone(&no_monitor())).expect("an answer")
+    };
     let wanted = Wanted::Feature(0);
     let answer = ask(ProbeQuestion::At { place: [0.0, 0.0], wanted });
     let options = ProbeOptions { wanted, ..ProbeOptions::default() };
@@ -201,7 +203,7 @@ fn questions_about_a_detection_are_answered_by_inspect() {
 
     let explain = |question| {
         let request = ExplainRequest { of: source(), question };
-        request.compute(&NothingKept, &no_monitor()).expect("an explanation").explanation
+        request.compute(&Work::alone(&no_monitor())).expect("an explanation").explanation
     };
     let Explanation::Slopes(slopes) = explain(ExplainQuestion::Slopes) else { panic!("slopes were asked for") };
     assert_eq!(without_times(&slopes), without_times(&spectrum(&cache, &no_monitor()).expect("not cancelled")));
@@ -215,7 +217,7 @@ fn questions_about_a_detection_are_answered_by_inspect() {
 fn features_are_compared_with_what_is_really_there_and_with_earlier_ones() {
     let detection = detected().detection;
     let of = |with| {
-        AgainstRequest { detection: detection.clone(), with }.compute(&NothingKept, &no_monitor()).expect("compared")
+        AgainstRequest { detection: detection.clone(), with }.compute(&Work::alone(&no_monitor())).expect("compared")
     };
     let Against::Truth { against, truth } = of(Reference::Truth { burst: open(), params: params() }).against else {
         panic!("the truth was asked for")
@@ -245,7 +247,7 @@ fn features_are_compared_with_what_is_really_there_and_with_earlier_ones() {
 #[test]
 fn sources_open_as_what_they_name() {
     let of = |source: BurstSource| {
-        OpenRequest { source, options: OpenOptions::default() }.compute(&no_monitor()).expect("it opens")
+        OpenRequest { source, options: OpenOptions::default() }.compute(&Work::alone(&no_monitor())).expect("it opens")
     };
     for source in BurstSource::built_in() {
         let name = source.name().expect("what is built in has a name");
@@ -282,7 +284,9 @@ fn trajectories_are_read_and_compared_when_both_are_there() {
     let lines: Vec<String> = (0..8).map(|t| format!("{t} {} {} 0 0 0 0 1", t * t, (t * 7) % 5)).collect();
     std::fs::write(&path, lines.join("\n")).expect("written");
     let at = Some(TrajectorySource::Path(path.clone()));
-    let ask = |estimate, truth| PosesRequest { estimate, truth, study: PoseStudy::default() }.compute(&no_monitor());
+    let ask = |estimate, truth| {
+        PosesRequest { estimate, truth, study: PoseStudy::default() }.compute(&Work::alone(&no_monitor()))
+    };
     let one = ask(at.clone(), None).expect("it is read");
     assert!(one.report.is_none() && one.truth.is_none());
     let (read_from, trajectory) = one.estimate.expect("it was read");
@@ -301,7 +305,7 @@ fn a_study_grows_up_to_its_report() {
     let heard = std::sync::Mutex::new(0usize);
     let tell = |_: crate::evaluate::StudyReport| *heard.lock().expect("no panic") += 1;
     let request = StudyRequest { study: Study::Chart(Box::new(chart.clone())), open: None };
-    let report = request.compute(&tell, &no_monitor()).expect("valid");
+    let report = request.compute(&Work::alone(&no_monitor()).telling(&tell)).expect("valid");
     let expected = Study::Chart(Box::new(chart)).run_telling(&no_monitor(), &|_| {}).expect("valid");
     assert_eq!(format!("{report:?}"), format!("{expected:?}"));
     assert!(*heard.lock().expect("no panic") > 0);

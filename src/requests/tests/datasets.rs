@@ -5,6 +5,7 @@ use crate::dataset::DatasetSource;
 use crate::detector::{DetectorParams, SearchParams};
 use crate::monitor::Monitor;
 use crate::requests::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, Keeping, OpenDataset};
+use crate::requests::{Request, Work};
 use std::path::Path;
 use std::sync::Mutex;
 
@@ -25,7 +26,7 @@ fn look(home: &Path, source: DatasetSource, params: DetectorParams) -> OpenDatas
         params: params.into(),
         open: Default::default(),
     };
-    match request.compute(&|_| {}, &Monitor::default()) {
+    match request.compute(&Work::alone(&Monitor::default())) {
         Ok(DatasetAnswer::Opened(open)) => *open,
         other => panic!("{other:?}"),
     }
@@ -39,7 +40,8 @@ fn keeping(home: &Path, params: SearchParams) -> Keeping {
 fn detect(bursts: &Bursts, keeping: &Keeping, monitor: &Monitor) -> (Result<(), JobError>, Vec<DatasetEvent>) {
     let told = Mutex::new(Vec::new());
     let request = DatasetRequest::Detect { bursts: bursts.clone(), keeping: keeping.clone() };
-    let end = request.compute(&|event| told.lock().expect("no panic").push(event), monitor).map(drop);
+    let end =
+        request.compute(&Work::alone(monitor).telling(&|event| told.lock().expect("no panic").push(event))).map(drop);
     (end, told.into_inner().expect("no panic"))
 }
 
@@ -81,7 +83,7 @@ fn each_burst_is_told_of_and_what_is_finished_stays_finished() {
             matched.lock().expect("no panic").push((pair, counts.putative));
         }
     };
-    let answer = request.compute(&tell, &Monitor::default());
+    let answer = request.compute(&Work::alone(&Monitor::default()).telling(&tell));
     assert!(matches!(answer, Ok(DatasetAnswer::Matched { left_out: 2 })), "{answer:?}");
     let matched = matched.into_inner().expect("no panic");
     assert!(matched.len() == 1 && matched[0].0 == (0, 2) && matched[0].1 > 0, "{matched:?}");

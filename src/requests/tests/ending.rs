@@ -10,6 +10,7 @@ use crate::requests::{
     JobError, MatchRequest, NothingKept, OpenRequest, PictureKind, PictureRequest, PosesRequest, ProbeQuestion,
     ProbeRequest, Reference, Traced, TrailStore,
 };
+use crate::requests::{Request, Work};
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// The words of a failure.
@@ -38,19 +39,19 @@ fn what_was_cancelled_before_it_began_has_no_answer() {
     let poses = PosesRequest { estimate: None, truth: None, study: Default::default() };
     let open_it = OpenRequest { source: open().source, options: OpenOptions::default() };
     let ends: [(&str, Result<(), JobError>); 10] = [
-        ("open", open_it.compute(&cancelled).map(drop)),
-        ("detect", detect.clone().compute(none, &cancelled).map(drop)),
-        ("compare", CompareRequest::Detect(detect).compute(&cancelled).map(drop)),
-        ("match", matching.compute(&cancelled).map(drop)),
-        ("picture", PictureRequest::new(open(), stack, params()).compute(&cancelled).map(drop)),
-        ("probe", probe.compute(&cancelled).map(drop)),
-        ("explain", explain.compute(none, &cancelled).map(drop)),
+        ("open", open_it.compute(&Work::alone(&cancelled)).map(drop)),
+        ("detect", detect.clone().compute(&Work::alone(&cancelled)).map(drop)),
+        ("compare", CompareRequest::Detect(detect).compute(&Work::alone(&cancelled)).map(drop)),
+        ("match", matching.compute(&Work::alone(&cancelled)).map(drop)),
+        ("picture", PictureRequest::new(open(), stack, params()).compute(&Work::alone(&cancelled)).map(drop)),
+        ("probe", probe.compute(&Work::alone(&cancelled)).map(drop)),
+        ("explain", explain.compute(&Work::alone(&cancelled)).map(drop)),
         (
             "coherence",
-            CoherenceRequest { of: source(), detection: detection.clone() }.compute(none, &cancelled).map(drop),
+            CoherenceRequest { of: source(), detection: detection.clone() }.compute(&Work::alone(&cancelled)).map(drop),
         ),
-        ("against", AgainstRequest { detection, with: earlier }.compute(none, &cancelled).map(drop)),
-        ("poses", poses.compute(&cancelled).map(drop)),
+        ("against", AgainstRequest { detection, with: earlier }.compute(&Work::alone(&cancelled)).map(drop)),
+        ("poses", poses.compute(&Work::alone(&cancelled)).map(drop)),
     ];
     for (what, end) in ends {
         assert_eq!(end, Err(JobError::Cancelled), "{what}");
@@ -78,7 +79,7 @@ fn what_is_cancelled_on_its_way_ends_long_before_it_would_have_been_done() {
     for at in [0.0, 0.3, 0.6] {
         let (monitor, heard) = cancelling(at);
         let request = ExplainRequest { of: source(), question: ExplainQuestion::Slopes };
-        assert_eq!(request.compute(&NothingKept, &monitor).map(drop), Err(JobError::Cancelled), "cancelled at {at}");
+        assert_eq!(request.compute(&Work::alone(&monitor)).map(drop), Err(JobError::Cancelled), "cancelled at {at}");
         let max = heard.lock().expect("no panic").iter().copied().fold(0.0, f32::max);
         assert!(max < at + 0.3, "cancelled at {at}, still working at {max}");
     }
@@ -88,16 +89,16 @@ fn what_is_cancelled_on_its_way_ends_long_before_it_would_have_been_done() {
 fn failures_say_what_is_wrong() {
     let monitor = Monitor::default();
     let frame = PictureRequest::new(open(), PictureKind::Frame(4), params());
-    assert_eq!(why(frame.compute(&monitor)), "there is no frame 4; the burst has 4 frames");
+    assert_eq!(why(frame.compute(&Work::alone(&monitor))), "there is no frame 4; the burst has 4 frames");
     let detect = |params: DetectorParams| DetectRequest { burst: open(), params: params.into() };
     let wrong = DetectorParams { levels: 0, ..params() };
-    assert!(why(detect(wrong.clone()).compute(&NothingKept, &monitor)).contains("levels"));
-    assert!(why(CompareRequest::Detect(detect(wrong)).compute(&monitor)).contains("levels"));
+    assert!(why(detect(wrong.clone()).compute(&Work::alone(&monitor))).contains("levels"));
+    assert!(why(CompareRequest::Detect(detect(wrong)).compute(&Work::alone(&monitor))).contains("levels"));
     let detection = detected().detection;
     let wrong = MatchParams { ratio: -1.0, ..MatchParams::default() };
     let matching = MatchRequest { a: detection.clone(), b: detection.clone(), params: wrong };
-    assert!(why(matching.compute(&monitor)).contains("ratio"));
-    let against = |with| AgainstRequest { detection: detection.clone(), with }.compute(&NothingKept, &monitor);
+    assert!(why(matching.compute(&Work::alone(&monitor))).contains("ratio"));
+    let against = |with| AgainstRequest { detection: detection.clone(), with }.compute(&Work::alone(&monitor));
     assert!(why(against(Reference::File { path: "gone.csv".into(), features: None })).contains("gone.csv"));
     let unknown = Reference::Truth { burst: empty((32, 32), 3), params: params() };
     assert!(why(against(unknown)).contains("nothing is known"));
@@ -109,7 +110,7 @@ fn in_a_burst_without_anything_there_is_no_strongest_candidate() {
     let of = crate::requests::DetectionSource { burst, ..source() };
     let cache = NothingKept.get_or_make(&of, &Monitor::default()).expect("valid");
     let request = ProbeRequest { traced: Traced { burst: of.burst.id, cache }, question: ProbeQuestion::Strongest };
-    assert!(why(request.compute(&Monitor::default())).contains("nothing in this burst is an extremum"));
+    assert!(why(request.compute(&Work::alone(&Monitor::default()))).contains("nothing in this burst is an extremum"));
 }
 
 #[test]

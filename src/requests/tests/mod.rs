@@ -5,10 +5,11 @@ mod datasets;
 mod ending;
 mod sameness;
 
-use super::{BurstSource, DetectRequest, Detected, DetectionSource, NothingKept, OpenBurst};
+use super::{BurstSource, DetectRequest, Detected, DetectionSource, OpenBurst};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::{DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
+use crate::requests::{Request, Work};
 use crate::synth::ChartParams;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -42,7 +43,7 @@ fn empty(size: (usize, usize), frames: usize) -> OpenBurst {
 fn detected() -> Detected {
     static DETECTED: OnceLock<Detected> = OnceLock::new();
     let find = || DetectRequest { burst: open(), params: params().into() };
-    DETECTED.get_or_init(|| find().compute(&NothingKept, &Monitor::default()).expect("valid parameters")).clone()
+    DETECTED.get_or_init(|| find().compute(&Work::alone(&Monitor::default())).expect("valid parameters")).clone()
 }
 
 /// The detection of the chart, as questions about it name it.

@@ -8,10 +8,11 @@ use crate::inspect::probe::Wanted;
 use crate::matching::MatchParams;
 use crate::monitor::Monitor;
 use crate::requests::{
-    AgainstRequest, CoherenceRequest, ExplainQuestion, ExplainRequest, ExplainSubject, LossesRequest, MapKind,
-    MatchRequest, NothingKept, PatchesRequest, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest, Reference,
-    Traced, TrailStore,
+    AgainstRequest, CoherenceRequest, ExplainQuestion, ExplainRequest, LossesRequest, MapKind, MatchRequest,
+    NothingKept, PictureKind, PictureRequest, PicturesRequest, ProbeQuestion, ProbeRequest, Reference, Traced,
+    TrailStore,
 };
+use crate::requests::{Request, Work};
 use std::sync::Arc;
 
 const STILL: Slope = Slope { u: 0.0, v: 0.0 };
@@ -55,7 +56,7 @@ fn a_picture_is_decided_by_the_parameters_that_it_is_made_with_and_by_no_others(
     ];
     for (what, changed, differs) in changes {
         for (kind, differs) in kinds(STILL).into_iter().zip(differs) {
-            let same = picture(kind, params()).same_picture(&picture(kind, changed.clone()));
+            let same = picture(kind, params()).is_same(&picture(kind, changed.clone()));
             assert_eq!(same, !differs, "{what}: {kind:?}");
         }
     }
@@ -67,42 +68,42 @@ fn a_picture_is_decided_by_its_slope_where_it_has_one() {
     for ((still, moving), differs) in
         kinds(STILL).into_iter().zip(kinds(moved)).zip([false, true, true, false, true, true, false])
     {
-        assert_eq!(picture(still, params()).same_picture(&picture(moving, params())), !differs, "{still:?}");
+        assert_eq!(picture(still, params()).is_same(&picture(moving, params())), !differs, "{still:?}");
     }
     let stack = |u| picture(PictureKind::Stack { slope: Slope::new(u, 0.0) }, params());
-    assert!(stack(0.0).same_picture(&stack(-0.0)), "minus zero is zero");
+    assert!(stack(0.0).is_same(&stack(-0.0)), "minus zero is zero");
 }
 
 #[test]
 fn the_pictures_of_two_openings_and_differences_are_others() {
     let stack = picture(PictureKind::Stack { slope: STILL }, params());
     let again = PictureRequest::new(empty((96, 72), 4), stack.kind, params());
-    assert!(!stack.same_picture(&again));
+    assert!(!stack.is_same(&again));
     let frame = picture(PictureKind::Frame(0), params());
     let difference = stack.clone().less(&frame);
-    assert!(!difference.same_picture(&stack) && !difference.same_picture(&frame.clone().less(&stack)));
-    assert!(difference.alone().same_picture(&stack) && difference.same_picture(&stack.clone().less(&frame)));
+    assert!(!difference.is_same(&stack) && !difference.is_same(&frame.clone().less(&stack)));
+    assert!(difference.alone().is_same(&stack) && difference.is_same(&stack.clone().less(&frame)));
     // Of what is subtracted its first picture counts.
-    assert!(stack.clone().less(&frame.less(&stack)).same_picture(&difference));
-    let patches = |a: &PictureRequest, b: &PictureRequest| PatchesRequest { a: a.clone(), b: b.clone() };
-    assert!(patches(&stack, &difference).same_pictures(&patches(&stack, &difference)));
-    assert!(!patches(&stack, &difference).same_pictures(&patches(&difference, &stack)));
+    assert!(stack.clone().less(&frame.less(&stack)).is_same(&difference));
+    let patches = |a: &PictureRequest, b: &PictureRequest| PicturesRequest(vec![a.clone(), b.clone()]);
+    assert!(patches(&stack, &difference).is_same(&patches(&stack, &difference)));
+    assert!(!patches(&stack, &difference).is_same(&patches(&difference, &stack)));
 }
 
 #[test]
 fn a_matching_is_of_two_detections_with_parameters() {
     let (a, b) = (detected().detection, Arc::new((*detected().detection).clone()));
     let request = MatchRequest { a: a.clone(), b: b.clone(), params: MatchParams::default() };
-    assert!(request.same_matches(&request.clone()));
+    assert!(request.is_same(&request.clone()));
     // Equal features found anew are another detection.
-    assert!(!request.same_matches(&MatchRequest { a: b.clone(), ..request.clone() }));
+    assert!(!request.is_same(&MatchRequest { a: b.clone(), ..request.clone() }));
     let params = MatchParams { ratio: 0.5, ..MatchParams::default() };
-    assert!(!request.same_matches(&MatchRequest { params, ..request.clone() }));
+    assert!(!request.is_same(&MatchRequest { params, ..request.clone() }));
 
-    let result = request.clone().compute(&Monitor::default()).expect("valid").result;
+    let result = request.clone().compute(&Work::alone(&Monitor::default())).expect("valid").result;
     let losses = |result| LossesRequest { request: request.clone(), result, size_b: (96, 72) };
-    assert!(losses(result.clone()).same_pair(&losses(result.clone())));
-    assert!(!losses(result.clone()).same_pair(&losses(Arc::new((*result).clone()))));
+    assert!(losses(result.clone()).is_same(&losses(result.clone())));
+    assert!(!losses(result.clone()).is_same(&losses(Arc::new((*result).clone()))));
 }
 
 #[test]
@@ -111,28 +112,29 @@ fn a_question_is_of_one_detection() {
     let traced = |cache| Traced { burst: open().id, cache };
     let at = |place| ProbeQuestion::At { place, wanted: Wanted::Best };
     let ask = |question| ProbeRequest { traced: traced(cache.clone()), question };
-    assert!(ask(at([3.0, 4.0])).same_answer(&ask(at([3.0, 4.0]))));
-    assert!(!ask(at([3.0, 4.0])).same_answer(&ask(at([3.0, 5.0]))));
-    assert!(!ask(at([3.0, 4.0])).same_answer(&ask(ProbeQuestion::Strongest)));
+    assert!(ask(at([3.0, 4.0])).is_same(&ask(at([3.0, 4.0]))));
+    assert!(!ask(at([3.0, 4.0])).is_same(&ask(at([3.0, 5.0]))));
+    assert!(!ask(at([3.0, 4.0])).is_same(&ask(ProbeQuestion::Strongest)));
     let anew = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
     let of_another = ProbeRequest { traced: traced(anew), question: ProbeQuestion::Strongest };
-    assert!(!ask(ProbeQuestion::Strongest).same_answer(&of_another));
+    assert!(!ask(ProbeQuestion::Strongest).is_same(&of_another));
 
     let explain = |of, question| ExplainRequest { of, question };
     let slopes = explain(source(), ExplainQuestion::Slopes);
     let candidates = ExplainQuestion::Candidates(SurveyOptions::default());
-    assert!(slopes.same_answer(&explain(source(), ExplainQuestion::Slopes)));
-    assert!(!slopes.same_answer(&explain(source(), candidates)));
+    assert!(slopes.is_same(&explain(source(), ExplainQuestion::Slopes)));
     let mut other = source();
     other.params.levels += 1;
-    assert!(!slopes.same_answer(&explain(other, ExplainQuestion::Slopes)));
-    let subjects = [ExplainQuestion::Slopes, candidates].map(|question| question.subject());
-    assert_eq!(subjects, [ExplainSubject::Slopes, ExplainSubject::Candidates]);
+    assert!(!slopes.is_same(&explain(other, ExplainQuestion::Slopes)));
+    assert!(
+        !slopes.is_same(&explain(source(), candidates))
+            && explain(source(), candidates).is_same(&explain(source(), candidates))
+    );
 
     let (detection, copy) = (detected().detection, Arc::new((*detected().detection).clone()));
     let coherence = |detection| CoherenceRequest { of: source(), detection };
-    assert!(coherence(detection.clone()).same_features(&coherence(detection.clone())));
-    assert!(!coherence(detection).same_features(&coherence(copy)));
+    assert!(coherence(detection.clone()).is_same(&coherence(detection.clone())));
+    assert!(!coherence(detection).is_same(&coherence(copy)));
 }
 
 #[test]
@@ -143,15 +145,15 @@ fn a_comparison_is_of_a_detection_with_one_reference() {
     let file = |path: &str| Reference::File { path: path.into(), features: None };
     let truth = |params| Reference::Truth { burst: burst.clone(), params };
     // An earlier result that is there already is the same as one that has to be found again.
-    assert!(with(earlier(burst.clone(), None)).same_comparison(&with(earlier(burst.clone(), Some(detection.clone())))));
-    assert!(!with(earlier(burst.clone(), None)).same_comparison(&with(earlier(empty((96, 72), 4), None))));
-    assert!(with(file("a.csv")).same_comparison(&with(file("a.csv"))));
-    assert!(!with(file("a.csv")).same_comparison(&with(file("b.csv"))));
-    assert!(with(truth(params())).same_comparison(&with(truth(params()))));
-    assert!(!with(truth(params())).same_comparison(&with(truth(DetectorParams::default()))));
-    assert!(!with(truth(params())).same_comparison(&with(file("a.csv"))));
+    assert!(with(earlier(burst.clone(), None)).is_same(&with(earlier(burst.clone(), Some(detection.clone())))));
+    assert!(!with(earlier(burst.clone(), None)).is_same(&with(earlier(empty((96, 72), 4), None))));
+    assert!(with(file("a.csv")).is_same(&with(file("a.csv"))));
+    assert!(!with(file("a.csv")).is_same(&with(file("b.csv"))));
+    assert!(with(truth(params())).is_same(&with(truth(params()))));
+    assert!(!with(truth(params())).is_same(&with(truth(DetectorParams::default()))));
+    assert!(!with(truth(params())).is_same(&with(file("a.csv"))));
     let of_other = AgainstRequest { detection: Arc::new((*detection).clone()), with: file("a.csv") };
-    assert!(!with(file("a.csv")).same_comparison(&of_other));
+    assert!(!with(file("a.csv")).is_same(&of_other));
 }
 
 #[test]

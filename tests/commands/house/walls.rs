@@ -31,7 +31,7 @@ fn only_the_shell_owns_the_whole_window() {
 }
 
 #[test]
-fn the_project_knows_no_widget_and_no_worker() {
+fn the_project_knows_no_widget_and_of_the_engine_what_it_wants() {
     let above =
         ["canvas", "panel", "inspector", "workspace", "jobs", "gpu", "histogram", "figure", "measure", "dataset"];
     let mut requests = 0;
@@ -46,7 +46,10 @@ fn the_project_knows_no_widget_and_no_worker() {
         for used in above {
             assert!(!code.contains(&format!("app::{used}::")), "{name} uses app::{used}");
         }
-        assert!(!code.contains("crate::engine") && !code.contains("::engine::"), "{name} uses the engine");
+        // The project holds what is wanted of the engine; panes and views do not.
+        let of_engine: Vec<&str> = code.lines().filter(|line| line.contains("engine::")).collect();
+        let may_want = |line: &&str| name.starts_with("app::project") && line.starts_with("use crate::engine::");
+        assert!(of_engine.iter().all(may_want), "{name} uses the engine: {of_engine:?}");
         requests += usize::from(code.contains("crate::requests::"));
     }
     assert!(requests > 10, "{requests} files use requests: too few to be all");
@@ -70,7 +73,10 @@ fn no_type_is_called_only_answer_found_pair_or_job() {
         for line in code.lines() {
             let mut words = line.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty());
             let kind = words.find(|word| !["pub", "crate", "super", "in"].contains(word));
-            let is_type = kind.is_some_and(|kind| ["struct", "enum", "type", "trait"].contains(&kind));
+            // An associated type is named together with its trait.
+            let is_associated = kind == Some("type") && line.starts_with(' ');
+            let is_type =
+                kind.is_some_and(|kind| ["struct", "enum", "type", "trait"].contains(&kind)) && !is_associated;
             let name = words.next().unwrap_or_default();
             assert!(
                 !(is_type && ["Answer", "Found", "Pair", "Job"].contains(&name)),

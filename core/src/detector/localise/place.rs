@@ -5,15 +5,15 @@
 //! from the fit:
 //!
 //! - **Place**: the extremum of a [kernel](crate::kernel::compact_kernel) whose zero lies where D's own scale puts a
-//! blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel for blobs with a rim and the
-//! soft one, which resembles D, the one with the smaller expected error is taken: its noise over its curvature here.
-//! That is the former for discs, crowded or not, and the latter for most structures of a photograph. The finer octave
-//! is used where there is one: its pixels are sharper.
+//!   blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel for blobs with a rim and the
+//!   soft one, which resembles D, the one with the smaller expected error is taken: its noise over its curvature here.
+//!   That is the former for discs, crowded or not, and the latter for most structures of a photograph. The finer octave
+//!   is used where there is one: its pixels are sharper.
 //! - **Scale**: the largest |D| at that place ([`crate::detector::localise::scale`]).
 //! - **Slope**: the peak of the parabola through the logarithms of the kernel's responses at that place at the
-//! neighbouring slopes. Frames that are shifted by a fraction f of a pixel are blurred by linear interpolation, with
-//! variance f(1 − f), which makes responses at slopes of whole pixels stronger than at others: a bias of up to 0.03
-//! px/frame. A blur of variance τ changes a response by τ/2 times its second derivative, so that is subtracted.
+//!   neighbouring slopes. Frames that are shifted by a fraction f of a pixel are blurred by linear interpolation, with
+//!   variance f(1 − f), which makes responses at slopes of whole pixels stronger than at others: a bias of up to 0.03
+//!   px/frame. A blur of variance τ changes a response by τ/2 times its second derivative, so that is subtracted.
 
 use crate::detector::refine::{peak_offset, peak_offset_2d};
 use crate::kernel::compact_kernel::{CompactKernel, KernelResponse, PixelView, RIM, SOFT};

@@ -220,7 +220,7 @@ mod tests {
         model.take_burst(burst.clone());
         let params = model.params.clone();
         let features = vec![feature(10.0, 10.0, 1, &params.slopes)];
-        model.take_detection(detected(&burst, &params, features), Duration::ZERO);
+        model.take_detection(crate::app::project::side::Side::A, detected(&burst, &params, features), Duration::ZERO);
         model.against.with = Some(With::Truth);
         assert_eq!(what_to_do(&model), "Comparing…");
     }

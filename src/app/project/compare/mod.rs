@@ -167,7 +167,8 @@ impl Model {
             return;
         }
         self.share_what_is_found();
-        let is_busy = self.compare.wanted.is_pending() || self.compare.opening_gold.both().iter().any(|w| w.is_pending());
+        let is_busy =
+            self.compare.wanted.is_pending() || self.compare.opening_gold.both().iter().any(|w| w.is_pending());
         if dragging || !self.auto_detect || is_busy {
             return;
         }

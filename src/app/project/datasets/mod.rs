@@ -8,8 +8,8 @@ mod state;
 pub use dataset::Dataset;
 pub use state::{BurstState, StateCounts};
 
-use crate::matching::PairSelection;
 use crate::engine::Wanted;
+use crate::matching::PairSelection;
 use crate::requests::DatasetRequest;
 
 /// What is being done with the dataset.

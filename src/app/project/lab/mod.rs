@@ -4,12 +4,12 @@ mod question;
 
 pub use question::LabQuestion;
 
+use crate::app::project::Model;
+use crate::engine::{Engine, Wanted};
 use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::{BurstMethod, ChartOfStudy, ChartStudy, ShownChart, Study, StudyPoint, StudyReport};
-use crate::engine::{Engine, Wanted};
 use crate::requests::{JobError, StudyRequest};
 use crate::synth::{ChartParams, NoisyParams};
-use crate::app::project::Model;
 
 /// A study and what is known of its answer.
 #[derive(Debug, Clone)]
@@ -233,7 +233,7 @@ mod tests {
         lab.selected = Some((LabSet::Kept(1), point));
         lab.forget_kept(0);
         assert_eq!(lab.selected, Some((LabSet::Kept(0), point)));
-        assert_eq!(lab.wanted_chart().expect("one").seed, 1);
+        assert_eq!(lab.selected_chart().expect("one").seed, 1);
         lab.forget_kept(0);
         assert_eq!((lab.selected, lab.shown_results().len()), (None, 1));
         lab.question = LabQuestion::Accuracy;

@@ -3,12 +3,10 @@
 
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
-use crate::inspect::unmatched::{Losses, Lost, Unmatched};
 use crate::app::project::workspace::Workspace;
 use crate::engine::{Engine, Wanted};
-use crate::requests::{
-    FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest, Request,
-};
+use crate::inspect::unmatched::{Losses, Lost, Unmatched};
+use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest, Request};
 use std::sync::Arc;
 
 /// Candidates of a feature that are listed.

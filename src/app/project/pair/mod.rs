@@ -20,8 +20,8 @@ use crate::app::project::slot::Slot;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Method, ParamError, SearchParams, SlopeGrid};
-use crate::matching::MatchParams;
 use crate::engine::{Engine, Wanted};
+use crate::matching::MatchParams;
 use crate::requests::{
     JobError, MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest, Request,
 };
@@ -122,6 +122,8 @@ impl Model {
     pub fn swap_sides(&mut self) {
         self.slots.swap();
         self.forget_requests();
+        // The probed place is one of the other burst now.
+        self.probe.clear();
         self.panes.swap_sides();
         self.compare.gold.swap(0, 1);
         // Where A alone was looked at, nothing of it is selected any more.

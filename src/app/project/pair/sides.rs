@@ -153,4 +153,3 @@ impl Model {
         self.playing = false;
     }
 }
-

@@ -8,8 +8,10 @@ use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, FrameRange};
 use crate::matching::match_detections;
 use crate::monitor::Monitor;
+use crate::requests::Detected;
 use crate::requests::Matched;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// A model with two bursts and the features of both; B's are A's, moved by (2, 0).
 pub(in crate::app::project) fn pair() -> Model {
@@ -30,8 +32,8 @@ pub(in crate::app::project) fn pair() -> Model {
         found
     };
     let params = model.params.clone();
-    model.take_detection(with_descriptors(detected(&a, &params, at(0.0))), Duration::ZERO);
-    model.take_second_detection(with_descriptors(detected(&b, &params, at(2.0))), Duration::ZERO);
+    model.take_detection(Side::A, with_descriptors(detected(&a, &params, at(0.0))), Duration::ZERO);
+    model.take_detection(Side::B, with_descriptors(detected(&b, &params, at(2.0))), Duration::ZERO);
     model
 }
 
@@ -151,10 +153,10 @@ fn sides_are_swapped_with_everything_that_is_theirs() {
 fn patches_are_wanted_at_each_features_own_slope() {
     let mut model = pair();
     model.pair.take_matches(matched(&model));
-    assert!(model.wanted_patches().is_none());
+    assert!(model.patches_request().is_none());
     model.pair.hovered = Some(1);
-    let wanted = model.wanted_patches().expect("one is pointed at");
+    let wanted = model.patches_request().expect("one is pointed at");
     let slope = model.features()[1].slope;
-    assert_eq!(wanted.a.kind, PictureKind::Stack { slope });
-    assert_eq!(wanted.b.burst.id, model.burst_of(Side::B).expect("open").id);
+    assert_eq!(wanted.0[0].kind, PictureKind::Stack { slope });
+    assert_eq!(wanted.0[1].burst.id, model.burst_of(Side::B).expect("open").id);
 }
