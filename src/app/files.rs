@@ -3,9 +3,8 @@
 use super::dialogs::{ExportKind, FileAnswer, PathField, Purpose, Question, ReplaceFile};
 use super::session::Session;
 use super::window::BurstscopeApp;
-use crate::app::pane::Content;
+use crate::app::pane::KindOfPicture;
 use crate::app::project::BottomTab;
-use crate::app::project::cursor::ViewKind;
 use crate::app::project::side::Side;
 use crate::app::project::trajectories::Which;
 use crate::app::project::workspace::Workspace;
@@ -13,7 +12,7 @@ use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::export::{Inputs, OutputRules, Overwrite};
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text};
-use crate::requests::{BurstSource, JobId, MapKind, OpenRequest};
+use crate::requests::{BurstSource, JobId, OpenRequest};
 use std::path::PathBuf;
 
 impl BurstscopeApp {
@@ -93,24 +92,14 @@ impl BurstscopeApp {
             Purpose::SaveSession => format!("{stem}.burstscope.toml"),
             Purpose::SaveParams => "params.toml".to_owned(),
             Purpose::Export(kind) => {
-                let of_picture = match (self.model.focused().content, self.model.cursor().kind) {
-                    (Content::Map(MapKind::Noise), _) => "noise",
-                    (Content::Map(MapKind::Coverage), _) => "coverage",
-                    (Content::Map(MapKind::Motion), _) => "winning-slopes",
-                    (Content::Merge, _) => "merge",
-                    (Content::Slice(_), _) => "slice",
-                    (Content::Difference(..), _) => "difference",
-                    (Content::Cursor, ViewKind::Frame) => "frame",
-                    (Content::Cursor, ViewKind::Stack) => "stack",
-                    (Content::Cursor, ViewKind::Dog) => "dog",
-                };
+                let (content, of_cursor) = (self.model.focused().content, self.model.cursor().kind);
                 let what = match kind {
                     ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz => "features",
                     ExportKind::Matches | ExportKind::MatchPicture => "matches",
                     ExportKind::Profile => "profile",
                     ExportKind::Svg | ExportKind::FigurePng => "figure",
                     ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
-                    ExportKind::Tiff | ExportKind::Png => of_picture,
+                    ExportKind::Tiff | ExportKind::Png => KindOfPicture::of_content(content, of_cursor).file_name,
                 };
                 format!("{stem}-{what}.{}", kind.extension())
             }

@@ -1,8 +1,7 @@
 //! Links from tooltips to the glossary: a tooltip says in a line what a thing is, its link says what the word means.
 
-use crate::app::pane::Content;
+use crate::app::pane::{Content, KindOfPicture};
 use crate::app::project::cursor::ViewKind;
-use crate::requests::MapKind;
 use crate::teach::glossary::{Word, glossary};
 use egui::{Context, Id, Label, Response, Ui, WidgetText};
 
@@ -35,17 +34,7 @@ pub fn word(name: &str) -> Option<&'static Word> {
 
 /// The word for a kind of picture.
 pub fn picture_word(content: Content, kind: ViewKind) -> Option<&'static Word> {
-    glossary().of_picture(match (content, kind) {
-        (Content::Cursor, ViewKind::Frame) => "frame",
-        (Content::Cursor, ViewKind::Stack) => "stack",
-        (Content::Cursor, ViewKind::Dog) => "dog",
-        (Content::Merge, _) => "merge",
-        (Content::Map(MapKind::Noise), _) => "noise",
-        (Content::Map(MapKind::Coverage), _) => "coverage",
-        (Content::Map(MapKind::Motion), _) => "motion",
-        (Content::Slice(_), _) => "slice",
-        (Content::Difference(..), _) => "difference",
-    })
+    glossary().of_picture(KindOfPicture::of_content(content, kind).word)
 }
 
 fn asked_id() -> Id {

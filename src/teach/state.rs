@@ -42,6 +42,12 @@ pub enum Shown {
     Motion,
 }
 
+impl Shown {
+    /// All of them, in the order of menus.
+    pub const ALL: [Self; 7] =
+        [Self::Frame, Self::Stack, Self::Dog, Self::Merge, Self::Noise, Self::Coverage, Self::Motion];
+}
+
 /// Layout of the pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -253,14 +253,35 @@ pub fn stacked(title: &str, documents: &[String]) -> String {
     sheet.finish(y)
 }
 
-/// Escapes text for XML and HTML.
+/// Escapes text for XML and HTML. Characters that XML 1.0 does not allow are replaced by U+FFFD.
 pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            c if c.is_control() && !matches!(c, '\t' | '\n' | '\r') => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn markup_is_escaped_and_what_xml_forbids_is_replaced() {
+        assert_eq!(escaped("a<b & \"c\"\u{1}"), "a&lt;b &amp; &quot;c&quot;\u{fffd}");
+        let mut sheet = Sheet::new(100.0, "title\u{0}\u{b}");
+        sheet.text((1.0, 2.0), 10.0, Anchor::Start, "name\u{1b}[31m\u{ffff}");
+        let document = sheet.finish(50.0);
+        assert!(roxmltree::Document::parse(&document).is_ok(), "{document}");
+    }
 
     #[test]
     fn ticks_are_round_and_inside() {

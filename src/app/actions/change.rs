@@ -3,12 +3,11 @@
 use super::ActionId;
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::measure::Tool;
-use crate::app::pane::{Content, Link};
+use crate::app::pane::Link;
 use crate::app::project::Model;
 use crate::app::project::cursor::{ViewKind, snapped, stepped};
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
-use crate::requests::MapKind;
 
 /// Runs an action that only changes the project.
 pub(super) fn change_model(model: &mut Model, id: ActionId) {
@@ -120,15 +119,9 @@ fn move_cursor(model: &mut Model, id: ActionId) {
     }
     // A key that moves through frames or scales also shows a frame or a scale.
     match id {
-        A::ShowFrame | A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
-        A::ShowStack => pane.show(ViewKind::Stack),
-        A::ShowDog => pane.show(ViewKind::Dog),
+        A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show_scale(),
-        A::ShowMerge => pane.content = Content::Merge,
-        A::ShowNoise => pane.content = Content::Map(MapKind::Noise),
-        A::ShowMotion => pane.content = Content::Map(MapKind::Motion),
-        A::ShowCoverage => pane.content = Content::Map(MapKind::Coverage),
-        _ => {}
+        _ => id.shown().into_iter().for_each(|shown| pane.show_kind(shown)),
     }
     model.check_params();
 }

@@ -15,11 +15,10 @@ mod state_of;
 pub use registry::{ACTIONS, Action, ActionId, Menu};
 pub use state_of::{checked, enabled};
 
-use crate::app::pane::Content;
+use crate::app::pane::KindOfPicture;
 use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
-use crate::app::words::{explained, picture_word};
-use crate::requests::MapKind;
+use crate::app::words::explained;
+use crate::teach::Shown;
 use crate::teach::glossary::{Word, glossary};
 
 /// Actions requested in this pass, to be run after it.
@@ -39,29 +38,29 @@ pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> Stri
 }
 
 /// Action that shows a kind of picture.
-pub fn shown_by(kind: ViewKind) -> ActionId {
-    match kind {
-        ViewKind::Frame => ActionId::ShowFrame,
-        ViewKind::Stack => ActionId::ShowStack,
-        ViewKind::Dog => ActionId::ShowDog,
+pub fn shown_by(shown: Shown) -> ActionId {
+    match shown {
+        Shown::Frame => ActionId::ShowFrame,
+        Shown::Stack => ActionId::ShowStack,
+        Shown::Dog => ActionId::ShowDog,
+        Shown::Merge => ActionId::ShowMerge,
+        Shown::Noise => ActionId::ShowNoise,
+        Shown::Coverage => ActionId::ShowCoverage,
+        Shown::Motion => ActionId::ShowMotion,
     }
 }
 
 impl ActionId {
+    /// Kind of picture that the action shows.
+    pub fn shown(self) -> Option<Shown> {
+        Shown::ALL.into_iter().find(|shown| shown_by(*shown) == self)
+    }
+
     /// Glossary entry of the content that the action shows.
     pub fn word(self) -> Option<&'static Word> {
-        let of_kind = |kind| picture_word(Content::Cursor, kind);
-        let of = |content| picture_word(content, ViewKind::Stack);
         match self {
-            Self::ShowFrame => of_kind(ViewKind::Frame),
-            Self::ShowStack => of_kind(ViewKind::Stack),
-            Self::ShowDog => of_kind(ViewKind::Dog),
-            Self::ShowMerge => of(Content::Merge),
-            Self::ShowNoise => of(Content::Map(MapKind::Noise)),
-            Self::ShowCoverage => of(Content::Map(MapKind::Coverage)),
-            Self::ShowMotion => of(Content::Map(MapKind::Motion)),
             Self::LayoutSlice => glossary().of_picture("slice"),
-            _ => None,
+            _ => glossary().of_picture(KindOfPicture::of(self.shown()?).word),
         }
     }
 }

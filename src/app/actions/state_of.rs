@@ -2,15 +2,14 @@
 
 use super::registry::ActionId;
 use crate::app::measure::Tool;
-use crate::app::pane::{Content, Link, MAX_PANES, Over};
+use crate::app::pane::{Link, MAX_PANES, Over};
 use crate::app::project::Model;
 use crate::app::project::against::With;
-use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Method, SearchParams};
 use crate::matching::MatchParams;
-use crate::requests::{BurstSource, MapKind};
+use crate::requests::BurstSource;
 
 /// Whether the action is enabled.
 pub fn enabled(id: ActionId, model: &Model) -> bool {
@@ -134,7 +133,6 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
 /// Whether a switch is on; `None` for an action that is no switch.
 pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     use ActionId as A;
-    let kind = |kind: ViewKind| Some(model.focused().shows(kind));
     let matches = &model.pair.look;
     match id {
         A::WorkspaceInspect => Some(model.workspace == Workspace::Inspect),
@@ -144,13 +142,6 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::WorkspaceMethods => Some(model.workspace == Workspace::Methods),
         A::WorkspaceLab => Some(model.workspace == Workspace::Lab),
         A::ToggleOverlay if model.workspace == Workspace::Methods => Some(model.compare.look.features),
-        A::ShowFrame => kind(ViewKind::Frame),
-        A::ShowStack => kind(ViewKind::Stack),
-        A::ShowDog => kind(ViewKind::Dog),
-        A::ShowMerge => Some(model.focused().content == Content::Merge),
-        A::ShowNoise => Some(model.focused().content == Content::Map(MapKind::Noise)),
-        A::ShowMotion => Some(model.focused().content == Content::Map(MapKind::Motion)),
-        A::ShowCoverage => Some(model.focused().content == Content::Map(MapKind::Coverage)),
         A::LinkCursors => Some(model.panes.all_share(Link::Cursor)),
         A::LinkViews => Some(model.panes.all_share(Link::View)),
         A::LinkRanges => Some(model.panes.all_share(Link::Display)),
@@ -186,7 +177,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
             Some(!model.slopes.is_auto() && model.params.method == Method::Buff && model.params.slopes.is_plane())
         }
         A::PresetSift => Some(model.params.method == Method::Sift),
-        _ => None,
+        _ => id.shown().map(|shown| model.focused().shown() == Some(shown)),
     }
 }
 

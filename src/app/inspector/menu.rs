@@ -71,7 +71,7 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     let Some(pane) = model.panes.get_mut(id) else { return };
     for kind in ViewKind::ALL {
         let radio = ui.radio(pane.shows(kind), kind.label());
-        if explained(radio, shown_by(kind).action().help, picture_word(Content::Cursor, kind)).clicked() {
+        if explained(radio, shown_by(kind.shown()).action().help, picture_word(Content::Cursor, kind)).clicked() {
             pane.show(kind);
         }
     }

@@ -109,8 +109,6 @@ impl BurstscopeApp {
                     self.restore_with_burst(*session);
                 }
             }
-            // The one that took its place is being opened.
-            Err(JobError::Superseded) => {}
             Err(JobError::Cancelled) => self.model.messages.note("Opening cancelled"),
             Err(JobError::Several(_)) if session.is_none() => {
                 if let BurstSource::Paths(paths) = ended.request.source {
@@ -222,7 +220,6 @@ impl BurstscopeApp {
                     None => self.model.workspace = Workspace::Pair,
                 }
             }
-            Err(JobError::Superseded) => {}
             Err(JobError::Cancelled) => self.model.messages.note("Opening B cancelled"),
             Err(JobError::Several(bursts)) if session.is_none() => self.choose_among(bursts, Side::B),
             Err(error) => {

@@ -4,8 +4,7 @@ use crate::app::pane::Content;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
-use crate::requests::MapKind;
-use crate::teach::{Holds, Layout, Place, Shown, Tab};
+use crate::teach::{Holds, Layout, Place, Tab};
 
 /// Reads the present state of the window.
 pub(in crate::app) fn seen(model: &Model) -> Holds<'_> {
@@ -14,7 +13,7 @@ pub(in crate::app) fn seen(model: &Model) -> Holds<'_> {
     let matches = model.pair.matches.as_ref().filter(|_| !model.needs_matches());
     Holds {
         slope: cursor.slope,
-        show: shown(model),
+        show: model.focused().shown(),
         layout: layout(model),
         frame: cursor.frame,
         octave: cursor.octave,
@@ -29,22 +28,6 @@ pub(in crate::app) fn seen(model: &Model) -> Holds<'_> {
         workspace: place(model.workspace),
         inliers: matches.and_then(|matches| matches.result.counts.inliers),
         selected_match: model.pair.selected.is_some(),
-    }
-}
-
-fn shown(model: &Model) -> Option<Shown> {
-    let pane = model.focused();
-    match pane.content {
-        Content::Cursor => Some(match pane.cursor.kind {
-            ViewKind::Frame => Shown::Frame,
-            ViewKind::Stack => Shown::Stack,
-            ViewKind::Dog => Shown::Dog,
-        }),
-        Content::Merge => Some(Shown::Merge),
-        Content::Map(MapKind::Noise) => Some(Shown::Noise),
-        Content::Map(MapKind::Coverage) => Some(Shown::Coverage),
-        Content::Map(MapKind::Motion) => Some(Shown::Motion),
-        Content::Slice(_) | Content::Difference(..) => None,
     }
 }
 

@@ -1,13 +1,12 @@
 //! Sets the window up for a step.
 
 use crate::app::canvas::{View, Zoom};
-use crate::app::pane::{Content, Pane, PaneId, PaneLinks, Preset};
+use crate::app::pane::{Content, PaneId, PaneLinks, Preset};
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model, Panels};
 use crate::detector::DetectorParams;
-use crate::requests::MapKind;
 use crate::teach::{Layout, Place, Shown, State, Tab};
 
 /// Sets the model up as `state` says; its bursts are open already.
@@ -75,19 +74,7 @@ fn set_up_panes(model: &mut Model, state: &State) {
             Some([u, v, zoom]) => View::new(Zoom::PointsPerPixel(zoom), [u, v]),
             None => View::fit(),
         };
-        show(pane, state.show.unwrap_or(Shown::Stack));
-    }
-}
-
-fn show(pane: &mut Pane, shown: Shown) {
-    match shown {
-        Shown::Frame => pane.show(ViewKind::Frame),
-        Shown::Stack => pane.show(ViewKind::Stack),
-        Shown::Dog => pane.show(ViewKind::Dog),
-        Shown::Merge => pane.content = Content::Merge,
-        Shown::Noise => pane.content = Content::Map(MapKind::Noise),
-        Shown::Coverage => pane.content = Content::Map(MapKind::Coverage),
-        Shown::Motion => pane.content = Content::Map(MapKind::Motion),
+        pane.show_kind(state.show.unwrap_or(Shown::Stack));
     }
 }
 

@@ -10,6 +10,7 @@
 
 mod arrangement;
 mod changes;
+mod kinds;
 mod links;
 mod methods;
 mod place;
@@ -21,6 +22,7 @@ mod tiles;
 mod together;
 
 pub use arrangement::{Arrangement, Direction, MAX_PANES, Part};
+pub use kinds::KindOfPicture;
 pub use links::{Link, PaneLinks};
 pub use methods::MethodsPreset;
 pub use place::place_in;

@@ -45,7 +45,7 @@ fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let kinds = ui.scope(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         for kind in ViewKind::ALL {
-            button_ui(ui, model, queue, shown_by(kind), Some(kind.label()));
+            button_ui(ui, model, queue, shown_by(kind.shown()), Some(kind.label()));
         }
     });
     mark(ui, Part::Kinds, kinds.response.rect);

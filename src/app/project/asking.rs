@@ -116,3 +116,112 @@ impl Model {
         self.ask_for_chart(engine);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::open;
+    use crate::app::project::workspace::Workspace;
+    use crate::detector::{DetectorParams, SlopeChoice, SlopeGrid};
+    use crate::engine::DEFAULT_CACHE_BYTES;
+    use crate::requests::{BurstSource, JobError};
+    use crate::synth::Example;
+    use std::sync::Arc;
+    use std::time::{Duration, Instant};
+
+    /// A project with an engine, and no window.
+    struct Bench {
+        model: Model,
+        engine: Engine,
+    }
+
+    impl Bench {
+        fn new() -> Self {
+            let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..Default::default() };
+            let model = Model { params, slopes: SlopeChoice::Given, auto_detect: true, ..Model::default() };
+            Self { model, engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
+        }
+
+        /// Makes passes until `done` holds; returns the effects.
+        fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {
+            let (end, mut effects) = (Instant::now() + Duration::from_secs(60), Vec::new());
+            loop {
+                effects.extend(self.model.take_answers(&self.engine));
+                self.model.check_params();
+                self.model.check_pair();
+                self.model.ask(&self.engine, false);
+                if done(&self.model, &effects) {
+                    return effects;
+                }
+                assert!(Instant::now() < end, "it does not come to rest");
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
+
+        fn settle(&mut self) {
+            self.run_until(|model, _| model.is_settled());
+        }
+    }
+
+    #[test]
+    fn a_burst_is_opened_for_either_side_and_what_it_changes_beyond_is_an_effect() {
+        let mut bench = Bench::new();
+        bench.model.open(Side::A, BurstSource::Demo, &bench.engine);
+        bench.model.open(Side::B, BurstSource::DemoLater, &bench.engine);
+        assert!(bench.model.is_searching() && !bench.model.is_settled());
+        let effects = bench.run_until(|_, effects| effects.len() == 2);
+        let mut names: Vec<(Side, String)> = effects
+            .into_iter()
+            .map(|effect| match effect {
+                Effect::Opened(side, ended) => (side, ended.result.expect("built in").burst.name.clone()),
+                Effect::Dataset(_) => panic!("no dataset was opened"),
+            })
+            .collect();
+        names.sort_by_key(|(side, _)| *side as usize);
+        assert_eq!(names, [(Side::A, "demo".to_owned()), (Side::B, "demo-later".to_owned())]);
+        assert!(!bench.model.is_searching());
+    }
+
+    #[test]
+    fn what_is_shown_is_asked_for_and_comes_to_rest() {
+        let mut bench = Bench::new();
+        assert!(bench.model.is_settled(), "nothing is open");
+        bench.model.take_burst(open((96, 72), 5));
+        bench.model.take_second_burst(open((96, 72), 5));
+        bench.settle();
+        let picture = bench.model.picture().expect("of the pane in focus");
+        assert_eq!(picture.plane.size(), (96, 72));
+        assert!(bench.model.features_are_current(Side::A) && bench.model.slots.b.found.is_none());
+        // B is searched, and both are matched, when they are looked at together.
+        bench.model.open_workspace(Workspace::Pair);
+        bench.settle();
+        assert!(bench.model.features_are_current(Side::B) && bench.model.pair.matches.is_some());
+        // The other way round they are matched anew, and nothing is searched again.
+        let found = bench.model.slots.a.found.as_ref().expect("features").detection.clone();
+        bench.model.swap_sides();
+        assert!(bench.model.pair.matches.is_none());
+        bench.settle();
+        assert!(Arc::ptr_eq(&found, &bench.model.slots.b.found.as_ref().expect("features").detection));
+        assert!(bench.model.pair.matches.is_some());
+    }
+
+    #[test]
+    fn what_was_cancelled_is_not_begun_again_by_itself() {
+        let mut bench = Bench::new();
+        let source = BurstSource::Example(Example::Street);
+        let burst = source.open(&Default::default(), &crate::Monitor::default()).expect("built in");
+        bench.model.take_burst(burst);
+        bench.model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 31, -3.0..=3.0, 31);
+        bench.run_until(|model, _| model.slots.a.detecting.is_pending());
+        assert!(bench.model.is_searching());
+        bench.model.cancel_searches();
+        bench.settle();
+        assert!(bench.model.slots.a.found.is_none() && !bench.model.wants_detection(Side::A));
+        assert!(bench.model.slots.a.detecting.failure().is_some_and(|(_, why)| *why == JobError::Cancelled));
+        assert!(bench.model.messages.errors().is_empty(), "a person did not want it");
+        // Other parameters are another detection.
+        bench.model.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
+        bench.settle();
+        assert!(bench.model.features_are_current(Side::A));
+    }
+}

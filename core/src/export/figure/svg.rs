@@ -6,6 +6,7 @@ use crate::export::base64::write_base64;
 use crate::export::error::ExportError;
 use crate::export::mark::SVG_COMMENT;
 use crate::export::png::Picture;
+use crate::export::sheet::escaped;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -132,23 +133,6 @@ impl std::fmt::Display for Hex {
     }
 }
 
-/// Text for XML: markup is escaped, and characters that XML 1.0 does not allow are replaced.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
-            c if c.is_control() && !matches!(c, '\t' | '\n' | '\r') => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,6 +144,5 @@ mod tests {
             assert_eq!(Number(number).to_string(), text);
         }
         assert_eq!(Hex([0, 171, 255]).to_string(), "#00abff");
-        assert_eq!(escaped("a<b & \"c\"\u{1}"), "a&lt;b &amp; &quot;c&quot;\u{fffd}");
     }
 }
