@@ -23,7 +23,7 @@ impl PictureCache {
         self.bytes
     }
 
-    /// How many pictures are held.
+    /// Number of pictures held.
     pub fn len(&self) -> usize {
         self.entries.len()
     }
@@ -33,7 +33,7 @@ impl PictureCache {
         self.entries.is_empty()
     }
 
-    /// The picture that `request` asks for, if it is held; that makes it the most recently used.
+    /// Finds the picture of `request` and makes it the most recently used; `None` if it is not held.
     pub fn get(&mut self, request: &PictureRequest) -> Option<Picture> {
         self.clock += 1;
         let (picture, used) = self.entries.get_mut(&request.key())?;

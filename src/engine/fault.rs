@@ -1,4 +1,4 @@
-//! How a panic becomes a message with its place.
+//! Conversion of a panic into a message with its place in the source.
 //!
 //! The panic's payload does not know where it happened; only the panic hook does. So a hook, installed once and in
 //! front of the one that was there, writes the place down under the thread's name. The threads of the queue and

@@ -12,19 +12,19 @@ use std::convert::Infallible;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What became of a request.
+/// Result of a request, with its id and duration.
 #[derive(Debug, Clone)]
 pub struct JobAnswer<A> {
     /// The request it answers.
     pub id: JobId,
     /// The result, or why there is none.
     pub result: Result<A, JobError>,
-    /// How long it took, by the wall clock; zero for an answer that was there already.
+    /// Wall-clock time of the work; zero for an answer that was kept.
     pub elapsed: Duration,
 }
 
 impl<A> JobAnswer<A> {
-    /// Whether a newer request took its place: whoever asks one thing at a time waits for that one.
+    /// Whether a newer request took its place.
     pub fn is_superseded(&self) -> bool {
         matches!(self.result, Err(JobError::Superseded))
     }
@@ -53,7 +53,7 @@ impl<Q, A, P> Shared<Q, A, P> {
     fn answer(&self, slot: u32, id: JobId, result: Result<A, JobError>, elapsed: Duration) {
         let mut news = self.news();
         if matches!(result, Err(JobError::Superseded)) {
-            // What it told on the way is of no use beside what the newer one tells.
+            // Progress of the superseded request is dropped: the newer request tells its own.
             news.partial.retain(|(_, of, _)| *of != id);
         }
         news.answers.push((slot, JobAnswer { id, result, elapsed }));

@@ -36,21 +36,21 @@ pub(super) const THREADS: [Urgency; 8] = [
     Urgency::Dataset,
 ];
 
-/// What a request is for. Of one key the latest request wins.
+/// Kind of work and slot of a request. Of one key the latest request wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct JobKey {
-    /// Which kind of work, as the queue numbers them.
+    /// Kind of work, as the queue numbers them.
     pub kind: u32,
-    /// For whom.
+    /// Slot that the request is for, a pane for example.
     pub slot: u32,
 }
 
 /// How a request is treated by the queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Manner {
-    /// What goes first.
+    /// Urgency: the most urgent work goes first.
     pub(super) urgency: Urgency,
-    /// For how long a superseded request may go on running.
+    /// Time for which a superseded request may go on running.
     pub(super) grace: Duration,
     /// Of the requests of a lane one runs at a time, in the order in which their keys asked.
     pub(super) lane: Lane,
@@ -132,7 +132,7 @@ impl JobQueue {
         state.kinds
     }
 
-    /// Who is told of news.
+    /// Callback that is called when there is news.
     pub(super) fn on_update(&self) -> &OnUpdate {
         &self.shared.on_update
     }
@@ -192,7 +192,7 @@ impl JobQueue {
         running.or_else(|| waiting().map(|job| Running { id: job.id, started: Instant::now(), progress: None }))
     }
 
-    /// How many requests wait or run.
+    /// Number of requests that wait or run.
     pub(super) fn len(&self) -> usize {
         let state = self.shared.lock();
         state.waiting.len() + state.running.len()

@@ -13,14 +13,14 @@ use std::time::Duration;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct TaskId(u32);
 
-/// What became of a task.
+/// Result of a task.
 #[derive(Debug, Clone)]
 pub struct TaskDone {
-    /// Which.
+    /// Id of the task.
     pub id: TaskId,
-    /// What it does, as it was given.
+    /// Label that the task was started with.
     pub label: String,
-    /// What it has to say, or why it failed.
+    /// Message of the task, or the error with which it failed.
     pub result: Result<String, JobError>,
 }
 

@@ -1,4 +1,4 @@
-//! What the detections of the open bursts left behind, kept for all who ask why.
+//! Store of the trails of detections: all that the search of an open burst left behind, for requests that explain it.
 //!
 //! A trail costs as much as the detection that it explains. So the detection itself makes it, in the same search, and
 //! puts it here; the probe, the spectrum of slopes, the map of winning slopes and the comparison with the truth find
@@ -21,9 +21,9 @@ pub(super) struct Trails {
 
 #[derive(Debug, Default)]
 struct State {
-    /// The one that was used last comes last.
+    /// Least recently used first.
     kept: Vec<Kept>,
-    /// Those that are being made, so that none is made twice.
+    /// Keys of the trails that are being made, so that none is made twice.
     making: Vec<Key>,
     repeated: usize,
 }
@@ -42,7 +42,7 @@ struct Kept {
     cache: Arc<ProbeCache>,
 }
 
-/// How long somebody else's search is waited for at once.
+/// Time between two looks for a trail that another thread is making.
 const WAIT: Duration = Duration::from_millis(5);
 
 impl Trails {
@@ -66,20 +66,20 @@ impl Trails {
         self.lock().kept.retain(|kept| bursts.contains(&kept.key.burst));
     }
 
-    /// How often a detection was repeated because its trail was not kept.
+    /// Number of detections that were repeated because their trail was not kept.
     #[cfg(test)]
     pub(super) fn repeated(&self) -> usize {
         self.lock().repeated
     }
 
-    /// How many are kept, and how many bytes they take beside the bursts that are open.
+    /// Number of trails that are kept, and their bytes without the open bursts.
     pub(super) fn held(&self) -> (usize, usize) {
         let state = self.lock();
         (state.kept.len(), state.kept.iter().map(Kept::bytes).sum())
     }
 
-    /// What `find` finds, or what `make` makes. What somebody else makes at the moment is waited for. What is made
-    /// stays at least until the next one is, whatever room it takes: whoever asks mostly asks again.
+    /// Returns the trail that `find` finds, or makes it with `make`. Waits if another thread is making it. A new trail
+    /// stays at least until the next one is made, even above the budget: most askers ask again.
     fn find_or_make(
         &self,
         (open, key): (&OpenBurst, &Key),
@@ -161,7 +161,7 @@ impl TrailStore for Trails {
 }
 
 impl State {
-    /// The one that `is_it`, which is the one used last from now on.
+    /// Finds the trail for which `is_it` holds, and makes it the most recently used.
     fn used(&mut self, is_it: impl Fn(&Kept) -> bool) -> Option<Arc<ProbeCache>> {
         let index = self.kept.iter().position(is_it)?;
         let kept = self.kept.remove(index);

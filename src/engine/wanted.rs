@@ -1,4 +1,4 @@
-//! What somebody who shows an answer holds: the request, how far it is, and how it ended.
+//! Client's side of a request: the request, its progress, and its end.
 
 use super::jobs::Jobs;
 use super::queue::{Lane, Manner};
@@ -39,7 +39,7 @@ pub struct Ended<R: Request> {
     pub request: R,
     /// The answer, or why there is none.
     pub result: Result<R::Answer, JobError>,
-    /// How long it took by the wall clock; zero for an answer that was kept.
+    /// Wall-clock time of the work; zero for an answer that was kept.
     pub elapsed: Duration,
 }
 
@@ -179,12 +179,12 @@ fn jobs<R: Request>(engine: &Engine) -> JobsOf<R> {
     Jobs::telling(&engine.queue, Urgency::Search, Duration::ZERO, work)
 }
 
-/// What all [`Wanted`] have in common, for a list of them.
+/// Methods that do not depend on the request of a [`Wanted`], for lists of them.
 pub trait Want {
     /// Whether nothing is running and nothing was requested whose end was not taken.
     fn is_settled(&self) -> bool;
 
-    /// How urgent the running request is.
+    /// Urgency of the running request.
     fn urgency(&self) -> Option<Urgency>;
 
     /// As [`Wanted::cancel`].

@@ -20,7 +20,7 @@ pub enum Reference {
     Earlier {
         /// The burst.
         burst: OpenBurst,
-        /// What it was asked for.
+        /// Parameters that were asked for.
         asked: SearchParams,
         /// The result; where it is not there any more, it is found again.
         detection: Option<Arc<Detection>>,
@@ -29,10 +29,10 @@ pub enum Reference {
     File {
         /// The file.
         path: PathBuf,
-        /// What it holds, once it was read.
+        /// Features of the file, once it was read.
         features: Option<Arc<Vec<ForeignFeature>>>,
     },
-    /// What is known of a synthetic burst.
+    /// Truth of a synthetic burst.
     Truth {
         /// The burst.
         burst: OpenBurst,
@@ -41,7 +41,7 @@ pub enum Reference {
     },
 }
 
-/// What is compared with what.
+/// Features to compare, and the reference.
 #[derive(Debug, Clone)]
 pub struct AgainstRequest {
     /// The features.
@@ -107,7 +107,7 @@ impl Request for AgainstRequest {
     }
 }
 
-/// What came of a comparison.
+/// Result of a comparison.
 #[derive(Debug, Clone)]
 pub enum Against {
     /// Gained, lost and moved.
@@ -116,14 +116,14 @@ pub enum Against {
         changes: Changes,
         /// The others, in the order of their indices.
         before: Arc<Vec<Spot>>,
-        /// What they come from.
+        /// Source of the others.
         source: OthersSource,
     },
     /// Found, missed, repeated and false.
     Truth {
         /// Which.
         against: Box<AgainstTruth>,
-        /// What is really there.
+        /// The truth.
         truth: Arc<Truth>,
     },
 }
@@ -146,7 +146,7 @@ impl Against {
         }
     }
 
-    /// What was read of a file.
+    /// Features that were read from a file; `None` for other references.
     pub fn read(&self) -> Option<&Arc<Vec<ForeignFeature>>> {
         match self {
             Self::Changes { source: OthersSource::File(read), .. } => Some(read),
@@ -158,9 +158,9 @@ impl Against {
 /// A comparison with what it was made of.
 #[derive(Debug, Clone)]
 pub struct ComparedWith {
-    /// What was asked for.
+    /// The request.
     pub request: AgainstRequest,
-    /// What came of it.
+    /// The result.
     pub against: Against,
 }
 

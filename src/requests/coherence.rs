@@ -1,4 +1,4 @@
-//! How evenly the frames answer for each feature of a detection.
+//! Coherence of each feature of a detection: how evenly the frames contribute to it.
 
 use super::error::JobError;
 use super::request::{Request, Urgency, Work};

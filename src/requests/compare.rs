@@ -18,7 +18,7 @@ pub enum CompareRequest {
     Match(MatchRequest),
 }
 
-/// What came of it.
+/// Answer to a `CompareRequest`.
 #[derive(Debug, Clone)]
 pub enum Compared {
     /// The features.

@@ -8,7 +8,7 @@ use crate::inspect::ProbeCache;
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// What to detect: a burst and the parameters, both as they were when it was asked.
+/// Request for a detection: snapshot of a burst and of the parameters.
 #[derive(Debug, Clone)]
 pub struct DetectRequest {
     /// The burst.
@@ -53,11 +53,11 @@ impl Request for DetectRequest {
 pub struct Detected {
     /// The burst it belongs to.
     pub burst: BurstId,
-    /// What was asked for.
+    /// Parameters that were asked for.
     pub asked: SearchParams,
     /// The parameters it was made with: where slopes were to be found, with those that were.
     pub params: DetectorParams,
-    /// What was found of the slopes, if they were to be found.
+    /// Result of the search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
     /// The features.
     pub detection: Arc<Detection>,

@@ -27,7 +27,7 @@ pub enum JobError {
     /// Our own mistake.
     #[error("this is a mistake in Burstscope, please report it: {message} (at {place})")]
     Panicked {
-        /// What the panic said.
+        /// Message of the panic.
         message: String,
         /// File, line and column.
         place: String,
@@ -35,7 +35,7 @@ pub enum JobError {
 }
 
 impl JobError {
-    /// What went wrong, in the words of `error`.
+    /// Failure with the message of `error`.
     pub(super) fn failed(error: impl std::fmt::Display) -> Self {
         Self::Failed(error.to_string())
     }

@@ -8,7 +8,7 @@ use crate::inspect::spectrum::{Spectrum, spectrum};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// What is asked about a detection. Of one subject the latest question wins.
+/// Question about a detection. Of one subject the latest question wins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ExplainQuestion {
     /// Which slopes the burst needs.
@@ -22,7 +22,7 @@ pub enum ExplainQuestion {
 pub struct ExplainRequest {
     /// The detection.
     pub of: DetectionSource,
-    /// What is asked.
+    /// The question.
     pub question: ExplainQuestion,
 }
 
@@ -62,7 +62,7 @@ pub enum Explanation {
 /// An answer with what was asked.
 #[derive(Debug, Clone)]
 pub struct Explained {
-    /// What was asked.
+    /// The request.
     pub request: ExplainRequest,
     /// The answer.
     pub explanation: Explanation,

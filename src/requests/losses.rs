@@ -1,4 +1,4 @@
-//! Where the features of a pair were lost on the way to a match.
+//! Losses of a pair: the step of matching at which each feature of A was lost.
 
 use super::error::JobError;
 use super::pair::MatchRequest;
@@ -13,14 +13,14 @@ use std::sync::Arc;
 pub struct LossesRequest {
     /// The features and how they were matched.
     pub request: MatchRequest,
-    /// What came of matching them.
+    /// Result of matching them.
     pub result: Arc<MatchResult>,
     /// (columns, rows) of B.
     pub size_b: (usize, usize),
 }
 
 impl LossesRequest {
-    /// The same as [`crate::inspect::unmatched`] wants it.
+    /// The pair in the form that [`crate::inspect::unmatched`] takes.
     pub fn pair(&self) -> ComparedPair<'_> {
         let MatchRequest { a, b, params } = &self.request;
         ComparedPair { a, b, size_b: self.size_b, result: &self.result, params }
@@ -53,10 +53,10 @@ impl Request for LossesRequest {
 pub struct FoundLosses {
     /// The pair.
     pub request: LossesRequest,
-    /// For each feature of A.
+    /// Step at which each feature of A was lost.
     pub lost: Vec<Lost>,
-    /// How many were lost where.
+    /// Number of features that were lost at each step.
     pub counts: [(Lost, usize); 5],
-    /// What single features are asked with.
+    /// Nearest neighbours of both sides, for questions about single features.
     pub nearest: Arc<NearestOfBoth>,
 }

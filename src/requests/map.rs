@@ -39,7 +39,7 @@ impl MapKind {
         }
     }
 
-    /// What it shows.
+    /// Explanation of the map.
     pub fn help(self) -> &'static str {
         match self {
             Self::Noise => {

@@ -1,4 +1,4 @@
-//! What can be asked for in the background, and what is answered: values, and the function from the one to the other.
+//! Requests for background work and their answers: values, and the function from the one to the other.
 //!
 //! A request is an immutable snapshot of all that decides its answer: the burst, the parameters, what is asked. Whether
 //! two requests ask for the same can be told from their values. `compute` makes the answer on the calling thread and

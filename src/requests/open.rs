@@ -33,7 +33,7 @@ impl OpenBurst {
         Self { id: BurstId(COUNTER.fetch_add(1, Ordering::Relaxed)), burst: Arc::new(burst), source }
     }
 
-    /// What is really there, if that is known.
+    /// Reads or computes the truth of the burst; `None` if it is not known.
     ///
     /// # Errors
     /// A `truth.json` that cannot be read, is none, or is of pictures of another size.
@@ -45,7 +45,7 @@ impl OpenBurst {
         }
     }
 
-    /// Whether something is known of what it shows: a cheap look, that reads no file.
+    /// Whether the burst may have a truth: a cheap check that reads no file.
     pub fn has_truth(&self) -> bool {
         matches!(self.source, BurstSource::Chart(_)) || is_known(&self.burst)
     }

@@ -7,7 +7,7 @@ use crate::matching::{MatchParams, MatchResult, match_detections};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// What to match: the features of two bursts and the parameters, as they were when it was asked.
+/// Request for matches: snapshot of the features of two bursts and of the parameters.
 #[derive(Debug, Clone)]
 pub struct MatchRequest {
     /// The features of A.
@@ -39,7 +39,7 @@ impl Request for MatchRequest {
 /// Matches with what they were made from.
 #[derive(Debug, Clone)]
 pub struct Matched {
-    /// What was asked for.
+    /// The request.
     pub request: MatchRequest,
     /// The matches, and what they agree on.
     pub result: Arc<MatchResult>,

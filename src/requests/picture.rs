@@ -1,5 +1,5 @@
-//! What can be shown of a burst: a frame, a motion-stack image, a DoG response, a map, the merged frames, or the
-//! difference of two of these.
+//! Pictures of a burst: a frame, a motion-stack image, a DoG response, a map, the merged frames, or the difference of
+//! two of these.
 
 use super::map::{MapKind, MotionMap};
 use super::open::{BurstId, OpenBurst};
@@ -32,7 +32,7 @@ pub enum PictureKind {
     },
     /// The frames that are used, aligned tile by tile and merged into one.
     Merge,
-    /// What decides in the search, by place.
+    /// Map of a quantity that decides in the search, by place.
     Map {
         /// Which map.
         map: MapKind,
@@ -74,7 +74,7 @@ pub struct PictureRequest {
     minus: Option<Box<PictureRequest>>,
 }
 
-/// What decides a picture. Two requests with one key give the same picture.
+/// Key of a picture: two requests with equal keys give the same picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct PictureKey {
     burst: BurstId,
@@ -127,7 +127,7 @@ impl PictureRequest {
         Self { minus: Some(Box::new(other.alone())), ..self }
     }
 
-    /// What is subtracted, if this is a difference.
+    /// Picture that is subtracted, if this is a difference.
     pub fn minus(&self) -> Option<&Self> {
         self.minus.as_deref()
     }
@@ -187,7 +187,7 @@ fn hash_of(params: &DetectorParams) -> u64 {
 /// A picture with what was asked for. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Picture {
-    /// What it shows.
+    /// Request that it answers.
     pub request: PictureRequest,
     /// Its pixels; fraction of full scale.
     pub plane: Arc<Plane>,

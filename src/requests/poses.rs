@@ -18,7 +18,7 @@ pub enum TrajectorySource {
 }
 
 impl TrajectorySource {
-    /// Where it is, or was read from.
+    /// Path of the trajectory's file.
     pub fn path(&self) -> &PathBuf {
         match self {
             Self::Path(path) | Self::Read(path, _) => path,
@@ -36,14 +36,14 @@ impl TrajectorySource {
     }
 }
 
-/// What is to be read, and compared if both are there.
+/// Trajectories to read, and to compare if both are given.
 #[derive(Debug, Clone)]
 pub struct PosesRequest {
     /// The estimate.
     pub estimate: Option<TrajectorySource>,
     /// The truth.
     pub truth: Option<TrajectorySource>,
-    /// How they are compared.
+    /// Parameters of the comparison.
     pub study: PoseStudy,
 }
 
@@ -80,7 +80,7 @@ impl Request for PosesRequest {
     }
 }
 
-/// What was read and what came of the comparison.
+/// Trajectories that were read, and their comparison.
 #[derive(Debug, Clone, Default)]
 pub struct ComparedPoses {
     /// The estimate and where it is from.

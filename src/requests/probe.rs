@@ -43,26 +43,26 @@ impl Request for DetectionSource {
     }
 }
 
-/// What is asked.
+/// Question that a probe answers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProbeQuestion {
-    /// What happened at a place.
+    /// The candidates at a place.
     At {
         /// (u, v) at mid-burst, input pixels.
         place: [f32; 2],
-        /// What is looked at more closely.
+        /// Choice of what is examined more closely.
         wanted: Wanted,
     },
-    /// What happened to the strongest candidate of the whole picture, kept or not.
+    /// The strongest candidate of the whole picture, kept or not.
     Strongest,
 }
 
 /// A question about a detection.
 #[derive(Debug, Clone)]
 pub struct ProbeRequest {
-    /// What it is asked of.
+    /// Detection that the question is about.
     pub traced: Traced,
-    /// What is asked.
+    /// The question.
     pub question: ProbeQuestion,
 }
 
@@ -95,9 +95,9 @@ impl Request for ProbeRequest {
 /// An answer with what was asked.
 #[derive(Debug, Clone)]
 pub struct Probed {
-    /// What was asked.
+    /// The request.
     pub request: ProbeRequest,
-    /// What is known of the place.
+    /// Result for the place.
     pub probe: Arc<Probe>,
 }
 

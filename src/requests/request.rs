@@ -1,4 +1,4 @@
-//! What all requests have in common: an answer, an urgency, and when two of them are the same.
+//! Trait of all requests: an answer, an urgency, and equality of two requests.
 
 use super::error::JobError;
 use super::picture::{Picture, PictureRequest};
@@ -13,7 +13,7 @@ pub trait Request: Clone + Send + 'static {
     /// [`Infallible`](std::convert::Infallible) where there is none.
     type Told: Send + 'static;
 
-    /// How urgent the answer is.
+    /// Urgency of the answer.
     fn urgency(&self) -> Urgency;
 
     /// Whether `other` has the same answer.
@@ -34,7 +34,7 @@ pub trait Request: Clone + Send + 'static {
 /// The urgency of a request. The first in this order goes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Urgency {
-    /// What a person is looking at: pictures, patches, a probed place.
+    /// Answers that a person is looking at: pictures, patches, a probed place.
     Picture,
     /// Files that are being written; finished even when the window closes.
     Write,

@@ -1,4 +1,4 @@
-//! What is told of a request while it runs.
+//! Progress of a request while it runs.
 
 use crate::monitor::Progress;
 use std::time::{Duration, Instant};
@@ -7,26 +7,26 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct JobId(pub(crate) u64);
 
-/// How far a running request is.
+/// Progress of a running request.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Running {
-    /// Which request.
+    /// Id of the request.
     pub id: JobId,
-    /// Since when.
+    /// Time at which it began.
     pub started: Instant,
     /// The stage and fraction it last reported.
     pub progress: Option<Progress>,
 }
 
 impl Running {
-    /// How long it still takes if it goes on as it went so far; `None` while that cannot be told.
+    /// Estimate of the time left at the present speed; `None` while there is none.
     pub fn time_left(&self) -> Option<Duration> {
         time_left(self.started.elapsed(), self.progress?.fraction)
     }
 }
 
-/// How long work still takes that has done `fraction` of it in `gone`, if it goes on as it went so far; `None` while
-/// that cannot be told.
+/// Estimate of the time left of work that has done `fraction` in `gone`, at the present speed; `None` below a
+/// fraction of 0.03 and within the first 0.5 s.
 fn time_left(gone: Duration, fraction: f32) -> Option<Duration> {
     let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
     can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))

@@ -8,7 +8,7 @@ use crate::figures::{FiguresJob, FiguresReport};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// What is to be studied.
+/// Request for a study.
 #[derive(Debug, Clone)]
 pub struct StudyRequest {
     /// The study.

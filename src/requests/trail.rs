@@ -1,4 +1,4 @@
-//! What a detection left behind, as requests need it: found where somebody keeps it, or made again.
+//! Trail of a detection: all that its search left behind, found in a store or made again.
 
 use super::error::JobError;
 use super::open::OpenBurst;
@@ -12,11 +12,11 @@ use std::sync::Arc;
 pub struct DetectionSource {
     /// The burst.
     pub burst: OpenBurst,
-    /// What was asked for.
+    /// Parameters that were asked for.
     pub asked: SearchParams,
     /// The parameters that it was made with, with its slopes.
     pub params: DetectorParams,
-    /// What was found of the slopes, if they were to be found.
+    /// Result of the search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
 }
 
@@ -38,28 +38,28 @@ pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
 
-/// Who keeps what detections left behind. [`NothingKept`] keeps nothing; whoever does many requests keeps what the next
-/// one may need. The answers are the same.
+/// Store of the trails of detections, which the next request may need. [`NothingKept`] keeps none. The answers are the
+/// same with every store.
 pub trait TrailStore {
-    /// Keeps what a detection left.
+    /// Keeps the trail of a detection.
     fn put(&self, burst: &OpenBurst, trail: &Arc<ProbeCache>);
 
-    /// Before another trail is made: one that took all the room goes before the new one needs it.
+    /// Drops trails above the budget, before another one is made.
     fn make_room(&self);
 
-    /// What a detection left that was asked for in the same way, if it is kept.
+    /// Trail of a detection that was asked for with `asked`, if it is kept.
     fn asked(&self, burst: &OpenBurst, asked: &SearchParams) -> Option<Arc<ProbeCache>>;
 
-    /// What `source` left, if it is kept.
+    /// Trail of `source`, if it is kept.
     fn get(&self, source: &DetectionSource) -> Option<Arc<ProbeCache>>;
 
-    /// What `source` left: kept, or made now.
+    /// Trail of `source`: kept, or made now.
     ///
     /// # Errors
     /// As [`ProbeCache::new`].
     fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError>;
 
-    /// What the detection of `burst` with `params` left, in whatever words it was asked for: kept, or made now.
+    /// Trail of the detection of `burst` with `params`, however it was asked for: kept, or made now.
     ///
     /// # Errors
     /// As [`ProbeCache::new`].
@@ -74,7 +74,7 @@ pub trait TrailStore {
 /// Part of the progress that making a trail takes, where it is not kept.
 const TRAIL_SHARE: f32 = 0.6;
 
-/// What `source` left, kept or made now, and a monitor for the rest of the work.
+/// Trail of `source`, kept or made now, and a monitor for the rest of the work.
 ///
 /// # Errors
 /// As [`TrailStore::get_or_make`].

@@ -1,4 +1,4 @@
-//! What the window asks the engine to do with a dataset.
+//! Requests for work on a dataset, from the window to the engine.
 
 use crate::app::dataset::cut::CutDialog;
 use crate::app::project::datasets::pairs::BurstPair;

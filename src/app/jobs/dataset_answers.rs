@@ -1,4 +1,4 @@
-//! What the window does with what the engine answers about a dataset.
+//! Handling of the engine's answers about a dataset.
 
 use crate::app::dataset::cut::CutDialog;
 use crate::app::project::datasets::{Dataset, Work};

@@ -198,7 +198,7 @@ fn select_first(open: &mut OpenLesson, model: &mut Model) {
     open.selects = model.pair.selected.is_none() && model.selected.is_none();
 }
 
-/// What goes on in the background goes on, whatever is shown.
+/// Swaps datasets, trajectories, Lab, messages and figures between the models, so that their work goes on.
 fn hand_over(from: &mut Model, to: &mut Model) {
     std::mem::swap(&mut from.datasets, &mut to.datasets);
     std::mem::swap(&mut from.trajectories, &mut to.trajectories);

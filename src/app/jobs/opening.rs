@@ -14,7 +14,7 @@ use crate::requests::{BurstSource, JobError, JobId, OpenRequest};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// How long a slope is shown at least while slopes are played.
+/// Minimum time for which each slope is shown while slopes are played.
 const PLAY_EVERY: Duration = Duration::from_millis(220);
 
 /// Sessions that wait for their burst to be opened.

@@ -1,5 +1,5 @@
-//! What the window does for its panes: changes them as a pane asked for, lets linked ones follow, and asks the engine
-//! for the pictures that they want.
+//! Work of the window for its panes: applies the changes that a pane asked for, updates linked panes, and requests the
+//! pictures that they show.
 
 use crate::app::inspector::Change;
 use crate::app::pane::{PaneId, Panes};
@@ -7,14 +7,14 @@ use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
 use crate::app::window::BurstscopeApp;
 
-/// Where the cursor in focus was at the beginning of a pass.
+/// Cursor in focus at the beginning of a pass.
 pub(in crate::app) struct CursorBefore {
     focus: PaneId,
     cursor: Cursor,
 }
 
 impl CursorBefore {
-    /// Where it is now.
+    /// Records the cursor in focus.
     pub(in crate::app) fn of(model: &Model) -> Self {
         Self { focus: model.focus(), cursor: *model.cursor() }
     }

@@ -7,7 +7,7 @@ use crate::app::window::BurstscopeApp;
 use crate::engine::TaskDone;
 use crate::files::written_by;
 
-/// What it is called in messages.
+/// Title of its messages.
 const TITLE: &str = "Save the session by itself";
 
 impl BurstscopeApp {
@@ -54,7 +54,7 @@ impl BurstscopeApp {
         }
     }
 
-    /// Whether the task that ended was the saving of the session. Of that a failure is told, and each only once.
+    /// Whether the task that ended was the saving of the session. Reports each failure of that once.
     pub(in crate::app) fn has_kept_session(&mut self, done: &TaskDone) -> bool {
         let Some(recovery) = &mut self.recovery else { return false };
         let why = done.result.as_ref().err().map(ToString::to_string);

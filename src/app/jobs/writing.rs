@@ -1,5 +1,5 @@
-//! What is written to files from the window: prepared from what is on show, then written in the background, whole or
-//! not at all.
+//! Files that the window writes: prepared from the shown results, then written in the background, whole or not at
+//! all.
 
 use crate::app::dialogs::{ExportKind, Purpose};
 use crate::app::figure::{drawing_of, rasterise};
@@ -27,7 +27,7 @@ pub type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 /// The work of writing what `purpose` names, with everything it needs taken from the model as it is now.
 ///
 /// # Errors
-/// What is missing: a detection, a picture, a burst.
+/// When a detection, a picture or a burst is missing; the message names it.
 pub fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     match purpose {
         Purpose::SaveParams => Ok(text_work(written_by() + &model.asked().to_toml())),

@@ -1,4 +1,4 @@
-//! What waits and what runs, and which of it goes next.
+//! State of the queue: the requests that wait and run, and the choice of the next one.
 
 use super::{JobKey, Manner, QueuedJob, Standing};
 use crate::monitor::{Monitor, Progress};
@@ -48,7 +48,7 @@ impl State {
         JobId(self.newest)
     }
 
-    /// What runs under `key` is not the latest any more.
+    /// Marks the requests that run under `key` as no longer the latest.
     pub(super) fn supersede(&mut self, key: JobKey, standing: Standing) {
         for job in self.running.iter_mut().filter(|job| job.key == key) {
             job.standing = job.standing.max(standing);
@@ -73,7 +73,7 @@ impl State {
         Some(self.waiting.remove(index))
     }
 
-    /// What waits under `key` ends without having begun.
+    /// Ends the requests that wait under `key`, with `why` as their answer.
     pub(super) fn end_waiting(&mut self, key: JobKey, why: &JobError) {
         while let Some(index) = self.waiting.iter().position(|job| job.key == key) {
             let old = self.waiting.remove(index);

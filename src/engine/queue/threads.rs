@@ -1,4 +1,4 @@
-//! What a thread of the queue does: it takes the most urgent work that is free, does it, and publishes its answer.
+//! Loop of a thread of the queue: takes the most urgent work that is free, does it, and publishes its answer.
 
 use super::state::{RunningJob, WaitingJob};
 use super::{Shared, Standing};

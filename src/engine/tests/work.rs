@@ -1,4 +1,4 @@
-//! What holds for every kind of work: it tells how far it is, its panics become messages, and it ends with the engine.
+//! Tests of every kind of work: it reports progress, its panics become messages, and it ends with the engine.
 
 use super::{PATIENCE, engine, queue, until_cancelled, wait_for};
 use crate::engine::jobs::Jobs;

@@ -1,4 +1,4 @@
-//! What COLMAP's mapper takes, made of a whole dataset: the work of the command `colmap`, as a request.
+//! Export of a whole dataset for COLMAP's mapper: the work of the command `colmap`, as a request.
 
 use super::DatasetEvent;
 use crate::burst::{BurstSource, OpenOptions};
@@ -10,23 +10,23 @@ use crate::matching::{CameraModel, MatchParams, PairSelection};
 use crate::monitor::Monitor;
 use std::path::PathBuf;
 
-/// What is made, and where.
+/// Export for COLMAP: its folder and parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColmapRequest {
-    /// The folder that is written.
+    /// Folder that is written.
     pub out: PathBuf,
-    /// How features are found.
+    /// Parameters of the detection.
     pub params: SearchParams,
-    /// How bursts are opened.
+    /// Options with which bursts are opened.
     pub open: OpenOptions,
-    /// How they are matched; the camera among it, where it is known.
+    /// Parameters of matching, with the camera where it is known.
     pub matching: MatchParams,
-    /// Which bursts are matched with which.
+    /// Selection of the pairs that are matched.
     pub pairs: PairSelection,
 }
 
 impl ColmapRequest {
-    /// As the command does it when it is given nothing else.
+    /// Request with the defaults of the command.
     fn job(&self) -> ColmapJob {
         let camera = self.matching.camera.clone();
         ColmapJob {
@@ -42,10 +42,10 @@ impl ColmapRequest {
     }
 }
 
-/// What was written, and which bursts were left out and why.
+/// Result of an export for COLMAP.
 #[derive(Debug, Clone)]
 pub struct ColmapDone {
-    /// What was written.
+    /// Report of the files that were written.
     pub report: ColmapReport,
     /// Name and reason of each burst that could not be opened.
     pub left_out: Vec<(String, String)>,

@@ -42,7 +42,7 @@ impl Keeping {
     }
 }
 
-/// What is to be done with a dataset.
+/// Request for work on a dataset.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DatasetRequest {
     /// Find out which bursts there are, and which of them are finished. Without a folder the dataset's own is taken.
@@ -74,12 +74,12 @@ pub enum DatasetRequest {
         /// How they are matched.
         matching: MatchParams,
     },
-    /// Write what COLMAP's mapper takes.
+    /// Write the files that COLMAP's mapper reads.
     #[cfg(feature = "colmap")]
     Colmap {
         /// The bursts.
         bursts: Bursts,
-        /// What is made, and where.
+        /// The export's folder and parameters.
         request: Box<ColmapRequest>,
     },
 }
@@ -109,7 +109,7 @@ pub struct OpenDataset {
     pub other_params: Option<SearchParams>,
 }
 
-/// How a request ended.
+/// Answer to a `DatasetRequest`.
 #[derive(Debug, Clone)]
 pub enum DatasetAnswer {
     /// The dataset is open.
@@ -121,12 +121,12 @@ pub enum DatasetAnswer {
         /// Pairs left out.
         left_out: usize,
     },
-    /// What COLMAP's mapper takes is written.
+    /// The files that COLMAP's mapper reads are written.
     #[cfg(feature = "colmap")]
     Colmap(Box<ColmapDone>),
 }
 
-/// What happens on the way.
+/// Progress that is reported before the answer.
 #[derive(Debug, Clone)]
 pub enum DatasetEvent {
     /// A burst is begun.

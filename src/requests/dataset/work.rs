@@ -1,4 +1,4 @@
-//! What is done with a dataset.
+//! Work on a dataset: opening, detecting and matching.
 
 use super::{DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
 use crate::burst::{BurstSource, Entries, OpenOptions};

@@ -1,4 +1,4 @@
-//! How requests end that have no answer: cancelled at once, or failed with words that help.
+//! Tests of requests without an answer: cancelled at once, or failed with a helpful message.
 
 use super::{detected, empty, open, params, source};
 use crate::burst::OpenOptions;

@@ -1,4 +1,4 @@
-//! What the requests promise: when two are the same, that the answer is the library's, and how a request ends.
+//! Tests of requests: when two are the same, that the answer is the library's, and how a request ends.
 
 mod answers;
 mod datasets;

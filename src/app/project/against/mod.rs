@@ -24,7 +24,7 @@ pub enum With {
     Pinned,
     /// Features of a file.
     File,
-    /// What is really there.
+    /// The truth of the burst.
     Truth,
 }
 
@@ -41,7 +41,7 @@ impl With {
         }
     }
 
-    /// What it is, and how it comes here.
+    /// Explanation of the reference, and how to load it.
     pub fn help(self) -> &'static str {
         match self {
             Self::Pinned => "What a change did: gained, lost and moved features against the result that was pinned",
@@ -68,17 +68,17 @@ pub struct Shown {
     pub summary: String,
     /// Whether the truth, if it is one, tells of all that is there.
     pub is_whole_truth: bool,
-    /// What rows of ours alone are called.
+    /// Label of rows of ours alone.
     ours: &'static str,
 }
 
 impl Shown {
-    /// What rows of `kind` are called.
+    /// Label of rows of `kind`.
     pub fn label(&self, kind: Kind) -> &'static str {
         if kind == Kind::Ours { self.ours } else { kind.label(self.with) }
     }
 
-    /// How many rows are of `kind`.
+    /// Number of rows of `kind`.
     pub fn count(&self, kind: Kind) -> usize {
         self.rows.iter().filter(|row| row.kind == kind).count()
     }
@@ -111,7 +111,7 @@ pub struct Against {
     pub file: Option<ForeignFile>,
     /// The burst of which it is known whether its truth is known, and whether it is.
     truth: Option<(BurstId, bool)>,
-    /// What is on show.
+    /// Reference of the comparison on show.
     pub with: Option<With>,
     /// The comparison, as far as it was made.
     pub shown: Option<Arc<Shown>>,
@@ -128,7 +128,7 @@ pub struct Against {
 }
 
 impl Against {
-    /// Whether `with` is there to be compared with.
+    /// Whether the reference `with` is loaded or known.
     pub fn has(&self, with: With) -> bool {
         match with {
             With::Pinned => self.pinned.is_some(),

@@ -7,7 +7,7 @@ use crate::inspect::truth::AgainstTruth;
 use crate::requests::Against;
 use crate::synth::Truth;
 
-/// What became of a feature.
+/// Kind of a row: in which of the two results the feature is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
     /// Theirs alone: lost, only in the file, missed.
@@ -31,7 +31,7 @@ impl Kind {
         }
     }
 
-    /// What it is called there.
+    /// Label of the kind in a comparison with `with`.
     pub fn label(self, with: With) -> &'static str {
         match (with, self) {
             (With::Pinned, Self::Theirs) => "Lost",
@@ -52,19 +52,19 @@ impl Kind {
 /// A feature of ours or theirs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// What became of it.
+    /// Kind of the row.
     pub kind: Kind,
-    /// Where it is at mid-burst, input pixels: ours where both have it.
+    /// Place (u, v) at mid-burst, input pixels: ours where both have it.
     pub pos_image: [f32; 2],
     /// Scale σ, input pixels.
     pub sigma: f32,
-    /// px/frame, where it is known.
+    /// Slope, px/frame, where it is known.
     pub slope: Option<Slope>,
-    /// Where it was, where it moved.
+    /// Place in the other result, if it moved.
     pub from_image: Option<[f32; 2]>,
     /// Our feature.
     pub feature: Option<usize>,
-    /// What there is to say: by how much it moved, why it was missed.
+    /// Remark: by how much it moved, or why it was missed.
     pub note: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a session keeps of the comparison: how the pinned result was asked for, and where the opened features are.
+//! Comparison in a session file: the parameters of the pinned result, and the path of the opened features.
 
 use super::{ForeignFile, Pinned, With};
 use crate::app::project::Model;
@@ -6,23 +6,23 @@ use crate::detector::SearchParams;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// What a session keeps of the comparison.
+/// Comparison in a session file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SavedAgainst {
-    /// With what features are compared.
+    /// Reference of the comparison.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with: Option<With>,
-    /// Somebody else's features.
+    /// Path of the file of other features.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
-    /// What the pinned result was asked for: it is found again, which gives the same bits.
+    /// Parameters of the pinned result: the detection is repeated, which gives the same bits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pinned: Option<SearchParams>,
 }
 
 impl Model {
-    /// What a session keeps of the comparison; `None` where nothing is compared.
+    /// Comparison to save in a session; `None` where nothing is compared.
     pub fn saved_against(&self) -> Option<SavedAgainst> {
         let saved = SavedAgainst {
             with: self.against.with,

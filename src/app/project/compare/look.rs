@@ -34,7 +34,7 @@ impl CompareLook {
         }
     }
 
-    /// The same with values that make sense: what comes from a file may be anything.
+    /// Copy with the methods sorted, each once: a file may contain any values.
     #[must_use]
     pub fn sanitised(mut self) -> Self {
         self.methods.sort_unstable();

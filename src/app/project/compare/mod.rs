@@ -23,7 +23,7 @@ use crate::requests::{
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What a method found in one burst.
+/// Result of a method on one burst.
 #[derive(Debug, Clone)]
 pub struct MethodFound {
     /// The burst.
@@ -32,7 +32,7 @@ pub struct MethodFound {
     pub params: DetectorParams,
     /// The features.
     pub detection: Arc<Detection>,
-    /// How long it took, by the wall clock.
+    /// Wall-clock time of the detection.
     pub elapsed: Duration,
 }
 
@@ -43,7 +43,7 @@ pub struct CompareJob {
     pub method: Contender,
     /// On which burst; of matching both.
     pub side: Side,
-    /// What is to be done.
+    /// The request.
     pub request: CompareRequest,
 }
 
@@ -68,7 +68,7 @@ pub struct Compare {
 }
 
 impl Compare {
-    /// What `method` found on `side`, if it was run there. It may be of older parameters or bursts;
+    /// Result of `method` on `side`, if it was run there. It may be of older parameters or bursts;
     /// [`Model::method_found`] answers only what is current.
     fn found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
         self.found[method.index()][side as usize].as_ref()
@@ -196,7 +196,7 @@ impl Model {
         method.params(&self.params_of(side))
     }
 
-    /// What `method` found on `side` with the present parameters.
+    /// Result of `method` on `side` with the present parameters.
     pub fn method_found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
         let open = self.method_burst(method, side)?;
         self.compare

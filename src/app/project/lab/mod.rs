@@ -25,7 +25,7 @@ pub struct LabResult {
 /// Curves that stay for comparison.
 #[derive(Debug, Clone)]
 pub struct KeptCurves {
-    /// What a person calls them.
+    /// Name, as typed.
     pub name: String,
     /// Whether they are drawn.
     pub is_shown: bool,
@@ -36,17 +36,17 @@ pub struct KeptCurves {
 /// Which result a point belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LabSet {
-    /// The one that is being made, or was made last.
+    /// The newest result, also while it is being made.
     #[default]
     Current,
-    /// One of those that were kept.
+    /// The kept result of this index.
     Kept(usize),
 }
 
 /// Everything of the Lab.
 #[derive(Debug)]
 pub struct Lab {
-    /// What is asked.
+    /// Question of the study.
     pub question: LabQuestion,
     /// The charts; ratio and seed are those of the fields below.
     pub chart: ChartParams,
@@ -54,7 +54,7 @@ pub struct Lab {
     pub snrs_text: String,
     /// The numbers of frames as they are typed, separated by commas.
     pub counts_text: String,
-    /// How many charts for each ratio.
+    /// Number of charts for each ratio.
     pub seeds: u64,
     /// The first one's seed.
     pub first_seed: u64,
@@ -80,7 +80,7 @@ pub struct Lab {
     pub wanted_chart: Wanted<ChartOfStudy>,
     /// Why there is no result, or no chart.
     pub problem: Option<String>,
-    /// How dark a copy of the open burst is to be.
+    /// Noise of a dark copy of the open burst.
     pub dark_copy: NoisyParams,
 }
 

@@ -1,4 +1,4 @@
-//! What the Lab is asked, and the study that answers it.
+//! Questions of the Lab, and the studies that answer them.
 
 use super::Lab;
 use crate::app::project::Model;
@@ -7,17 +7,17 @@ use crate::evaluate::{
     AccuracyStudy, BurstFramesStudy, BurstMethod, BurstsOfStudy, ChartStudy, FramesStudy, Study, StudyReport,
 };
 
-/// What a study asks.
+/// Question of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LabQuestion {
-    /// How much is found in the dark.
+    /// Detections against the ratio of signal to noise.
     #[default]
     Dark,
-    /// How much is found with fewer and with more frames.
+    /// Detections against the number of frames.
     Frames,
-    /// How exact it is.
+    /// Errors of place, scale and slope.
     Accuracy,
-    /// What fewer frames of the open burst would have shown.
+    /// Features of the open burst with fewer of its frames.
     BurstFrames,
 }
 
@@ -25,7 +25,7 @@ impl LabQuestion {
     /// All questions.
     pub const ALL: [Self; 4] = [Self::Dark, Self::Frames, Self::Accuracy, Self::BurstFrames];
 
-    /// What a switch calls it.
+    /// Label in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Dark => "Found in the dark",
@@ -35,7 +35,7 @@ impl LabQuestion {
         }
     }
 
-    /// What it means.
+    /// Explanation of the question.
     pub fn help(self) -> &'static str {
         match self {
             Self::Dark => {
@@ -118,7 +118,7 @@ impl Lab {
     /// The study that is asked for, with the detector's parameters as `search` has them, and the bursts that are open.
     ///
     /// # Errors
-    /// What makes no sense, as a sentence.
+    /// When a setting is invalid; the message is a sentence that says why.
     pub fn study(&self, search: &SearchParams, bursts: Option<&BurstsOfStudy>) -> Result<Study, String> {
         let given = (search.slopes == SlopeChoice::Given).then_some(search.detector.slopes);
         Ok(match self.question {
@@ -177,7 +177,7 @@ impl Model {
     /// The study that the Lab asks for now.
     ///
     /// # Errors
-    /// What makes no sense, as a sentence.
+    /// When a setting is invalid; the message is a sentence that says why.
     pub fn lab_study(&self) -> Result<Study, String> {
         let bursts = self.slots.a.burst.as_ref().map(|open| BurstsOfStudy {
             burst: open.burst.clone(),

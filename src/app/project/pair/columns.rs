@@ -74,7 +74,7 @@ impl MatchColumn {
         }
     }
 
-    /// What the column holds, with its unit.
+    /// Content of the column, with its unit.
     pub fn help(self) -> &'static str {
         match self {
             Self::Number => "Number of the match, in the order of A's features: the strongest first",

@@ -16,7 +16,7 @@ pub struct Matches {
     pub request: MatchRequest,
     /// The matches, their geometry and counts.
     pub result: Arc<MatchResult>,
-    /// How long it took, by the wall clock.
+    /// Wall-clock time of the matching.
     pub elapsed: Duration,
 }
 
@@ -33,8 +33,8 @@ pub struct MatchRow<'a> {
     pub b: &'a Feature,
     /// Whether it agrees with the geometry; `None` where it was not verified.
     pub inlier: Option<bool>,
-    /// How far it is from the geometry, pixels; `None` where there is no geometry, infinite where it has no distance
-    /// from it.
+    /// Distance from the geometry, pixels; `None` where there is no geometry, infinite where the distance is
+    /// undefined.
     pub error_px: Option<f32>,
 }
 
@@ -82,7 +82,7 @@ impl Matches {
         }
     }
 
-    /// What most matches agree on.
+    /// Geometry that most matches agree on.
     pub fn model(&self) -> Option<&TwoViewModel> {
         self.result.verification.as_ref()?.model.as_ref()
     }

@@ -1,8 +1,8 @@
-//! How matches look between the two pictures, and which of them are shown.
+//! Display settings of the matches between the two pictures.
 
 use serde::{Deserialize, Serialize};
 
-/// How matches look, and which are shown.
+/// Display settings of matches.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MatchLook {
@@ -10,7 +10,7 @@ pub struct MatchLook {
     pub inliers: bool,
     /// Whether the matches that do not agree are shown.
     pub outliers: bool,
-    /// How strongly lines are drawn, 0 … 1.
+    /// Opacity of lines, 0 … 1.
     pub opacity: f32,
     /// Whether the selected match is drawn alone.
     pub alone: bool,
@@ -32,12 +32,12 @@ impl MatchLook {
         if inlier == Some(false) { self.outliers } else { self.inliers }
     }
 
-    /// What of it decides which matches are listed; the rest as by default.
+    /// Copy with the settings that decide which matches are listed; the others have their defaults.
     pub(crate) fn listing(&self) -> Self {
         Self { inliers: self.inliers, outliers: self.outliers, ..Self::default() }
     }
 
-    /// The same with an opacity that makes sense: what comes from a file may be anything.
+    /// Copy with an opacity of 0.05 … 1, or the default if it is not finite: a file may contain any value.
     #[must_use]
     pub fn sanitised(self) -> Self {
         let opacity = if self.opacity.is_finite() { self.opacity.clamp(0.05, 1.0) } else { Self::default().opacity };

@@ -14,10 +14,10 @@ pub const CANDIDATES: usize = 5;
 /// Of these this many are shown with their patches.
 pub const PATCHES: usize = 3;
 
-/// What is known of the features of A on the way to a match.
+/// Losses of the features of A on the way to a match.
 #[derive(Debug, Default)]
 pub struct LostFeatures {
-    /// Where each was lost.
+    /// Step at which each was lost.
     pub found: Option<Arc<FoundLosses>>,
     /// The feature of A that is asked about while no match is selected.
     pub selected: Option<usize>,
@@ -25,12 +25,11 @@ pub struct LostFeatures {
     pub why: Option<Why>,
     /// Whether the table lists features without a match, and not the matches.
     pub listed: bool,
-    /// Where the features were lost that are not listed.
+    /// Steps of loss whose features are not listed.
     pub hidden: Vec<Lost>,
     /// The pictures from which the patches are cut: A's feature, then its candidates.
     pub pictures: Vec<Picture>,
-    /// What the engine is doing.
-    /// The request for all of them.
+    /// The request for the losses of all features.
     pub wanted: Wanted<LossesRequest>,
     /// The request for the pictures.
     pub wanted_pictures: Wanted<PicturesRequest>,
@@ -48,14 +47,14 @@ pub struct Why {
 }
 
 impl LostFeatures {
-    /// How many were lost at `lost`.
+    /// Number of features that were lost at `lost`.
     pub fn count(&self, lost: Lost) -> usize {
         let counts = self.found.as_ref().map(|found| found.counts);
         counts.into_iter().flatten().find(|(at, _)| *at == lost).map_or(0, |(_, count)| count)
     }
 }
 
-/// What it is called where a feature was lost.
+/// Label of the step at which a feature was lost.
 pub fn lost_label(lost: Lost) -> &'static str {
     match lost {
         Lost::Not => "matched",
@@ -104,7 +103,7 @@ impl Model {
         Some(LossesRequest { request: matches.request.clone(), result: matches.result.clone(), size_b })
     }
 
-    /// What is known of the pair on show.
+    /// Losses of the pair on show.
     pub fn losses(&self) -> Option<&Arc<FoundLosses>> {
         let wanted = self.wanted_losses()?;
         self.pair.lost.found.as_ref().filter(|found| found.request.is_same(&wanted))

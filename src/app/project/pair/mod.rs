@@ -39,7 +39,7 @@ pub struct PairState {
     pub matches: Option<Matches>,
     /// Features of A on the way to a match.
     pub lost: LostFeatures,
-    /// How matches look, and which are shown.
+    /// Display settings of matches.
     pub look: MatchLook,
     /// The table's order.
     pub order: Order<MatchColumn>,
@@ -153,7 +153,7 @@ impl Model {
         params
     }
 
-    /// What a detection on `side` is asked for now. Slopes that are to be found are not part of it.
+    /// Parameters that a detection on `side` would be asked for now, with default slopes if they are to be found.
     pub fn asked_of(&self, side: Side) -> SearchParams {
         let mut detector = self.params_of(side);
         if self.slopes.is_auto() {
@@ -210,7 +210,7 @@ impl Model {
         Some(PicturesRequest(vec![request(Side::A, row.a.slope)?, request(Side::B, row.b.slope)?]))
     }
 
-    /// The same, unless these pictures are there.
+    /// Like `patches_request`, but `None` if the pictures are there.
     fn missing_patches(&self) -> Option<PicturesRequest> {
         let there = || PicturesRequest(self.pair.patches.iter().map(|picture| picture.request.clone()).collect());
         self.patches_request().filter(|wanted| !there().is_same(wanted))

@@ -9,7 +9,7 @@ use crate::app::project::workspace::Workspace;
 use crate::requests::Picture;
 use serde::{Deserialize, Serialize};
 
-/// What moves together in A and B.
+/// Properties that A and B share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Links {
@@ -35,7 +35,7 @@ impl Model {
         if both { self.focused().side } else { Side::A }
     }
 
-    /// Where the cursor of `side` is.
+    /// Cursor of `side`.
     pub fn cursor_of(&self, side: Side) -> &Cursor {
         &self.panes.of(side).cursor
     }
@@ -58,7 +58,7 @@ impl Model {
         self.ranges_of(self.panes.of(side))
     }
 
-    /// What moves together in *Two bursts*.
+    /// Properties that the panes of *Two bursts* share.
     pub fn pair_links(&self) -> Links {
         let shown = self.panes.shown_in(Workspace::Pair);
         let all = |link| shown.iter().filter_map(|id| self.panes.get(*id)).all(|pane| pane.links.has(link));
