@@ -1,4 +1,4 @@
-//! Pictures that were made already, up to a number of bytes; the one not looked at for longest goes first.
+//! Cache of pictures with a byte budget; the least recently used is dropped first.
 
 use crate::requests::{Picture, PictureKey, PictureRequest};
 use std::collections::HashMap;
@@ -41,8 +41,8 @@ impl PictureCache {
         Some(picture.clone())
     }
 
-    /// Keeps `picture`, dropping others as needed. Frames are not kept: the burst holds them. Neither is a picture
-    /// above the whole budget.
+    /// Keeps `picture`, dropping others as needed. Frames are not kept: the burst holds them. Nor is a picture that
+    /// exceeds the budget.
     pub fn insert(&mut self, picture: &Picture) {
         let size = picture.bytes();
         if picture.is_frame() || size > self.budget_bytes {

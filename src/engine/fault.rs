@@ -1,8 +1,8 @@
 //! Conversion of a panic into a message with its place in the source.
 //!
-//! The panic's payload does not know where it happened; only the panic hook does. So a hook, installed once and in
-//! front of the one that was there, writes the place down under the thread's name. The threads of the queue and
-//! their pools are named so that they can be told apart.
+//! A panic's payload does not hold the place; only the panic hook is told it. So a hook, installed once and in front of
+//! the existing one, records the place under the thread's name. The threads of the queue and their pools have distinct
+//! names.
 
 use crate::plane::memory;
 use crate::requests::JobError;
@@ -10,7 +10,7 @@ use std::any::Any;
 use std::collections::HashMap;
 use std::sync::{Mutex, Once, PoisonError};
 
-/// Threads whose name begins so have the places of their panics written down.
+/// Prefix of the names of threads whose panics have their places recorded.
 pub(super) const THREAD_PREFIX: &str = "burstscope-";
 
 static PLACES: Mutex<Option<HashMap<String, String>>> = Mutex::new(None);
@@ -33,13 +33,13 @@ pub(super) fn install_hook() {
     });
 }
 
-/// The part of its name that a thread of the queue and those of its pool share: `7-Search` of `7-Search.3`.
+/// Part of the name that a thread of the queue and those of its pool share: `7-Search` of `7-Search.3`.
 fn shared_key(name: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 
-/// Runs `work`; a panic becomes [`JobError::Panicked`], and memory that the system refuses [`JobError::Failed`]. `key`
-/// is the name of the thread without its prefix.
+/// Runs `work`; a panic becomes [`JobError::Panicked`], a refused allocation [`JobError::Failed`]. `key` is the name of
+/// the thread without its prefix.
 pub(super) fn guard<T>(key: &str, work: impl FnOnce() -> Result<T, JobError>) -> Result<T, JobError> {
     // The work owns what it changes and is dropped with it, so nothing half-changed can be seen afterwards.
     let work = || memory::refusable(work).unwrap_or_else(|refused| Err(JobError::Failed(refused.to_string())));

@@ -1,7 +1,7 @@
-//! A kind of background work: what it takes, what it answers, and how urgent it is.
+//! Kinds of background work: each with its requests, its answers, and its urgency.
 //!
-//! A new kind is one value of [`Jobs`]: a name for its priority, a function from requests to answers, and a place where
-//! the answers are polled. Beside the one answer at the end, work may tell of what is finished on the way.
+//! A kind is one value of [`Jobs`]: its urgency, a function from requests to answers, and a place where the answers are
+//! polled. Before the one answer, work may tell partial results.
 
 use super::OnUpdate;
 use super::fault;
@@ -15,9 +15,9 @@ use std::time::{Duration, Instant};
 /// Result of a request, with its id and duration.
 #[derive(Debug, Clone)]
 pub struct JobAnswer<A> {
-    /// The request it answers.
+    /// Id of the request.
     pub id: JobId,
-    /// The result, or why there is none.
+    /// The answer, or why there is none.
     pub result: Result<A, JobError>,
     /// Wall-clock time of the work; zero for an answer that was kept.
     pub elapsed: Duration,
@@ -46,21 +46,21 @@ struct Shared<Q, A, P> {
 
 impl<Q, A, P> Shared<Q, A, P> {
     fn news(&self) -> MutexGuard<'_, News<A, P>> {
-        // Whole values go in and out, so a poisoned lock still guards whole values.
+        // Each change is one whole value, so the data are valid even if the lock is poisoned.
         self.news.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn answer(&self, slot: u32, id: JobId, result: Result<A, JobError>, elapsed: Duration) {
         let mut news = self.news();
         if matches!(result, Err(JobError::Superseded)) {
-            // Progress of the superseded request is dropped: the newer request tells its own.
+            // Partial results of a superseded request are dropped: the newer request tells its own.
             news.partial.retain(|(_, of, _)| *of != id);
         }
         news.answers.push((slot, JobAnswer { id, result, elapsed }));
     }
 }
 
-/// One kind of work: requests `Q`, answers `A`, and what is told on the way, `P`.
+/// One kind of work: requests `Q`, answers `A`, partial results `P`.
 pub struct Jobs<Q, A, P = Infallible> {
     queue: Arc<JobQueue>,
     kind: u32,
@@ -69,8 +69,8 @@ pub struct Jobs<Q, A, P = Infallible> {
 }
 
 impl<Q: Send + 'static, A: Send + 'static> Jobs<Q, A> {
-    /// Work that answers once, at the end. A superseded request is cancelled once it has run for `grace`; if it ends
-    /// before, its answer stands. With zero `grace` it is cancelled at once, and its answer is
+    /// Creates a kind of work without partial results. A superseded request is cancelled once it has run for `grace`;
+    /// if it ends before, its answer stands. With zero `grace` it is cancelled at once, and its answer is
     /// [`JobError::Superseded`].
     pub fn new(
         queue: &Arc<JobQueue>,
@@ -85,7 +85,7 @@ impl<Q: Send + 'static, A: Send + 'static> Jobs<Q, A> {
 }
 
 impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
-    /// Work that tells of what is finished on the way. What it told before its answer is polled with or before that.
+    /// Creates a kind of work with partial results. They are polled before the answer or with it.
     pub fn telling(
         queue: &Arc<JobQueue>,
         urgency: Urgency,
@@ -102,12 +102,12 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         JobKey { kind: self.kind, slot }
     }
 
-    /// Asks for `slot`: only what waits or runs for it is superseded.
+    /// Submits a request for `slot`, which supersedes only requests for the same slot.
     pub fn submit_for(&self, slot: u32, request: Q) -> JobId {
         self.submit_as(self.manner, slot, request)
     }
 
-    /// Asks for `slot` in another manner than the kind's own.
+    /// Submits a request for `slot` in another manner than the kind's own.
     pub(super) fn submit_as(&self, manner: Manner, slot: u32, request: Q) -> JobId {
         let job = TypedJob { request, slot, grace: manner.grace, shared: self.shared.clone() };
         self.queue.submit(self.key(slot), manner, Box::new(job))
@@ -133,7 +133,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         self.running_for(0)
     }
 
-    /// Likewise for `slot`.
+    /// The request for `slot` that runs, or the one that waits to.
     pub fn running_for(&self, slot: u32) -> Option<Running> {
         self.queue.running(self.key(slot))
     }
@@ -148,17 +148,17 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         self.take_answers_for().into_iter().map(|(_, answer)| answer)
     }
 
-    /// The manner in which requests are treated unless another is given.
+    /// Default manner of requests of this kind.
     pub(super) fn manner(&self) -> Manner {
         self.manner
     }
 
-    /// Takes what was told on the way since the last call, oldest first.
+    /// Takes the partial results since the last call, oldest first.
     pub(super) fn take_told(&self) -> Vec<P> {
         std::mem::take(&mut self.shared.news().partial).into_iter().map(|(.., told)| told).collect()
     }
 
-    /// Takes, at one moment, what was told on the way since the last call and the answers, each oldest first.
+    /// Takes, at one moment, the partial results and the answers since the last call, each oldest first.
     pub fn take_news(&self) -> (Vec<P>, Vec<JobAnswer<A>>) {
         let mut news = self.shared.news();
         let told = std::mem::take(&mut news.partial).into_iter().map(|(.., told)| told).collect();
@@ -178,7 +178,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> QueuedJob for Type
         let Self { request, slot, grace, shared } = *self;
         let started = Instant::now();
         let tell = |told: P| {
-            // Cancelled work may tell of one thing more; whoever cancelled it does not want that.
+            // Cancelled work may still tell a partial result, which is dropped.
             if !monitor.is_cancelled() {
                 shared.news().partial.push((slot, id, told));
                 (shared.on_update)();

@@ -1,12 +1,13 @@
-//! Background work: requests in, answers out, so that whoever asks never waits. What can be asked for and how it is
-//! answered is in [`crate::requests`]; here is when, and on which thread. Nothing here names a kind of request.
+//! Background work: takes requests and publishes answers, so that the asker never waits. [`crate::requests`] defines
+//! the requests and computes their answers; this module decides when, and on which thread. Nothing here names a kind of
+//! request.
 //!
-//! The [`Engine`] has one [queue](JobQueue) for everything. Whoever shows an answer holds a [`Wanted`], which asks for
-//! one thing at a time: the latest request wins, so scrubbing stays live while a detection runs. Each request is an
-//! immutable snapshot with an id, and ends in exactly one answer, which is published before `on_update` is called. A
-//! panic in the work becomes an error with its place.
+//! The [`Engine`] has one [queue](JobQueue) for everything. A part of the window that shows an answer holds a
+//! [`Wanted`], which asks for one thing at a time: the latest request wins, so scrubbing stays live while a detection
+//! runs. Each request is an immutable snapshot with an id, and ends in exactly one answer, which is published before
+//! `on_update` is called. A panic in the work becomes an error with its place.
 //!
-//! The engine knows no window: anything that holds a [`Wanted`] can use it.
+//! The engine does not depend on the window: anything that holds a [`Wanted`] can use it.
 
 mod cache;
 mod fault;
@@ -29,10 +30,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use stores::Stores;
 
-/// Called after something was published; may come from any thread.
+/// Callback after something was published; may be called from any thread.
 pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
 
-/// Pictures are kept up to this many bytes unless told otherwise.
+/// Default budget of the picture cache, bytes.
 pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
 
 /// The background work of one window. Dropping it cancels what runs, finishes the files that are being written, and
@@ -57,13 +58,12 @@ impl Engine {
         Self { tasks: task::Tasks::new(&queue), stores: Stores::new(cache_bytes), queue }
     }
 
-    /// Drops the traces of detections of all bursts but these.
+    /// Drops the trails of detections of all bursts but these.
     pub fn keep_trails_of(&self, open: &[BurstId]) {
         self.stores.trails.keep_only(open);
     }
 
-    /// Runs `work` (writing a file, say). `label` says what it does, for messages. It is finished even when the window
-    /// closes.
+    /// Runs `work`, such as writing a file, and finishes it even when the window closes. `label` names it in messages.
     pub fn task(
         &self,
         label: impl Into<String>,
@@ -77,7 +77,7 @@ impl Engine {
         self.tasks.take_done()
     }
 
-    /// Cancels superseded requests that have had their time. To be called in every pass.
+    /// Cancels superseded requests whose grace has ended. To be called in every pass.
     pub fn enforce_grace(&self) {
         self.queue.enforce_grace();
     }
@@ -87,7 +87,7 @@ impl Engine {
         self.queue.is_all_idle()
     }
 
-    /// Waits until nothing runs and nothing waits, or until `timeout` has passed. Says whether it is idle.
+    /// Waits until nothing runs and nothing waits, or until `timeout` has passed. Returns whether it is idle.
     pub fn wait_idle(&self, timeout: Duration) -> bool {
         let end = Instant::now() + timeout;
         while !self.is_idle() {

@@ -1,13 +1,12 @@
-//! The queue: one for all background work of a window, and the threads that take from it.
+//! Queue for all background work of a window, and the threads that take from it.
 //!
-//! Every piece of work is asked for under a [`JobKey`]: what kind of work it is, and for whom (a pane, say). Of one key
-//! the latest request wins: a newer one takes the place of the one that waits, and supersedes the one that runs, which
-//! is cancelled once it has had its grace. Keys do not disturb one another; of one lane one runs at a time, in the
-//! order in which their keys asked. Urgent work goes first, and threads are set apart for it, so that a picture never
-//! waits for a dataset.
+//! Every request has a [`JobKey`]: its kind of work, and a slot, such as a pane. Of one key the latest request wins: it
+//! replaces the one that waits, and supersedes the one that runs, which is cancelled once its grace has ended. Keys do
+//! not affect one another; of one lane one request runs at a time, in the order in which their keys asked. Urgent work
+//! goes first, and some threads take only urgent work, so that a picture never waits for a dataset.
 //!
 //! Every request ends in exactly one answer, also one that was superseded or cancelled before it began. An answer is
-//! published before its work counts as done, and only then is `on_update` called, so whoever wakes up finds it.
+//! published before its work counts as done, and `on_update` is called after that, so the callback finds the answer.
 
 mod state;
 mod threads;
@@ -23,8 +22,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use threads::{unique_key, work};
 
-/// One thread each; it takes no work that is less urgent than this. So pictures, files and pictures that take a
-/// search have threads of their own, and searches go on beside datasets.
+/// Lowest urgency that each thread takes. So pictures, files and pictures that take a search have threads of their own,
+/// and searches go on beside datasets.
 pub(super) const THREADS: [Urgency; 8] = [
     Urgency::Picture,
     Urgency::Write,
@@ -45,37 +44,37 @@ pub struct JobKey {
     pub slot: u32,
 }
 
-/// How a request is treated by the queue.
+/// Urgency, grace and lane of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Manner {
     /// Urgency: the most urgent work goes first.
     pub(super) urgency: Urgency,
     /// Time for which a superseded request may go on running.
     pub(super) grace: Duration,
-    /// Of the requests of a lane one runs at a time, in the order in which their keys asked.
+    /// Lane: of its requests one runs at a time, in the order in which their keys asked.
     pub(super) lane: Lane,
 }
 
 /// Requests that run one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lane {
-    /// Those of one kind.
+    /// Requests of one kind.
     Kind(u32),
-    /// Those of one type and urgency.
+    /// Requests of one type and urgency.
     Type(TypeId, Urgency),
 }
 
-/// Work that waits: it is run or ended without, once.
+/// Work that waits: either `run` or `end` is called, once.
 pub(super) trait QueuedJob: Send {
-    /// Does the work on a thread with the given name. What it returns publishes the answer, or [`JobError::Superseded`]
-    /// in its place.
+    /// Does the work on a thread with the given name. Returns a function that publishes the answer, or
+    /// [`JobError::Superseded`] in its place.
     fn run(self: Box<Self>, id: JobId, thread: &str, monitor: &Monitor) -> Publish;
 
     /// Publishes `why` as the answer.
     fn end(self: Box<Self>, id: JobId, why: JobError);
 }
 
-/// Publishes an answer that is there; the argument says that it is not wanted any more.
+/// Publishes a finished answer; the argument says whether it is still wanted.
 pub(super) type Publish = Box<dyn FnOnce(Standing) + Send>;
 
 /// Whether the answer of a request is still wanted.
@@ -97,13 +96,13 @@ struct Shared {
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, State> {
-        // The work runs outside the lock and its panics are caught, so a poisoned lock still guards whole values.
+        // The work runs outside the lock and its panics are caught, so the state is valid even if the lock is poisoned.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// The queue with its threads. Dropping it cancels what runs and what waits, but for files that are being written:
-/// those it finishes. It returns when all threads have ended.
+/// The queue with its threads. Dropping it cancels all requests except the writing of files, which it finishes, and
+/// returns when all threads have ended.
 pub struct JobQueue {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
@@ -125,7 +124,7 @@ impl JobQueue {
         Self { shared, threads }
     }
 
-    /// A number for a kind of work that no other has.
+    /// Returns an unused number for a kind of work.
     pub(super) fn new_kind(&self) -> u32 {
         let mut state = self.shared.lock();
         state.kinds += 1;
@@ -137,7 +136,7 @@ impl JobQueue {
         &self.shared.on_update
     }
 
-    /// Asks under `key`, in place of what waits under it, and supersedes what runs under it.
+    /// Submits a request under `key`: it replaces the one that waits and supersedes the one that runs.
     pub(super) fn submit(&self, key: JobKey, manner: Manner, job: Box<dyn QueuedJob>) -> JobId {
         let mut state = self.shared.lock();
         let id = state.next_id();
@@ -166,7 +165,7 @@ impl JobQueue {
         id
     }
 
-    /// Cancels what runs and what waits under `key`.
+    /// Cancels the requests that run and wait under `key`.
     pub(super) fn cancel(&self, key: JobKey) {
         let mut state = self.shared.lock();
         state.running.iter().filter(|job| job.key == key).for_each(|job| job.monitor.cancel());
@@ -175,7 +174,7 @@ impl JobQueue {
         (self.shared.on_update)();
     }
 
-    /// Cancels superseded work that has had its grace.
+    /// Cancels superseded requests whose grace has ended.
     pub(super) fn enforce_grace(&self) {
         self.shared.lock().running.iter().for_each(RunningJob::enforce_grace);
     }
@@ -216,7 +215,7 @@ impl Drop for JobQueue {
         drop(state);
         self.shared.wake.notify_all();
         for thread in self.threads.drain(..) {
-            // A panic of work is caught and told; one of the queue itself has been printed.
+            // Panics of work are caught and reported; a panic of the queue itself has been printed.
             let _ = thread.join();
         }
     }

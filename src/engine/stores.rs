@@ -1,4 +1,4 @@
-//! Results that all requests of an engine share: pictures and traces of detections.
+//! Results that all requests of an engine share: pictures and trails of detections.
 
 use super::cache::PictureCache;
 use super::trails::Trails;
@@ -23,13 +23,13 @@ impl Stores {
     }
 }
 
-/// Pictures, up to a number of bytes.
+/// Shared cache of pictures.
 #[derive(Debug, Clone)]
 pub(super) struct Pictures(Arc<Mutex<PictureCache>>);
 
 impl Pictures {
     pub(super) fn lock(&self) -> MutexGuard<'_, PictureCache> {
-        // Whole values go in and out, so a poisoned lock still guards whole values.
+        // Each change is one whole value, so the data are valid even if the lock is poisoned.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -1,5 +1,5 @@
-//! Small pieces of work that must not hold up the window, such as writing a file. What was begun or waits is finished
-//! even when the window closes.
+//! Tasks: small pieces of work that must not block the window, such as writing a file. Tasks that run or wait are
+//! finished even when the window closes.
 
 use super::jobs::{JobAnswer, Jobs};
 use super::queue::JobQueue;
@@ -28,7 +28,7 @@ type Work = Box<dyn FnOnce() -> Result<String, String> + Send>;
 
 pub(super) struct Tasks {
     jobs: Jobs<Work, String>,
-    /// The newest task, and what those that have not ended do.
+    /// Number of the newest task, and labels of the tasks that have not ended.
     labels: Mutex<(u32, HashMap<u32, String>)>,
 }
 
@@ -47,7 +47,7 @@ impl Tasks {
         label: String,
         work: impl FnOnce() -> Result<String, String> + Send + 'static,
     ) -> TaskId {
-        // Each task is for itself: none supersedes another.
+        // Each task has a slot of its own: none supersedes another.
         let slot = {
             let mut labels = self.labels();
             labels.0 += 1;

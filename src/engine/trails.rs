@@ -1,8 +1,8 @@
 //! Store of the trails of detections: all that the search of an open burst left behind, for requests that explain it.
 //!
-//! A trail costs as much as the detection that it explains. So the detection itself makes it, in the same search, and
-//! puts it here; the probe, the spectrum of slopes, the map of winning slopes and the comparison with the truth find
-//! it. Only where it was not kept is the detection repeated, once for all of them.
+//! A trail costs as much as its detection. So the detection makes it in the same search and stores it here, for the
+//! probe, the spectrum of slopes, the map of winning slopes and the comparison with the truth. If it was not kept, the
+//! detection is repeated once for all of them.
 
 use crate::detector::{DetectorParams, SearchParams, memory};
 use crate::inspect::ProbeCache;
@@ -15,7 +15,7 @@ use std::time::Duration;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Trails {
     state: Arc<Mutex<State>>,
-    /// Trails are kept up to this many bytes; `None` for their part of what searches may take.
+    /// Budget in bytes; `None` for the trails' part of the memory that searches may take.
     budget_bytes: Option<usize>,
 }
 
@@ -37,7 +37,7 @@ struct Key {
 #[derive(Debug)]
 struct Kept {
     key: Key,
-    /// The burst as it was opened: its frames are held anyway.
+    /// The burst, which shares its frames with the open one.
     open: OpenBurst,
     cache: Arc<ProbeCache>,
 }
@@ -57,11 +57,11 @@ impl Trails {
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        // Whole values go in and out, so a poisoned lock still guards whole values.
+        // Each change is one whole value, so the data are valid even if the lock is poisoned.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Forgets what is kept of other bursts than these.
+    /// Drops the trails of all bursts but these.
     pub(super) fn keep_only(&self, bursts: &[BurstId]) {
         self.lock().kept.retain(|kept| bursts.contains(&kept.key.burst));
     }
@@ -112,7 +112,7 @@ impl Trails {
 }
 
 impl TrailStore for Trails {
-    /// If there is room for it; what was not used for longest goes.
+    /// Keeps the trail if the budget allows it; the least recently used are dropped.
     fn put(&self, open: &OpenBurst, cache: &Arc<ProbeCache>) {
         let key = Key { burst: open.id, params: cache.made_with() };
         let kept = Kept { key, open: open.clone(), cache: cache.clone() };
@@ -137,7 +137,7 @@ impl TrailStore for Trails {
         if cache.asked == *asked {
             return Some(cache);
         }
-        // The same search, asked for in other words.
+        // The search is the same, asked for with other parameters.
         let cache = Arc::new(cache.asked_as(asked, finding.as_ref()));
         state.kept.last_mut().expect("just found").cache = cache.clone();
         Some(cache)
@@ -176,7 +176,7 @@ impl State {
         self.drop_to(budget_bytes, 1);
     }
 
-    /// Drops those not used for longest until the rest is within the budget, or only `rest` of them are left.
+    /// Drops the least recently used until the others are within the budget, or only `rest` of them are left.
     fn drop_to(&mut self, budget_bytes: usize, rest: usize) {
         let bytes = |kept: &[Kept]| kept.iter().map(Kept::bytes).sum::<usize>();
         while self.kept.len() > rest && bytes(&self.kept) > budget_bytes {
@@ -186,20 +186,20 @@ impl State {
 }
 
 impl Kept {
-    /// Bytes that it takes beside the burst that is open.
+    /// Bytes of the trail without the open burst.
     fn bytes(&self) -> usize {
         self.cache.bytes_beside(&self.open.burst)
     }
 }
 
-/// Says that a trail is being made, as long as it lives.
+/// Guard that marks a trail as being made until it is dropped.
 struct Making<'a> {
     trails: &'a Trails,
     key: &'a Key,
 }
 
 impl<'a> Making<'a> {
-    /// `None` while somebody else makes it.
+    /// Marks the trail of `key` as being made; `None` while another thread makes it.
     fn begin(trails: &'a Trails, key: &'a Key) -> Option<Self> {
         let mut state = trails.lock();
         if state.making.contains(key) {

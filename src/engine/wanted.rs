@@ -9,23 +9,23 @@ use std::any::TypeId;
 use std::fmt;
 use std::time::Duration;
 
-/// Superseded requests for pictures may go on for this long, so that the picture follows a slider; one that takes
-/// longer is cancelled, so that the next does not wait for it.
+/// Grace of superseded requests for pictures, so that the picture follows a slider; one that takes longer is cancelled,
+/// so that the next does not wait for it.
 const PICTURE_GRACE: Duration = Duration::from_millis(250);
 
 type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Told>;
 
-/// One thing that is wanted of the engine at a time.
+/// Client of the engine that wants one answer at a time.
 ///
 /// In each pass [`Self::want`] is told what is missing now. It submits a request that is not running already, which
 /// supersedes the running one. One that failed or was cancelled is not repeated until something else was wanted,
 /// [`Self::ask`] asked for it, or [`Self::forget`] was called. Dropping it cancels the request.
 pub struct Wanted<R: Request> {
-    /// Made with the first request.
+    /// `None` before the first request.
     jobs: Option<JobsOf<R>>,
     /// Requests without an answer, the latest last.
     pending: Vec<(JobId, R)>,
-    /// The request that ended last, and why it failed.
+    /// The request that ended last, and its error if it failed.
     ended: Option<(R, Option<JobError>)>,
     running: Option<Running>,
 }
@@ -33,7 +33,7 @@ pub struct Wanted<R: Request> {
 /// The end of a request.
 #[derive(Debug, Clone)]
 pub struct Ended<R: Request> {
-    /// Which request it was.
+    /// Id of the request.
     pub id: JobId,
     /// The request.
     pub request: R,
@@ -88,7 +88,7 @@ impl<R: Request> Wanted<R> {
         let id = match request.kept(&engine.stores.kept()) {
             Some(answer) => jobs.publish_for(0, answer),
             None if is_picture => {
-                // One picture after the other has all cores.
+                // One picture at a time has all cores.
                 let lane = Lane::Type(TypeId::of::<R>(), urgency);
                 jobs.submit_as(Manner { urgency, grace: PICTURE_GRACE, lane }, 0, request.clone())
             }
@@ -100,7 +100,7 @@ impl<R: Request> Wanted<R> {
         id
     }
 
-    /// Takes how requests ended since the last call, oldest first, without those that were superseded. Never waits.
+    /// Takes the ends of requests since the last call, oldest first, without superseded ones. Never waits.
     pub fn take(&mut self) -> Vec<Ended<R>> {
         let Some(jobs) = &self.jobs else { return Vec::new() };
         self.running = jobs.running();
@@ -116,7 +116,7 @@ impl<R: Request> Wanted<R> {
         taken
     }
 
-    /// Takes what was told before the answer since the last call, oldest first. Call it before [`Self::take`].
+    /// Takes the partial results since the last call, oldest first. Call it before [`Self::take`].
     pub fn take_told(&mut self) -> Vec<R::Told> {
         self.jobs.as_ref().map_or_else(Vec::new, Jobs::take_told)
     }
@@ -136,7 +136,7 @@ impl<R: Request> Wanted<R> {
         self.running
     }
 
-    /// Why the request that ended last has no answer.
+    /// The request that ended last and its error, if it has no answer.
     pub fn failure(&self) -> Option<(&R, &JobError)> {
         let (request, error) = self.ended.as_ref()?;
         Some((request, error.as_ref()?))
@@ -164,7 +164,7 @@ impl<R: Request> Wanted<R> {
         (self.ended, self.running) = (None, None);
     }
 
-    /// As if a request ran and were this far.
+    /// Sets the progress, as if a request ran.
     #[cfg(test)]
     pub(crate) fn set_running(&mut self, running: Option<Running>) {
         self.running = running;

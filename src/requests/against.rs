@@ -1,4 +1,4 @@
-//! Comparing the features of a burst with others: an earlier result, somebody else's, what is really there.
+//! Comparison of the features of a burst with others: an earlier result, features of a file, or the truth.
 
 use super::error::JobError;
 use super::open::OpenBurst;
@@ -13,7 +13,7 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// With what features are compared.
+/// Reference of a comparison.
 #[derive(Debug, Clone)]
 pub enum Reference {
     /// An earlier result of the same burst.
@@ -22,10 +22,10 @@ pub enum Reference {
         burst: OpenBurst,
         /// Parameters that were asked for.
         asked: SearchParams,
-        /// The result; where it is not there any more, it is found again.
+        /// The result; if it is not kept any more, it is detected again.
         detection: Option<Arc<Detection>>,
     },
-    /// Somebody else's features.
+    /// Features of a file.
     File {
         /// The file.
         path: PathBuf,
@@ -112,7 +112,7 @@ impl Request for AgainstRequest {
 pub enum Against {
     /// Gained, lost and moved.
     Changes {
-        /// Which.
+        /// The changes.
         changes: Changes,
         /// The others, in the order of their indices.
         before: Arc<Vec<Spot>>,
@@ -121,14 +121,14 @@ pub enum Against {
     },
     /// Found, missed, repeated and false.
     Truth {
-        /// Which.
+        /// The comparison.
         against: Box<AgainstTruth>,
         /// The truth.
         truth: Arc<Truth>,
     },
 }
 
-/// Where other features come from, to be handed in the next time.
+/// Source of the other features, to be passed to the next comparison.
 #[derive(Debug, Clone)]
 pub enum OthersSource {
     /// An earlier result.
@@ -155,7 +155,7 @@ impl Against {
     }
 }
 
-/// A comparison with what it was made of.
+/// Comparison with its request.
 #[derive(Debug, Clone)]
 pub struct ComparedWith {
     /// The request.

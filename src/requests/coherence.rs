@@ -8,7 +8,7 @@ use crate::inspect::shares::coherences;
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// Of which features the coherence is asked for.
+/// Request for the coherence of the features of a detection.
 #[derive(Debug, Clone)]
 pub struct CoherenceRequest {
     /// The detection that found them.

@@ -1,5 +1,4 @@
-//! A piece of the comparison of methods: detecting or matching, without keeping anything but the answer, so that
-//! times can be compared.
+//! Steps of the comparison of methods: detecting or matching. Only the answer is kept, so that times can be compared.
 
 use super::detect::{DetectRequest, Detected};
 use super::error::JobError;
@@ -9,7 +8,7 @@ use crate::baseline::{self, Searched};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// A piece of work.
+/// Request for one step of the comparison of methods.
 #[derive(Debug, Clone)]
 pub enum CompareRequest {
     /// Finding features by the method that the parameters ask for.

@@ -48,14 +48,14 @@ impl Request for DetectRequest {
     }
 }
 
-/// A finished detection with what it was made from.
+/// Finished detection with its burst and parameters.
 #[derive(Debug, Clone)]
 pub struct Detected {
     /// The burst it belongs to.
     pub burst: BurstId,
     /// Parameters that were asked for.
     pub asked: SearchParams,
-    /// The parameters it was made with: where slopes were to be found, with those that were.
+    /// The parameters that were used, with the slopes that were found if they were to be found.
     pub params: DetectorParams,
     /// Result of the search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,

@@ -1,4 +1,4 @@
-//! Why a request has no result.
+//! Errors of requests.
 
 use super::source::BurstSource;
 use crate::dataset::DatasetError;
@@ -9,13 +9,13 @@ use crate::inspect::ProbeError;
 use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 
-/// Why there is no result.
+/// Reason for which a request has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum JobError {
-    /// It was cancelled by whoever asked.
+    /// The asker cancelled it.
     #[error("cancelled")]
     Cancelled,
-    /// A newer request of the same kind, for the same, took its place.
+    /// A newer request of the same kind and slot took its place.
     #[error("a newer request took its place")]
     Superseded,
     /// The input, a parameter or a limit is at fault; the message says which and what would be right.
@@ -24,7 +24,7 @@ pub enum JobError {
     /// There is more than one burst at the place that was to be opened.
     #[error("there are {} bursts here; open one of them", .0.len())]
     Several(Vec<BurstSource>),
-    /// Our own mistake.
+    /// Panic: a mistake in the program.
     #[error("this is a mistake in Burstscope, please report it: {message} (at {place})")]
     Panicked {
         /// Message of the panic.

@@ -1,4 +1,4 @@
-//! Explaining a detection as a whole: which slopes the burst needs, where the candidates went.
+//! Explanations of a whole detection: the spectrum of slopes, and the survey of candidates.
 
 use super::error::JobError;
 use super::request::{Request, Urgency, Work};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub enum ExplainQuestion {
     /// Which slopes the burst needs.
     Slopes,
-    /// Where the candidates went, and which of them are listed.
+    /// Where the candidates were rejected, and which of them are listed.
     Candidates(SurveyOptions),
 }
 
@@ -50,7 +50,7 @@ impl Request for ExplainRequest {
     }
 }
 
-/// An answer.
+/// Answer to a question.
 #[derive(Debug, Clone)]
 pub enum Explanation {
     /// The slopes.
@@ -59,7 +59,7 @@ pub enum Explanation {
     Candidates(Arc<Survey>),
 }
 
-/// An answer with what was asked.
+/// Answer with its request.
 #[derive(Debug, Clone)]
 pub struct Explained {
     /// The request.

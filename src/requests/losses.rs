@@ -8,7 +8,7 @@ use crate::matching::MatchResult;
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// The pair that is asked about.
+/// Request for the losses of a pair.
 #[derive(Debug, Clone)]
 pub struct LossesRequest {
     /// The features and how they were matched.
@@ -48,7 +48,7 @@ impl Request for LossesRequest {
     }
 }
 
-/// Where the features of A were lost.
+/// Losses of the features of A.
 #[derive(Debug, Clone)]
 pub struct FoundLosses {
     /// The pair.

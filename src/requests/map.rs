@@ -1,4 +1,4 @@
-//! Maps: pictures of what decides in the search, by place.
+//! Maps: pictures of quantities that decide in the search, by place.
 
 use super::error::JobError;
 use super::open::OpenBurst;
@@ -27,10 +27,10 @@ pub enum MapKind {
 }
 
 impl MapKind {
-    /// All of them, in the order of menus.
+    /// All kinds, in the order of menus.
     pub const ALL: [Self; 3] = [Self::Noise, Self::Coverage, Self::Motion];
 
-    /// Its name.
+    /// Name of the map.
     pub fn label(self) -> &'static str {
         match self {
             Self::Noise => "Local noise",
@@ -70,7 +70,7 @@ impl MapKind {
         self != Self::Motion
     }
 
-    /// Makes the map; [`Self::Motion`] with what its colours are made from.
+    /// Computes the map; for [`Self::Motion`] also the data of its colours.
     pub(super) fn compute(
         self,
         open: &OpenBurst,
@@ -92,21 +92,21 @@ impl MapKind {
     }
 }
 
-/// Which slope wins where, and its colours.
+/// Winning slope of each place, and its colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionMap {
-    /// The slopes that win, as indices.
+    /// Winning slope of each place, as an index.
     pub winning: WinningSlopes,
     /// The slopes.
     pub grid: SlopeGrid,
     /// One opaque pixel for each place: the slope's direction and length as hue and saturation, as features have them;
-    /// the brighter the surer, dark where nothing reaches the noise gate.
+    /// the brighter the more certain, dark where no response reaches the noise gate.
     pub colours: RgbaImage,
 }
 
-/// Brightness of the least sure winner, as a part of that of the surest.
+/// Brightness of the least certain winner, as a fraction of that of the most certain.
 const LEAST_BRIGHTNESS: f32 = 0.35;
-/// The grey of places where nothing reaches the gate.
+/// Grey value of places where no response reaches the gate.
 const NOTHING: u8 = 26;
 
 impl MotionMap {
@@ -129,7 +129,7 @@ impl MotionMap {
         Self { winning, grid, colours }
     }
 
-    /// The slope that wins at a pixel (column, row), and how surely, 0 … 1.
+    /// The winning slope at a pixel (column, row), and its certainty, 0 … 1.
     pub fn at(&self, (x, y): (usize, usize)) -> (Slope, f32) {
         (self.grid.slope(self.winning.slope_index.at(x, y) as usize), self.winning.confidence.at(x, y))
     }

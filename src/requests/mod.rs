@@ -3,7 +3,7 @@
 //! A request is an immutable snapshot of all that decides its answer: the burst, the parameters, what is asked. Whether
 //! two requests ask for the same can be told from their values. `compute` makes the answer on the calling thread and
 //! its pool, and stops with [`JobError::Cancelled`] once its [`Monitor`](crate::monitor::Monitor) is cancelled. Some
-//! answers need what a detection left behind; where that may be kept already, a [`TrailStore`] is handed in.
+//! answers need the trail of a detection; a [`TrailStore`] in which it may be kept is passed in.
 //!
 //! Nothing here runs by itself: when a request is computed, on which thread, and which of several requests wins is
 //! decided above, by [`crate::engine`].

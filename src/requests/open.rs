@@ -1,4 +1,4 @@
-//! Opening a burst, and a burst that is open.
+//! Open bursts, and how they are opened.
 
 use super::error::JobError;
 use super::source::BurstSource;
@@ -11,23 +11,23 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Tells one opening of a burst from another, also of the same files.
+/// Identifies one opening of a burst: opening the same files again gives another id.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct BurstId(u64);
 
 /// A burst that is open. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct OpenBurst {
-    /// Which opening.
+    /// Id of the opening.
     pub id: BurstId,
     /// The frames.
     pub burst: Arc<Burst>,
-    /// Where they came from.
+    /// Source of the frames.
     pub source: BurstSource,
 }
 
 impl OpenBurst {
-    /// Gives `burst` an identity of its own.
+    /// Wraps `burst` with a new id.
     pub fn new(burst: Burst, source: BurstSource) -> Self {
         static COUNTER: AtomicU64 = AtomicU64::new(1);
         Self { id: BurstId(COUNTER.fetch_add(1, Ordering::Relaxed)), burst: Arc::new(burst), source }
@@ -36,10 +36,10 @@ impl OpenBurst {
     /// Reads or computes the truth of the burst; `None` if it is not known.
     ///
     /// # Errors
-    /// A `truth.json` that cannot be read, is none, or is of pictures of another size.
+    /// When `truth.json` cannot be read, is invalid, or belongs to pictures of another size.
     pub fn truth(&self, monitor: &Monitor) -> Result<Option<Truth>, TruthError> {
         match &self.source {
-            // The chart could be made once, so it can be made again; cancelled there is nobody to tell.
+            // The chart was made once, so making it again fails only when cancelled; then the truth is not needed.
             BurstSource::Chart(chart) => Ok(synth_chart(chart, monitor).ok().map(|(_, truth)| truth)),
             _ => truth_of(&self.burst),
         }
@@ -50,7 +50,7 @@ impl OpenBurst {
         matches!(self.source, BurstSource::Chart(_)) || is_known(&self.burst)
     }
 
-    /// The burst in words: its name, the number of its frames, and their size.
+    /// Describes the burst: its name, the number of its frames, and their size.
     pub fn describe(&self) -> String {
         let (width, height) = self.burst.size();
         format!("{}: {} of {width} × {height}", self.burst.name, counted(self.burst.len(), "frame"))
@@ -58,7 +58,7 @@ impl OpenBurst {
 }
 
 impl BurstSource {
-    /// Opens it, on the calling thread, with the calibration that `options` say; what is built in needs none.
+    /// Opens the burst on the calling thread, with the calibration in `options`; built-in bursts need none.
     ///
     /// # Errors
     /// [`JobError::Several`] for a folder of bursts, [`JobError::Failed`] with a message that names the file,
@@ -98,7 +98,7 @@ impl BurstSource {
 
 /// The bursts at `paths`, when there are any.
 fn bursts_at(paths: &[PathBuf]) -> Vec<BurstSource> {
-    // What is wrong with the paths is said by the opener.
+    // Errors in the paths are reported when they are opened.
     find_bursts(paths).unwrap_or_default().into_iter().map(|found| BurstSource::Paths(found.paths)).collect()
 }
 

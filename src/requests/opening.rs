@@ -10,9 +10,9 @@ use std::convert::Infallible;
 /// A burst to be opened, and how.
 #[derive(Debug, Clone)]
 pub struct OpenRequest {
-    /// Where it comes from.
+    /// Source of the burst.
     pub source: BurstSource,
-    /// How it is opened: its calibration.
+    /// Options with which it is opened: its calibration.
     pub options: OpenOptions,
 }
 

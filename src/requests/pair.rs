@@ -36,11 +36,11 @@ impl Request for MatchRequest {
     }
 }
 
-/// Matches with what they were made from.
+/// Matches with their request.
 #[derive(Debug, Clone)]
 pub struct Matched {
     /// The request.
     pub request: MatchRequest,
-    /// The matches, and what they agree on.
+    /// The matches, and their geometry.
     pub result: Arc<MatchResult>,
 }

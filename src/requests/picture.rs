@@ -11,7 +11,7 @@ use image::RgbaImage;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-/// Which picture.
+/// Kind of a picture, with its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PictureKind {
     /// One frame, counted from 0.
@@ -34,7 +34,7 @@ pub enum PictureKind {
     Merge,
     /// Map of a quantity that decides in the search, by place.
     Map {
-        /// Which map.
+        /// Kind of the map.
         map: MapKind,
         /// Octave; −1 is the doubled image.
         octave: i32,
@@ -46,8 +46,8 @@ pub enum PictureKind {
 }
 
 impl PictureKind {
-    /// Whether it takes a search of the burst or all of its frames, and so long that it is not made anew for every
-    /// step of a slider.
+    /// Whether it needs a search of the burst or all of its frames, which takes too long to repeat at every step of a
+    /// slider.
     pub fn is_slow(self) -> bool {
         matches!(self, Self::Map { .. } | Self::Merge)
     }
@@ -62,12 +62,12 @@ impl PictureKind {
     }
 }
 
-/// Which picture of which burst: an immutable snapshot.
+/// Request for a picture of a burst: an immutable snapshot.
 #[derive(Debug, Clone)]
 pub struct PictureRequest {
     /// The burst.
     pub burst: OpenBurst,
-    /// Which picture of it.
+    /// Kind of the picture.
     pub kind: PictureKind,
     /// The parameters; only those that decide the picture make two requests differ.
     pub params: DetectorParams,
@@ -97,7 +97,7 @@ enum KindKey {
     Merge {
         frames: (usize, usize),
     },
-    /// Nearly all parameters decide a map, those of the noise among them; their text stands for them.
+    /// Nearly all parameters decide a map, those of the noise among them: a hash of their text stands for them.
     Map {
         map: MapKind,
         at: Option<(i32, i32)>,
@@ -177,21 +177,21 @@ impl PictureRequest {
     }
 }
 
-/// A number that differs, for all practical purposes, where the parameters differ.
+/// Hash of the parameters, different for different parameters for all practical purposes.
 fn hash_of(params: &DetectorParams) -> u64 {
     let mut hasher = DefaultHasher::new();
     format!("{params:?}").hash(&mut hasher);
     hasher.finish()
 }
 
-/// A picture with what was asked for. Cheap to clone.
+/// Picture with its request. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Picture {
     /// Request that it answers.
     pub request: PictureRequest,
     /// Its pixels; fraction of full scale.
     pub plane: Arc<Plane>,
-    /// Of a map of winning slopes: which they are, and the colours in which they are shown.
+    /// The winning slopes and their colours, for a map of winning slopes.
     pub motion: Option<Arc<MotionMap>>,
 }
 
@@ -203,8 +203,8 @@ impl Picture {
         if self.motion.is_some() { 5 * pixels } else { pixels }
     }
 
-    /// The picture as it is shown: one opaque pixel for each value, in `display`'s range and colours unless it has its
-    /// own.
+    /// Renders the picture: one opaque pixel for each value, in `display`'s range and colours unless it has its own
+    /// colours.
     pub fn rgba(&self, display: &Display) -> RgbaImage {
         self.motion.as_ref().map_or_else(|| to_rgba8(&self.plane, display), |motion| motion.colours.clone())
     }

@@ -1,4 +1,4 @@
-//! Computing pictures, alone and several at a time.
+//! Computation of pictures, one or several at a time.
 
 use super::error::JobError;
 use super::picture::{Picture, PictureKind, PictureRequest};
@@ -8,7 +8,7 @@ use crate::detector::view::{dog_view, stack_view};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// Computes the picture, which is no difference.
+/// Computes a picture that is not a difference.
 fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
     let (trails, monitor) = (work.kept.trails, work.monitor);
     let mut motion = None;

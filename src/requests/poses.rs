@@ -8,12 +8,12 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A trajectory: still a file, or read already.
+/// Source of a trajectory: a path, or a trajectory that was read already.
 #[derive(Debug, Clone)]
 pub enum TrajectorySource {
     /// The folder of a sparse model or a trajectory file.
     Path(PathBuf),
-    /// Read from there.
+    /// A trajectory that was read, with its path.
     Read(PathBuf, Arc<Trajectory>),
 }
 
@@ -83,9 +83,9 @@ impl Request for PosesRequest {
 /// Trajectories that were read, and their comparison.
 #[derive(Debug, Clone, Default)]
 pub struct ComparedPoses {
-    /// The estimate and where it is from.
+    /// The estimate, with its path.
     pub estimate: Option<(PathBuf, Arc<Trajectory>)>,
-    /// The truth and where it is from.
+    /// The truth, with its path.
     pub truth: Option<(PathBuf, Arc<Trajectory>)>,
     /// The comparison, or why there is none; `None` as long as one of them is missing.
     pub report: Option<Result<Arc<PoseReport>, String>>,

@@ -1,4 +1,4 @@
-//! Asking what happened at a place, of what a detection left behind.
+//! Probes of a place in the trail of a detection.
 
 use super::error::JobError;
 use super::open::BurstId;
@@ -11,7 +11,7 @@ use crate::monitor::Monitor;
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// A detection of a burst with all that it left behind.
+/// Detection of a burst with its trail.
 #[derive(Debug, Clone)]
 pub struct Traced {
     /// The burst.
@@ -21,7 +21,7 @@ pub struct Traced {
 }
 
 impl Request for DetectionSource {
-    /// The detection with its trace, which is searched for again if it is not kept.
+    /// The detection with its trail; the search is repeated if the trail is not kept.
     type Answer = Traced;
     type Told = Infallible;
 
@@ -92,7 +92,7 @@ impl Request for ProbeRequest {
     }
 }
 
-/// An answer with what was asked.
+/// Answer with its request.
 #[derive(Debug, Clone)]
 pub struct Probed {
     /// The request.

@@ -5,7 +5,7 @@ use super::picture::{Picture, PictureRequest};
 use super::trail::{NothingKept, TrailStore};
 use crate::monitor::Monitor;
 
-/// A question with all that decides its answer.
+/// Request with all that decides its answer.
 pub trait Request: Clone + Send + 'static {
     /// The answer.
     type Answer: Send + 'static;
@@ -27,7 +27,7 @@ pub trait Request: Clone + Send + 'static {
     /// Computes the answer on the calling thread and its pool.
     ///
     /// # Errors
-    /// [`JobError::Cancelled`] once the monitor was cancelled; otherwise why there is no answer.
+    /// [`JobError::Cancelled`] once the monitor was cancelled; otherwise the reason for which there is no answer.
     fn compute(self, work: &Work<'_, Self::Told>) -> Result<Self::Answer, JobError>;
 }
 
@@ -49,7 +49,7 @@ pub enum Urgency {
 /// Results of earlier requests.
 #[derive(Clone, Copy)]
 pub struct Kept<'a> {
-    /// Traces of detections.
+    /// Trails of detections.
     pub trails: &'a dyn TrailStore,
     /// Pictures.
     pub pictures: &'a dyn PictureStore,
@@ -72,29 +72,29 @@ impl PictureStore for NothingKept {
     fn put(&self, _: &Picture) {}
 }
 
-/// Everything a request is computed with.
+/// Context in which a request is computed.
 pub struct Work<'a, T> {
     /// Results of earlier requests.
     pub kept: Kept<'a>,
-    /// Carries progress out and cancellation in.
+    /// Reports progress, and tells of cancellation.
     pub monitor: &'a Monitor,
     /// Takes results that are told before the answer.
     pub tell: &'a (dyn Fn(T) + Sync),
 }
 
 impl<'a, T> Work<'a, T> {
-    /// Without results of earlier requests, and with nobody to be told.
+    /// Context without results of earlier requests, which drops results that are told before the answer.
     pub fn alone(monitor: &'a Monitor) -> Self {
         Self { kept: Kept { trails: &NothingKept, pictures: &NothingKept }, monitor, tell: &|_| {} }
     }
 
-    /// With the traces that `trails` keeps.
+    /// Uses the trails in `trails`.
     #[must_use]
     pub fn with_trails(self, trails: &'a dyn TrailStore) -> Self {
         Self { kept: Kept { trails, ..self.kept }, ..self }
     }
 
-    /// Telling `tell`.
+    /// Passes results before the answer to `tell`.
     #[must_use]
     pub fn telling(self, tell: &'a (dyn Fn(T) + Sync)) -> Self {
         Self { tell, ..self }

@@ -1,26 +1,26 @@
-//! Where a burst comes from.
+//! Source of a burst.
 
 use crate::synth::{ChartParams, Example, NoisyParams};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Where a burst comes from.
+/// Source of a burst.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BurstSource {
     /// The demo burst that is built into the program.
     Demo,
-    /// The demo street a little later: another burst that is built into the program.
+    /// The second built-in demo burst: the same street a little later.
     DemoLater,
-    /// A failure to look at, built into the program.
+    /// A built-in example of a failure.
     Example(Example),
     /// A chart of discs whose truth is known.
     Chart(Box<ChartParams>),
-    /// A copy of another burst, as it would be with less light.
+    /// A copy of another burst with the noise of less light.
     DarkCopy {
         /// The burst that is copied.
         of: Box<BurstSource>,
-        /// How dark the copy is.
+        /// Light and noise of the copy.
         noise: NoisyParams,
     },
     /// A folder of frames, image files, a multi-page TIFF, or a `.npy` stack.
@@ -33,7 +33,7 @@ impl BurstSource {
         [Self::Demo, Self::DemoLater].into_iter().chain(Example::ALL.map(Self::Example)).collect()
     }
 
-    /// The word that names it on the command line and in lessons; `None` for all others.
+    /// Name on the command line and in lessons; `None` for bursts that are not built in.
     pub fn name(&self) -> Option<&'static str> {
         match self {
             Self::Demo => Some("demo"),

@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub struct StudyRequest {
     /// The study.
     pub study: Study,
-    /// The burst that is open: of a study of it, the truth is looked for.
+    /// The open burst; a study of it uses its truth, if there is one.
     pub open: Option<OpenBurst>,
 }
 
@@ -58,8 +58,7 @@ impl Request for ChartOfStudy {
     }
 }
 
-/// The figures of the paper, made into a folder. Finished figures stay there, so that a cancelled job goes on another
-/// time.
+/// The figures of the paper, written to a folder. Finished figures stay there, so that a cancelled job can be resumed.
 impl Request for FiguresJob {
     type Answer = FiguresReport;
     type Told = Infallible;

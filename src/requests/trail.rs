@@ -7,7 +7,7 @@ use crate::inspect::ProbeCache;
 use crate::monitor::Monitor;
 use std::sync::Arc;
 
-/// A detection that was made: of which burst, asked for how, and what it was made with.
+/// Source of a detection: its burst, and the parameters that were asked for and used.
 #[derive(Debug, Clone)]
 pub struct DetectionSource {
     /// The burst.
@@ -21,7 +21,7 @@ pub struct DetectionSource {
 }
 
 impl DetectionSource {
-    /// Makes the detection again, with all that it leaves behind. The slopes are known: they are not looked for again.
+    /// Repeats the detection and returns its trail. The slopes are known: they are not searched for again.
     ///
     /// # Errors
     /// As [`ProbeCache::new`].
@@ -30,7 +30,7 @@ impl DetectionSource {
     }
 }
 
-/// Searches `burst` with `params`, and keeps all that the search leaves behind.
+/// Searches `burst` with `params` and returns the trail of the search.
 ///
 /// # Errors
 /// As [`ProbeCache::new`].
@@ -71,7 +71,7 @@ pub trait TrailStore {
     ) -> Result<Arc<ProbeCache>, JobError>;
 }
 
-/// Part of the progress that making a trail takes, where it is not kept.
+/// Fraction of the progress that making a trail takes, where it is not kept.
 const TRAIL_SHARE: f32 = 0.6;
 
 /// Trail of `source`, kept or made now, and a monitor for the rest of the work.
@@ -90,7 +90,7 @@ pub(super) fn trail_and_rest(
     Ok((trail, monitor.part(share, 1.0 - share)))
 }
 
-/// Keeps nothing: everything is made anew.
+/// Store that keeps nothing: every trail is made anew.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NothingKept;
 

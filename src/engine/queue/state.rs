@@ -24,7 +24,7 @@ pub(super) struct RunningJob {
 }
 
 impl RunningJob {
-    /// Cancels it if it is not the latest and has had its grace.
+    /// Cancels the request if it is superseded and its grace has ended.
     pub(super) fn enforce_grace(&self) {
         if self.standing != Standing::Latest && self.started.elapsed() >= self.manner.grace {
             self.monitor.cancel();
@@ -59,9 +59,9 @@ impl State {
         }
     }
 
-    /// Takes out what a thread that takes nothing less urgent than `limit` does next: the most urgent, of those the one
-    /// that has waited longest, of a lane of which nothing runs. One piece of work of a lane at a time has all cores,
-    /// and its answers come in the order in which their keys asked.
+    /// Takes out the next request for a thread that takes nothing less urgent than `limit`: of the lanes of which
+    /// nothing runs, the most urgent, and of those the one that has waited longest. So one request of a lane at a time
+    /// has all cores, and the answers of a lane come in the order in which their keys asked.
     pub(super) fn take(&mut self, limit: Urgency) -> Option<WaitingJob> {
         let is_free = |job: &WaitingJob| {
             job.manner.urgency <= limit

@@ -10,12 +10,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Progress wakes the listener at most this often.
+/// Minimum time between two callbacks for progress.
 const PROGRESS_EVERY: Duration = Duration::from_millis(40);
 
 /// One thread of the queue.
 pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
-    // Made when there is work for it: many a thread never gets any.
+    // Made with the first work: many threads never get any.
     let threads = std::cell::LazyCell::new(|| pool(thread));
     loop {
         let (WaitingJob { key, id, manner, job }, monitor) = {
@@ -52,7 +52,7 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
         let waits = state.waiting.iter().any(|job| job.manner.lane == manner.lane || job.key == key);
         drop(state);
         if waits {
-            // It waited for this one to end; another thread may take it.
+            // A request of this lane may have waited for this one; another thread may take it.
             shared.wake.notify_all();
         }
         (shared.on_update)();
@@ -71,15 +71,15 @@ fn listening_monitor(progress: Arc<Mutex<Option<Progress>>>, on_update: OnUpdate
     })
 }
 
-/// A name that no other thread of the program has, so that the place of a panic is found.
+/// Name that no other thread of the program has, under which the place of a panic is recorded.
 pub(super) fn unique_key(limit: Urgency) -> String {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     format!("{}-{limit:?}", COUNTER.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Threads for the parallel loops of one thread's work, named so that their panics are found; or `None` where the
-/// system has none to give: then the shared pool serves. Work given to the shared pool would wait behind all that a
-/// detection has queued there.
+/// Creates the pool for the parallel loops of one thread's work, with names under which panics are found; `None` where
+/// the system refuses more threads: then the shared pool is used, where work waits behind all that a detection has
+/// queued.
 fn pool(thread: &str) -> Option<rayon::ThreadPool> {
     let thread = thread.to_owned();
     rayon::ThreadPoolBuilder::new().thread_name(move |i| format!("{}{thread}.{i}", fault::THREAD_PREFIX)).build().ok()

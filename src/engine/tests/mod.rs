@@ -1,4 +1,4 @@
-//! The engine's promises, by subject.
+//! Tests of the engine, by subject.
 
 mod burst;
 mod pair;
@@ -16,7 +16,7 @@ use crate::requests::{BurstSource, JobError, OpenBurst, PictureKind, PictureRequ
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// After this something that is awaited does not come any more.
+/// Time after which a test gives up waiting.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn nobody() -> OnUpdate {

@@ -1,4 +1,4 @@
-//! The queue's promises: the latest request of a key wins, each has one answer, what is urgent goes first.
+//! Tests of the queue: the latest request of a key wins, each has one answer, urgent work goes first.
 
 use super::{queue, until_cancelled, wait_for};
 use crate::engine::JobQueue;
@@ -9,7 +9,7 @@ use crate::requests::{JobError, JobId, Urgency};
 use std::sync::{Arc, Mutex, mpsc};
 use std::time::Duration;
 
-/// Work that runs until it is cancelled or let go.
+/// Work that runs until it is cancelled or `go` receives a message.
 fn stubborn(go: mpsc::Receiver<()>) -> impl Fn(u32, &Monitor) -> Result<u32, JobError> + Send + Sync {
     let go = Mutex::new(go);
     move |request, monitor| {
@@ -23,7 +23,8 @@ fn stubborn(go: mpsc::Receiver<()>) -> impl Fn(u32, &Monitor) -> Result<u32, Job
     }
 }
 
-/// Jobs that run until they are cancelled or let go, and the sender of the words that let one go.
+/// Jobs that run until they are cancelled or receive a message, and the sender of these messages, which end one job
+/// each.
 fn stubborn_jobs(grace: Duration) -> (Jobs<u32, u32>, mpsc::Sender<()>) {
     let (go, gone) = mpsc::channel();
     (Jobs::new(&queue(), Urgency::Search, grace, stubborn(gone)), go)
@@ -138,7 +139,7 @@ impl BusyQueue {
         kinds
     }
 
-    /// Asks for work that ends only when it is cancelled.
+    /// Submits work that ends only when it is cancelled.
     fn endless(&self, priority: Urgency, name: &'static str) -> Jobs<(), ()> {
         let going = Mutex::new(self.going.clone());
         let jobs = Jobs::new(&self.queue, priority, Duration::ZERO, move |(): (), monitor: &Monitor| {

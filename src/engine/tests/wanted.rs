@@ -1,4 +1,4 @@
-//! One thing wanted at a time: what is requested, what is not requested again, and how requests end.
+//! Tests of `Wanted`: which requests are submitted, which are not repeated, and how requests end.
 
 use super::{end_of, engine, wait_for};
 use crate::engine::{Engine, Want, Wanted};
@@ -7,11 +7,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
-/// A number, halved; odd ones fail, and 0 runs until it is cancelled.
+/// Request for half of a number; odd numbers fail, and 0 runs until it is cancelled.
 #[derive(Debug, Clone)]
 struct Half {
     of: u32,
-    /// How often it was computed.
+    /// Number of times it was computed.
     computed: Arc<AtomicU32>,
 }
 
@@ -78,7 +78,7 @@ fn a_request_runs_once_however_often_it_is_wanted_and_again_if_its_answer_is_sti
     assert_eq!((ended.request.of, ended.result, halves.computed()), (8, Ok(4), 1));
     assert!(halves.wanted.is_settled() && halves.wanted.take().is_empty());
     assert_eq!(halves.wanted.take_told(), [8]);
-    // Whoever still wants it has not got it.
+    // The answer is still missing.
     halves.want(8);
     assert_eq!((end_of(&mut halves.wanted).result, halves.computed()), (Ok(4), 2));
 }

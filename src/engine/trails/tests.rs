@@ -1,4 +1,4 @@
-//! A detection that keeps its trail is the plain one, and nobody who asks afterwards searches again.
+//! Tests of trails: a detection that keeps its trail finds the same features, and later requests do not search again.
 
 use super::{DetectionSource, Trails};
 use crate::baseline::{Searched, search};
@@ -67,7 +67,7 @@ fn a_detection_that_keeps_its_trail_is_the_plain_one() {
 #[test]
 fn nobody_who_asks_after_a_detection_searches_again() {
     let engine = Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES);
-    // Of the demo it is known what is really there.
+    // The truth of the demo is known.
     let burst = OpenBurst::new(demo_burst(), BurstSource::Demo);
     let params = with(Method::Buff, line(5));
     let found = detected(&engine, &burst, &params);
@@ -84,7 +84,7 @@ fn nobody_who_asks_after_a_detection_searches_again() {
     let motion = PictureKind::Map { map: MapKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
     answer_of(&engine, PictureRequest::new(burst.clone(), motion, params.detector.clone()));
     assert_eq!(engine.stores.trails.repeated(), 0);
-    // The same again is the same again.
+    // A repeated detection takes the kept trail.
     let again = detected(&engine, &burst, &params);
     assert_eq!(again.detection.times, found.detection.times, "it was not searched again");
     engine.keep_trails_of(&[burst.id]);
@@ -139,7 +139,7 @@ fn those_who_ask_at_once_have_it_made_once() {
     });
     assert_eq!(trails.repeated(), 1);
     assert!(caches.iter().all(|cache| Arc::ptr_eq(cache, &caches[0])));
-    // One that is cancelled leaves nothing behind that others wait for.
+    // A cancelled search leaves no mark for which others would wait.
     let other = source(&burst, &with(Method::Buff, line(4)));
     let cancelled = Monitor::default();
     cancelled.cancel();

@@ -26,7 +26,7 @@ pub struct ColmapRequest {
 }
 
 impl ColmapRequest {
-    /// Request with the defaults of the command.
+    /// Job of the command, with its defaults for everything else.
     fn job(&self) -> ColmapJob {
         let camera = self.matching.camera.clone();
         ColmapJob {
@@ -51,7 +51,7 @@ pub struct ColmapDone {
     pub left_out: Vec<(String, String)>,
 }
 
-/// Does it. `tell` hears of each burst; bursts whose features are in the folder already are not done again.
+/// Runs the export and tells `tell` of each burst. Bursts whose features are in the folder are not searched again.
 ///
 /// # Errors
 /// As [`export_colmap`].

@@ -1,8 +1,7 @@
-//! Work on a whole dataset: looking at it, finding the features of all its bursts, matching pairs of them, writing what
-//! COLMAP takes.
+//! Work on a whole dataset: listing its bursts, finding their features, matching pairs of them, exporting to COLMAP.
 //!
-//! Such work is long, and a person wants to see each burst and each pair as it is finished. So beside the one
-//! answer at the end there are events on the way.
+//! Such work takes long, and the window shows each burst and each pair as it is finished. So events are reported before
+//! the answer.
 
 #[cfg(feature = "colmap")]
 mod colmap;
@@ -21,17 +20,17 @@ use crate::matching::{MatchCounts, MatchParams};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The bursts of a dataset, shared by all who work on them.
+/// Bursts of a dataset, shared by all requests for it.
 pub type Bursts = Arc<Vec<BurstSource>>;
 
-/// Where features are kept, and how they are found: an immutable snapshot.
+/// Folder in which features are kept, and parameters with which they are found: an immutable snapshot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Keeping {
     /// The folder.
     pub folder: PathBuf,
     /// The detector's parameters, and how the slopes are chosen.
     pub params: SearchParams,
-    /// How bursts are opened.
+    /// Options with which bursts are opened.
     pub open: OpenOptions,
 }
 
@@ -47,31 +46,31 @@ impl Keeping {
 pub enum DatasetRequest {
     /// Find out which bursts there are, and which of them are finished. Without a folder the dataset's own is taken.
     Open {
-        /// Where they come from.
+        /// Source of the bursts.
         source: DatasetSource,
-        /// Where features are kept.
+        /// Folder in which features are kept.
         folder: Option<PathBuf>,
-        /// With which parameters.
+        /// Parameters of the detection.
         params: SearchParams,
-        /// How bursts are opened.
+        /// Options with which bursts are opened.
         open: OpenOptions,
     },
     /// Find the features of all bursts that are not finished.
     Detect {
         /// The bursts.
         bursts: Bursts,
-        /// Where and how.
+        /// Folder and parameters of the features.
         keeping: Keeping,
     },
     /// Match pairs of finished bursts; pairs with one that is not are left out.
     Match {
         /// The bursts.
         bursts: Bursts,
-        /// Where their features are.
+        /// Folder and parameters of their features.
         keeping: Keeping,
-        /// Pairs of places in `bursts`.
+        /// Pairs of indices in `bursts`.
         pairs: Vec<(usize, usize)>,
-        /// How they are matched.
+        /// Parameters of matching.
         matching: MatchParams,
     },
     /// Write the files that COLMAP's mapper reads.
@@ -84,10 +83,10 @@ pub enum DatasetRequest {
     },
 }
 
-/// A dataset that was looked at.
+/// Open dataset.
 #[derive(Debug, Clone)]
 pub struct OpenDataset {
-    /// Where it comes from.
+    /// Source of the dataset.
     pub source: DatasetSource,
     /// Its bursts; at least one.
     pub bursts: Bursts,
@@ -95,15 +94,15 @@ pub struct OpenDataset {
     pub strays: Vec<PathBuf>,
     /// Files of its only burst; `None` if there are several bursts.
     pub frames_of_one: Option<usize>,
-    /// Where features are kept; `None` if no folder was given and the dataset has none of its own.
+    /// Folder in which features are kept; `None` if none was given and the dataset has none of its own.
     pub folder: Option<PathBuf>,
     /// Why features cannot be kept there.
     pub folder_error: Option<String>,
-    /// The parameters with which it was looked at.
+    /// The parameters for which `finished` holds.
     pub params: SearchParams,
-    /// How its bursts are opened.
+    /// Options with which its bursts are opened.
     pub open: OpenOptions,
-    /// For each burst what is finished with these parameters.
+    /// For each burst its features in numbers, if it is finished with these parameters.
     pub finished: Vec<Option<FinishedBurst>>,
     /// Other parameters, with which the features in the folder were found.
     pub other_params: Option<SearchParams>,
@@ -131,28 +130,28 @@ pub enum DatasetAnswer {
 pub enum DatasetEvent {
     /// A burst is begun.
     Begun {
-        /// Its place.
+        /// Index of the burst.
         index: usize,
     },
     /// A burst is finished.
     Done {
-        /// Its place.
+        /// Index of the burst.
         index: usize,
-        /// In numbers.
+        /// The burst's features in numbers.
         finished: FinishedBurst,
     },
     /// A burst failed; the others go on.
     Failed {
-        /// Its place.
+        /// Index of the burst.
         index: usize,
-        /// Why.
+        /// Reason of the failure.
         error: String,
     },
     /// A pair is matched.
     Matched {
-        /// The places of its bursts.
+        /// Indices of its bursts.
         pair: (usize, usize),
-        /// In numbers.
+        /// The pair's matches in numbers.
         counts: MatchCounts,
     },
 }

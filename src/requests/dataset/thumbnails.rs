@@ -10,9 +10,9 @@ use crate::requests::request::{Request, Urgency, Work};
 pub struct ThumbnailsRequest {
     /// The bursts, in the order in which their pictures are made.
     pub bursts: Vec<BurstSource>,
-    /// Length of the longer side at most, pixels.
+    /// Maximum length of the longer side, pixels.
     pub max_side_px: usize,
-    /// How the bursts are opened.
+    /// Options with which the bursts are opened.
     pub open: OpenOptions,
 }
 

@@ -109,7 +109,7 @@ fn detect(
     Ok(DatasetAnswer::Detected)
 }
 
-/// The part of the work of matching that is reading features from files.
+/// Fraction of the progress of matching that reading features from files takes.
 const READING_SHARE: f32 = 0.2;
 
 fn match_all(
@@ -125,7 +125,7 @@ fn match_all(
     let mut wanted: Vec<usize> = pairs.iter().flat_map(|&(a, b)| [a, b]).collect();
     wanted.sort_unstable();
     wanted.dedup();
-    // Only what is matched is read; `place_of[index]` is where a burst is among these.
+    // Only bursts that are matched are read; `place_of[index]` is a burst's index among them.
     let (mut read, mut place_of) = (Vec::<BurstFeatures>::new(), vec![None; bursts.len()]);
     for (count, &index) in wanted.iter().enumerate() {
         monitor.check()?;
