@@ -1,4 +1,4 @@
-//! COLMAP's database of the dataset that is open: asked for, and what is said when it is written.
+//! Export of the open dataset for COLMAP: the request, and the message when it is written.
 
 use crate::app::project::datasets::Work;
 use crate::app::window::BurstscopeApp;
@@ -7,7 +7,7 @@ use crate::requests::{ColmapDone, ColmapRequest, DatasetRequest};
 use std::path::PathBuf;
 
 impl BurstscopeApp {
-    /// Writes what COLMAP's mapper takes into the folder `out`, with the parameters as they are now.
+    /// Writes the files that COLMAP's mapper reads to the folder `out`, with the present parameters.
     pub(in crate::app) fn export_database(&mut self, out: PathBuf) {
         let Some(dataset) = &self.model.datasets.open else { return };
         let request = ColmapRequest {
@@ -23,7 +23,7 @@ impl BurstscopeApp {
         self.model.datasets.wanted.ask(&self.engine, DatasetRequest::Colmap { bursts, request: Box::new(request) });
     }
 
-    /// Says what was written, and which bursts were left out.
+    /// Shows a message that says which files were written and which bursts were left out.
     pub(in crate::app) fn say_what_was_exported(&mut self, done: &ColmapDone) {
         let report = &done.report;
         let verified = report.pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)).count();

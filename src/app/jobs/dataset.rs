@@ -10,16 +10,16 @@ use crate::dataset::DatasetSource;
 use crate::requests::{BurstSource, DatasetRequest};
 use std::path::PathBuf;
 
-/// A burst of at least this many frames is rather a film: nothing moves evenly for so long.
+/// Number of frames from which a burst counts as a film: motion is not uniform for so long.
 const FILM_FRAMES: usize = 30;
 
 impl BurstscopeApp {
-    /// Opens a dataset in the background; what is open stays until it is there.
+    /// Opens a dataset in the background; the open one stays until then.
     pub fn open_dataset(&mut self, source: DatasetSource) {
         self.look_at_dataset(source, None);
     }
 
-    /// Opens the bursts at `paths` as a dataset; a long sequence that lies there alone is first asked about.
+    /// Opens the bursts of `source` as a dataset; a single long sequence is first offered for cutting.
     pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>) {
         self.model.datasets.work = Some(Work::Opening);
         let (params, open) = (self.model.asked(), self.model.calibration.clone());
@@ -37,7 +37,7 @@ impl BurstscopeApp {
         }
     }
 
-    /// Keeps the dataset's features in `folder` from now on.
+    /// Sets the folder in which the dataset's features are kept.
     pub(in crate::app) fn use_feature_folder(&mut self, folder: PathBuf) {
         if let Some(dataset) = &self.model.datasets.open {
             self.look_at_dataset(dataset.source.clone(), Some(folder));
@@ -81,7 +81,7 @@ impl BurstscopeApp {
         }
     }
 
-    /// The film that is open is looked at as one burst: cutting it is not offered any more.
+    /// Keeps the open film as one burst: cutting it is not offered any more.
     pub(in crate::app) fn keep_burst_whole(&mut self) {
         self.overlays.stays_whole = self.model.slots.a.burst.as_ref().map(|open| open.id);
     }
@@ -188,7 +188,7 @@ impl BurstscopeApp {
         }
     }
 
-    /// Makes the burst that is open in the inspector A (0) or B (1).
+    /// Chooses the burst that is open in the inspector as A (0) or B (1).
     pub(in crate::app) fn choose_open_burst(&mut self, side: usize) {
         let shown = self.model.slots.a.burst.as_ref();
         if let Some(dataset) = &mut self.model.datasets.open

@@ -84,7 +84,7 @@ impl BurstscopeApp {
         let shown = dataset.place_of(self.model.slots.a.burst.as_ref());
         self.model.datasets.open = Some(dataset);
         self.model.panels.filmstrip = true;
-        // A session brings its own burst.
+        // A session opens its own burst.
         if shown.is_none() && restoring.is_none() {
             self.open_burst_at(0);
         }

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 impl BurstscopeApp {
-    /// Opens a lesson where it was left last. What is open is kept aside, and comes back when the lesson is left.
+    /// Opens a lesson at the step where it was left last. The present model is put aside until the lesson is left.
     pub fn start_lesson(&mut self, lesson: Arc<Lesson>) {
         self.leave_lesson();
         self.lessons.list_is_open = false;
@@ -39,7 +39,7 @@ impl BurstscopeApp {
         self.begin_step();
     }
 
-    /// Leaves the lesson, if one is open, and puts back what was open before it.
+    /// Leaves the lesson, if one is open, and restores the model that was open before it.
     pub fn leave_lesson(&mut self) {
         self.lessons.remember();
         let Some(open) = self.lessons.open.take() else { return };
@@ -54,7 +54,7 @@ impl BurstscopeApp {
         }
     }
 
-    /// Opens the lessons of a folder or a file, or says what is wrong with them.
+    /// Opens the lessons of a folder or a file, or shows the error in them.
     pub fn open_lessons(&mut self, path: &Path) {
         const WHAT: &str = "Open lessons";
         match lessons_at(path) {
@@ -70,7 +70,7 @@ impl BurstscopeApp {
         }
     }
 
-    /// Does what was asked of the open lesson, sets its step up once its bursts are there, and notices what was done.
+    /// Applies `wish` to the open lesson, sets its step up once its bursts are open, and checks its tasks.
     pub(in crate::app) fn go_on_with_lesson(&mut self, ctx: &egui::Context, wish: Option<Wish>) {
         match wish {
             Some(Wish::Leave) => self.leave_lesson(),
@@ -90,7 +90,7 @@ impl BurstscopeApp {
         };
         let is_other = self.model.slots.a.burst.as_ref().is_some_and(|burst| burst.source != open.step().state.burst());
         if open.is_ready && is_other {
-            // What was still being opened for another step has come.
+            // A burst that was requested for another step has been opened.
             self.begin_step();
         } else if open.is_ready {
             select_first(open, &mut self.model);
@@ -105,16 +105,16 @@ impl BurstscopeApp {
         parts::want(ctx, highlight);
     }
 
-    /// Whether the open lesson has nothing to wait for.
+    /// Whether the open lesson waits for nothing.
     pub(in crate::app) fn lesson_is_settled(&self) -> bool {
         let failed = !self.model.messages.errors().is_empty();
         self.lessons.open.as_ref().is_none_or(|open| open.is_ready || failed)
     }
 
-    /// Begins the open step: asks for its bursts where others are open.
+    /// Begins the open step: opens its bursts where others are open.
     fn begin_step(&mut self) {
         let Some(open) = &mut self.lessons.open else { return };
-        // What another step opens is not wanted any more.
+        // The burst that another step requested is not needed any more.
         self.model.slots.a.opening.forget();
         let (first, second) = (open.step().state.burst(), open.step().state.second.clone());
         (open.is_ready, open.opens) = (false, Vec::new());
@@ -140,13 +140,13 @@ impl BurstscopeApp {
         self.set_step_up();
     }
 
-    /// The burst, if it was open before the lesson: it need not be opened again.
+    /// Finds the burst of `source` if it was open before the lesson, so that it need not be opened again.
     fn burst_that_is_kept(&self, source: &BurstSource) -> Option<OpenBurst> {
         let kept = self.lessons.open.as_ref()?.before().slots.a.burst.as_ref()?;
         (kept.source == *source).then(|| kept.clone())
     }
 
-    /// Sets the open step up, if its bursts are there.
+    /// Sets the open step up, if its bursts are open.
     fn set_step_up(&mut self) {
         let Some(open) = &mut self.lessons.open else { return };
         let state = open.step().state.clone();
@@ -162,7 +162,7 @@ impl BurstscopeApp {
         (self.cursors_set, self.history_set) = (true, true);
     }
 
-    /// Leaves the lesson when something else was opened in it: that is what is wanted now, beside what was open before.
+    /// Leaves the lesson when another burst or session is being opened in it; the opening goes on in the earlier model.
     fn leave_for_what_was_opened(&mut self) {
         let Some(open) = &self.lessons.open else { return };
         let is_own = |source: &BurstSource| *source == open.step().state.burst() || open.opens.contains(source);
@@ -175,7 +175,7 @@ impl BurstscopeApp {
         }
     }
 
-    /// Forgets what was drawn and asked for: another model is shown from now on.
+    /// Clears the widgets and requests of the model that was shown until now.
     fn forget_what_is_drawn(&mut self) {
         self.widgets = Default::default();
         self.pair_panels = Default::default();
@@ -185,7 +185,7 @@ impl BurstscopeApp {
     }
 }
 
-/// Selects the first feature or match once there is one, where the step begins so.
+/// Selects the first feature or match once there is one, if the step begins with one selected.
 fn select_first(open: &mut OpenLesson, model: &mut Model) {
     if !open.selects {
         return;

@@ -1,6 +1,5 @@
-//! The window's part of long work: what it does beyond the project when bursts are opened, sessions restored, datasets
-//! worked on, lessons gone through and files written. What the project itself asks of the engine is in
-//! [`crate::app::project`].
+//! The window's part of background work: opening bursts, restoring sessions, working on datasets, going through
+//! lessons, writing files. The project's own requests to the engine are in [`crate::app::project`].
 
 #[cfg(feature = "colmap")]
 mod colmap;

@@ -1,4 +1,4 @@
-//! Opening bursts, restoring what a session had open, and the window's part of the answers.
+//! Opening of bursts, restoring of sessions, and the window's part of the answers.
 
 use crate::app::pane::SavedWorkspaces;
 use crate::app::project::Effect;
@@ -20,9 +20,9 @@ const PLAY_EVERY: Duration = Duration::from_millis(220);
 /// Sessions that wait for their burst to be opened.
 #[derive(Default)]
 pub(in crate::app) struct Restoring {
-    /// With the request that opens the first burst.
+    /// Id of the request that opens the first burst, and the session.
     pub session: Option<(JobId, Box<Session>)>,
-    /// With the request that opens the second burst.
+    /// Id of the request that opens the second burst, and the session's state of the pair.
     pub pair: Option<(JobId, Box<PairSession>, SavedWorkspaces)>,
 }
 
@@ -124,7 +124,7 @@ impl BurstscopeApp {
         }
     }
 
-    /// Restores all of a session whose burst has just been opened.
+    /// Restores a session whose burst has just been opened.
     fn restore_with_burst(&mut self, session: Session) {
         session.apply(&mut self.model);
         self.forget_closed_panes();
@@ -140,7 +140,7 @@ impl BurstscopeApp {
         self.restore_pair(session.pair, panes);
     }
 
-    /// Takes over what a session holds besides its burst, which could not be opened; the burst that is open stays.
+    /// Restores a session without its burst, which could not be opened; the open burst stays.
     fn restore_without_burst(&mut self, session: Session) {
         session.apply_without_burst(&mut self.model);
         self.restore_dataset(session.dataset.clone());
@@ -150,7 +150,7 @@ impl BurstscopeApp {
         self.model.messages.note("The session was restored without its burst");
     }
 
-    /// Opens the second burst of a session, and then takes over what the session holds of the pair.
+    /// Opens the second burst of a session, and then restores the session's state of the pair.
     pub(in crate::app) fn restore_pair(&mut self, session: PairSession, panes: SavedWorkspaces) {
         match session.burst.clone() {
             Some(source) => {
@@ -176,14 +176,14 @@ impl BurstscopeApp {
         self.forget_closed_panes();
     }
 
-    /// Makes A of B and B of A.
+    /// Swaps A and B.
     pub(in crate::app) fn swap_sides(&mut self) {
         self.model.swap_sides();
         self.restoring = Restoring::default();
     }
 
-    /// Probes the place in B where the geometry puts the feature that is asked about. It is A that is probed, so the
-    /// two change places.
+    /// Probes the place in B where the geometry expects the feature that is asked about. Only A can be probed, so A and
+    /// B are swapped.
     pub(in crate::app) fn probe_expected(&mut self) {
         let Some(place) = self.model.expected_place() else { return };
         self.swap_sides();
@@ -192,7 +192,7 @@ impl BurstscopeApp {
         self.model.messages.note("B is A now, so that it can be probed; Swap A and B takes that back");
     }
 
-    /// Forgets what detections left behind in bursts that are not open any more.
+    /// Drops the trails of bursts that are not open any more.
     pub(in crate::app) fn forget_closed_trails(&self) {
         let open = Side::BOTH.into_iter().filter_map(|side| Some(self.model.burst_of(side)?.id));
         self.engine.keep_trails_of(&open.collect::<Vec<_>>());
@@ -252,7 +252,7 @@ impl BurstscopeApp {
         ctx.request_repaint_after(PLAY_EVERY / 4);
     }
 
-    /// Requests everything that is wanted and not there.
+    /// Requests each missing result that the window shows.
     pub(in crate::app) fn request_what_is_missing(&mut self, ctx: &egui::Context) {
         let dragging = ctx.input(|i| i.pointer.any_down());
         self.model.ask(&self.engine, dragging);

@@ -19,7 +19,7 @@ impl CursorBefore {
         Self { focus: model.focus(), cursor: *model.cursor() }
     }
 
-    /// Lets what is linked to it follow if it has moved since.
+    /// Moves the cursors that are linked to it if it has moved since.
     pub(in crate::app) fn lead(self, model: &mut Model) {
         if self.focus == model.focus() && self.cursor != *model.cursor() {
             model.panes.follow_cursor(self.focus, self.cursor);
@@ -30,7 +30,7 @@ impl CursorBefore {
 }
 
 impl BurstscopeApp {
-    /// Does what a pane asked for, and forgets what was kept of panes that are gone.
+    /// Applies the change that a pane asked for, and drops the state of closed panes.
     pub(in crate::app) fn change_panes(&mut self, change: Change) {
         let panes = &mut self.model.panes;
         match change {
@@ -45,12 +45,12 @@ impl BurstscopeApp {
             Change::LayOutSides(preset) => panes.lay_out_sides(preset),
             Change::LayOutMethods(preset) => self.model.lay_out_methods(preset),
         }
-        // Panes that were laid out each in its own place do not follow one another for it.
+        // Cursors that a change of the layout sets do not make linked cursors follow.
         self.cursors_set = true;
         self.forget_closed_panes();
     }
 
-    /// Forgets what was kept and asked for of panes that are gone.
+    /// Drops the state and the requests of closed panes.
     pub(in crate::app) fn forget_closed_panes(&mut self) {
         let panes: &Panes = &self.model.panes;
         self.widgets.retain(|id| panes.get(id).is_some());

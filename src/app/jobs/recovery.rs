@@ -1,4 +1,4 @@
-//! Saving the session by itself, and restoring what a window left that did not end in the ordinary way.
+//! Automatic saving of the session, and restoring of the session of a window that did not end normally.
 
 use crate::app::panel::recovery::RecoveryChoice;
 use crate::app::recovery::{KeptIn, Offer, Recovery, WritingEnded};
@@ -11,7 +11,7 @@ use crate::files::written_by;
 const TITLE: &str = "Save the session by itself";
 
 impl BurstscopeApp {
-    /// Begins to keep the session, if it is to be kept somewhere.
+    /// Begins to save the session automatically, if `kept` gives a place.
     pub(in crate::app) fn begin_keeping_session(&mut self, kept: Option<&KeptIn>) {
         let Some(kept) = kept else { return };
         match Recovery::new(kept) {
@@ -24,15 +24,15 @@ impl BurstscopeApp {
         }
     }
 
-    /// The text of the session of what is open; what a lesson shows is nobody's.
+    /// Text of the present session, without the model of a lesson.
     fn session_text(&self) -> Option<String> {
         let model = self.lessons.open.as_ref().map_or(&self.model, |open| open.before());
         Some(written_by() + &Session::of(model)?.to_toml())
     }
 
-    /// Saves the session in the background, if it is time to and something has changed.
+    /// Saves the session in the background, if it is due and has changed.
     pub(in crate::app) fn keep_session(&mut self, ctx: &egui::Context) {
-        // What is being opened would be missing; when it is there another pass comes.
+        // A burst that is being opened would be missing; the session is saved in a pass after that.
         if self.model.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
             return;
         }
@@ -45,7 +45,7 @@ impl BurstscopeApp {
         self.recovery = Some(recovery);
     }
 
-    /// Saves the session at once: the window goes on in another one, and should that fail it is offered later.
+    /// Saves the session at once: another window goes on with it, and if that fails it is offered later.
     pub(in crate::app) fn keep_session_now(&mut self) {
         if let (Some(recovery), Some(text)) = (&self.recovery, self.session_text())
             && let Err(error) = recovery.write_now(&text)
@@ -67,12 +67,12 @@ impl BurstscopeApp {
         true
     }
 
-    /// The session that is offered.
+    /// Session of an earlier window that is offered for restoring.
     pub(in crate::app) fn offered_session(&self) -> Option<Offer> {
         self.recovery.as_ref()?.offer()
     }
 
-    /// Does with the session that is offered what was chosen.
+    /// Applies the choice for the offered session.
     pub(in crate::app) fn settle_offer(&mut self, choice: RecoveryChoice) {
         let Some(recovery) = &mut self.recovery else { return };
         match choice {

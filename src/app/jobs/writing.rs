@@ -24,7 +24,7 @@ const NO_MATCHES: &str = "there are no matches; open a second burst and press Ma
 /// Writes a file; the error says what went wrong.
 pub type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 
-/// The work of writing what `purpose` names, with everything it needs taken from the model as it is now.
+/// Prepares the writing of the file for `purpose`, with a snapshot of all it needs of the model.
 ///
 /// # Errors
 /// When a detection, a picture or a burst is missing; the message names it.
@@ -146,7 +146,7 @@ fn figure_work(model: &Model, widgets: &PaneWidgets, kind: ExportKind) -> Result
     })
 }
 
-/// The picture on the pixels of the input image, so that features lie where they belong.
+/// Resamples the picture to the pixels of the input image, so that features are drawn at their places.
 fn on_image_pixels(picture: &Picture) -> Plane {
     let step = picture.request.kind.input_px_per_pixel();
     let (width, height) = picture.request.burst.burst.size();

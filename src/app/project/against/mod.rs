@@ -1,5 +1,5 @@
-//! With what the features of the open burst are compared: an earlier result that was pinned, somebody else's
-//! features, what is really there. All three can be there; one of them is on show.
+//! Comparison of the features of the open burst with a reference: an earlier result that was pinned, features of a
+//! file, or the truth. All three may be known; one of them is on show.
 
 mod rows;
 mod saved;
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// With what features are compared.
+/// Reference of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum With {
@@ -32,7 +32,7 @@ impl With {
     /// All of them, in the order of the switch.
     pub const ALL: [Self; 3] = [Self::Pinned, Self::File, Self::Truth];
 
-    /// Its name.
+    /// Name of the reference.
     pub fn label(self) -> &'static str {
         match self {
             Self::Pinned => "Pinned result",
@@ -58,15 +58,15 @@ impl With {
 /// A comparison as it is shown.
 #[derive(Debug, Clone)]
 pub struct Shown {
-    /// With what.
+    /// The reference.
     pub with: With,
-    /// The features that were compared; those of another detection are not these.
+    /// The features that were compared.
     pub detection: Arc<Detection>,
-    /// One for each feature of ours or theirs; the most interesting first.
+    /// One row for each feature of ours or theirs; the most interesting first.
     pub rows: Vec<Row>,
     /// The counts in a line.
     pub summary: String,
-    /// Whether the truth, if it is one, tells of all that is there.
+    /// Whether the truth, if it is the reference, is complete.
     pub is_whole_truth: bool,
     /// Label of rows of ours alone.
     ours: &'static str,
@@ -89,7 +89,7 @@ impl Shown {
 pub struct Pinned {
     burst: BurstId,
     asked: SearchParams,
-    /// Not there yet after a session was opened: then it is found again.
+    /// `None` after a session was opened, until the detection is repeated.
     detection: Option<Arc<Detection>>,
 }
 
@@ -107,13 +107,13 @@ pub struct ForeignFile {
 pub struct Against {
     /// The pinned result.
     pub pinned: Option<Pinned>,
-    /// Somebody else's features.
+    /// The opened features of a file.
     pub file: Option<ForeignFile>,
-    /// The burst of which it is known whether its truth is known, and whether it is.
+    /// Burst that was checked for a truth, and whether it has one.
     truth: Option<(BurstId, bool)>,
     /// Reference of the comparison on show.
     pub with: Option<With>,
-    /// The comparison, as far as it was made.
+    /// The comparison, once it was made.
     pub shown: Option<Arc<Shown>>,
     /// Kinds that are not drawn and not listed.
     pub hidden: Vec<Kind>,
@@ -123,7 +123,7 @@ pub struct Against {
     pub hovered: Option<usize>,
     /// The request for the comparison.
     pub wanted: Wanted<AgainstRequest>,
-    /// Why there is no comparison.
+    /// Error for which there is no comparison.
     pub problem: Option<String>,
 }
 
@@ -143,7 +143,7 @@ impl Against {
             (self.with, self.shown, self.problem) = (with, None, None);
             self.wanted.forget();
             (self.selected, self.hovered) = (None, None);
-            // What is as it was is the ground, not the news.
+            // Unchanged features are hidden, so that the changes stand out.
             self.hidden = if with == Some(With::Pinned) { vec![Kind::Same] } else { Vec::new() };
         }
     }
@@ -155,12 +155,12 @@ impl Against {
 }
 
 impl Model {
-    /// Pins the features on show: what comes later is compared with them.
+    /// Pins the features on show: later results are compared with them.
     pub fn pin_result(&mut self) {
         if let (Some(burst), Some(found)) = (&self.slots.a.burst, &self.slots.a.found) {
             let (asked, detection) = (found.asked.clone(), Some(found.detection.clone()));
             self.against.pinned = Some(Pinned { burst: burst.id, asked, detection });
-            // A new pin, a new comparison.
+            // The comparison with an earlier pin is dropped.
             self.against.show(None);
             self.against.show(Some(With::Pinned));
         }
@@ -174,7 +174,7 @@ impl Model {
         }
     }
 
-    /// Lays the features of the file at `path` over the burst.
+    /// Compares with the features of the file at `path`.
     pub fn lay_over(&mut self, path: PathBuf) {
         if let Some(burst) = &self.slots.a.burst {
             self.against.file = Some(ForeignFile { burst: burst.id, path, features: None });
@@ -191,7 +191,7 @@ impl Model {
         }
     }
 
-    /// Forgets what belongs to a burst that is not open any more.
+    /// Forgets the references of a burst that is not open any more.
     pub fn check_against(&mut self) {
         let open = self.slots.a.burst.as_ref().map(|burst| burst.id);
         self.against.pinned.take_if(|pinned| Some(pinned.burst) != open);
@@ -204,7 +204,7 @@ impl Model {
         }
     }
 
-    /// Takes the comparison, or why there is none.
+    /// Takes the comparison, or its error.
     pub(in crate::app) fn take_comparisons(&mut self) {
         for ended in self.against.wanted.take() {
             match ended.result {

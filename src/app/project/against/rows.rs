@@ -1,4 +1,4 @@
-//! The rows of a comparison: one for each feature of ours or theirs, with what became of it.
+//! Rows of a comparison: one for each feature of ours or theirs, with its kind.
 
 use super::With;
 use crate::detector::{Detection, Feature, Slope};
@@ -16,14 +16,14 @@ pub enum Kind {
     Ours,
     /// In both, but not at the same place, scale and slope.
     Moved,
-    /// Ours, but what it shows was found already by a stronger one.
+    /// Ours, but a stronger feature has found the same object.
     Repeated,
     /// In both: as before, found.
     Same,
 }
 
 impl Kind {
-    /// Those that a comparison with `with` has, in the order of the list.
+    /// Kinds that a comparison with `with` has, in the order of the list.
     pub fn of(with: With) -> &'static [Self] {
         match with {
             With::Pinned | With::File => &[Self::Theirs, Self::Ours, Self::Moved, Self::Same],
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn every_feature_has_one_row_and_news_come_first() {
         let burst = demo_burst();
-        // One feature at a place: of two, either could be taken for the one that is missing.
+        // One feature at each place: of two, either could count as the missing one.
         let params = crate::DetectorParams { max_features: 40, max_orientations: 1, ..Default::default() };
         let detection = crate::detect(&burst, &params, &Monitor::default()).expect("finds");
         let after: Vec<Spot> = detection.features.iter().map(Spot::from).collect();

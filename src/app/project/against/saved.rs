@@ -32,8 +32,8 @@ impl Model {
         (saved != SavedAgainst::default()).then_some(saved)
     }
 
-    /// Takes over what a session kept for the burst that was just opened. What is compared with is read and found when
-    /// it is wanted.
+    /// Restores the comparison of a session for the burst that was just opened. The reference is read or detected when
+    /// it is needed.
     pub fn restore_against(&mut self, saved: Option<SavedAgainst>) {
         let SavedAgainst { with, file, pinned } = saved.unwrap_or_default();
         let burst = self.slots.a.burst.as_ref().map(|burst| burst.id);

@@ -1,4 +1,4 @@
-//! The panes of *Methods*: each method that is compared has one to begin with.
+//! The panes of *Methods*: at first one for each method that is compared.
 
 use crate::app::pane::MethodsPreset;
 use crate::app::project::Model;
@@ -6,9 +6,9 @@ use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 
 impl Model {
-    /// Brings the panes on the screen up to date with the workspace that is open, and in *Methods* with the methods
-    /// that are compared: those that were switched on since get a pane, those that were switched off lose theirs. What
-    /// else a person made of the arrangement stays.
+    /// Updates the panes on the screen for the open workspace, and in *Methods* for the methods that are compared:
+    /// methods that were switched on get a pane, those that were switched off lose theirs. The rest of the arrangement
+    /// stays.
     pub fn refresh_workspace(&mut self) {
         self.panes.turn_to(self.workspace);
         if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {

@@ -1,9 +1,9 @@
-//! Which methods are compared, and what is drawn of what they found.
+//! Choice of the methods that are compared, and display settings.
 
 use crate::app::project::compare::Contender;
 use serde::{Deserialize, Serialize};
 
-/// Which methods are compared, and what is drawn of what they found.
+/// Choice of the methods that are compared, and display settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CompareLook {
@@ -25,7 +25,7 @@ impl CompareLook {
         self.methods.contains(&method)
     }
 
-    /// Takes `method` in, or leaves it out.
+    /// Adds `method` to the comparison, or removes it.
     pub fn show(&mut self, method: Contender, shown: bool) {
         self.methods.retain(|m| *m != method);
         if shown {

@@ -1,8 +1,7 @@
-//! Several methods on the same burst, as plain values: what each found, what is missing, and in which panes they are
-//! seen.
+//! Comparison of methods on the same burst, as plain values: the results, the missing steps, and the panes.
 //!
-//! With a second burst open, each method also runs on that one and is matched with itself, so that what counts in the
-//! end, matches, can be compared.
+//! With a second burst open, each method also runs on that one, and its features of both are matched, so that matches
+//! can be compared too.
 
 mod arranging;
 mod look;
@@ -36,21 +35,21 @@ pub struct MethodFound {
     pub elapsed: Duration,
 }
 
-/// A piece of work for one method.
+/// Step of the comparison, for one method.
 #[derive(Debug, Clone)]
 pub struct CompareJob {
-    /// For which method.
+    /// The method.
     pub method: Contender,
-    /// On which burst; of matching both.
+    /// Burst that is searched; matching uses both.
     pub side: Side,
     /// The request.
     pub request: CompareRequest,
 }
 
-/// Several methods on the same burst.
+/// State of the comparison of methods.
 #[derive(Debug, Default)]
 pub struct Compare {
-    /// Which are shown, and how.
+    /// Choice of methods, and display settings.
     pub look: CompareLook,
     /// Sharp images of A's and of B's view, each as a burst of one frame.
     pub gold: [Option<OpenBurst>; 2],
@@ -79,17 +78,17 @@ impl Compare {
         Some((self.asked.as_ref()?.method, self.wanted.running()?))
     }
 
-    /// Why the last work for `method` failed, if it did.
+    /// Error of the last step for `method`, if it failed.
     pub fn problem(&self, method: Contender) -> Option<&str> {
         self.failed.iter().rev().find(|(job, _)| job.method == method).map(|(_, why)| why.as_str())
     }
 
-    /// Everything that methods found.
+    /// Results of all methods.
     pub fn all_found_mut(&mut self) -> impl Iterator<Item = &mut MethodFound> {
         self.found.iter_mut().flatten().flatten()
     }
 
-    /// Takes what a method found.
+    /// Takes the result of a method.
     pub fn take_found(&mut self, method: Contender, side: Side, found: MethodFound) {
         self.failed.retain(|(job, _)| job.method != method);
         self.found[method.index()][side as usize] = Some(found);
@@ -101,19 +100,19 @@ impl Compare {
         self.matches[method.index()] = Some(matches);
     }
 
-    /// Remembers that a piece of work failed, so that it is not tried again as it was.
+    /// Records a failed step, so that it is not repeated with the same input.
     pub fn take_failure(&mut self, job: CompareJob, why: String) {
         self.failed.push((job, why));
     }
 
-    /// Lets what failed or was cancelled be tried again.
+    /// Forgets failed and cancelled steps, so that they are tried again.
     pub fn forget_failures(&mut self) {
         self.failed.clear();
     }
 }
 
 impl MethodFound {
-    /// With what the engine answered.
+    /// Wraps the engine's answer.
     pub fn new(detected: Detected, elapsed: Duration) -> Self {
         Self { burst: detected.burst, params: detected.params, detection: detected.detection, elapsed }
     }
@@ -126,7 +125,7 @@ impl Model {
         self.compare.opening_gold[side].ask(engine, OpenRequest { source, options });
     }
 
-    /// Takes the gold standards that were opened, and what a method found.
+    /// Takes the gold standards that were opened, and the results of methods.
     pub(in crate::app) fn take_compared(&mut self) {
         for side in Side::BOTH {
             for ended in self.compare.opening_gold[side].take() {
@@ -178,12 +177,12 @@ impl Model {
         }
     }
 
-    /// Whether all pieces of work are there that the open workspace shows.
+    /// Whether all steps that the open workspace shows are done.
     pub(in crate::app) fn comparison_of_methods_is_there(&self) -> bool {
         self.workspace != Workspace::Methods || !self.auto_detect || self.next_compare_job().is_none()
     }
 
-    /// The burst that `method` looks at on `side`: the open one, or the gold standard's image.
+    /// Burst that `method` searches on `side`: the open one, or the gold standard's image.
     pub fn method_burst(&self, method: Contender, side: Side) -> Option<&OpenBurst> {
         match method {
             Contender::Gold => self.compare.gold[side as usize].as_ref(),
@@ -204,7 +203,7 @@ impl Model {
             .filter(|found| found.burst == open.id && found.params == self.method_params(method, side))
     }
 
-    /// The matches of what `method` found in A with what it found in B, with the present parameters.
+    /// Matches between the features of `method` in A and in B, with the present parameters.
     pub fn method_matches(&self, method: Contender) -> Option<&Matches> {
         let wanted = self.wanted_method_matches(method)?;
         self.compare.matches[method.index()].as_ref().filter(|matches| matches.request.is_same(&wanted))
@@ -215,7 +214,7 @@ impl Model {
         Some(MatchRequest { a: a?, b: b?, params: self.pair.params.clone() })
     }
 
-    /// The methods that are shown and have something to look at.
+    /// The methods that are shown and have a burst to search.
     pub fn contenders(&self) -> Vec<Contender> {
         let usable = |method: &Contender| self.method_burst(*method, Side::A).is_some();
         Contender::ALL.into_iter().filter(|m| self.compare.look.shows(*m)).filter(usable).collect()
@@ -228,7 +227,7 @@ impl Model {
             let detections = Side::BOTH.into_iter().filter_map(move |side| self.missing_detection(method, side));
             detections.chain(self.missing_matching(method)).collect::<Vec<_>>()
         });
-        // All methods on A come first: they are what is looked at.
+        // All methods on A come first: A is on show.
         let mut jobs: Vec<CompareJob> = jobs.filter(|job| !self.has_failed(job)).collect();
         jobs.sort_by_key(|job| job.side != Side::A);
         jobs.into_iter().next()
@@ -259,8 +258,7 @@ impl Model {
         self.compare.failed.iter().any(|(failed, _)| same(failed))
     }
 
-    /// Takes over what the other workspaces have found already with the very same parameters, so that it is not done
-    /// again.
+    /// Takes over results of the other workspaces with equal parameters, so that they are not computed again.
     pub fn share_what_is_found(&mut self) {
         for method in Contender::ALL.into_iter().filter(|m| *m != Contender::Gold) {
             for side in Side::BOTH {

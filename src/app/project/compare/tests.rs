@@ -1,5 +1,5 @@
-//! The comparison's promises: what is missing is done in order and once, what is current counts, what failed is not
-//! tried again as it was.
+//! Tests of the comparison: missing steps are done in order and once, only current results count, and failed steps are
+//! not repeated with the same input.
 
 use crate::app::pane::Direction;
 use crate::app::project::compare::*;
@@ -14,7 +14,7 @@ fn methods() -> Model {
     Model { workspace: Workspace::Methods, ..pair() }
 }
 
-/// Does a job as the engine would, but finds what is there already.
+/// Does a job as the engine would, but answers with results that exist already.
 fn do_job(model: &mut Model, job: &CompareJob) {
     match &job.request {
         CompareRequest::Detect(request) => {
@@ -33,7 +33,7 @@ fn do_job(model: &mut Model, job: &CompareJob) {
     }
 }
 
-/// Does all that is missing; answers which methods it was for, and on which side.
+/// Does all missing jobs and returns their methods and sides.
 fn do_all(model: &mut Model) -> Vec<(Contender, Side)> {
     let mut done = Vec::new();
     while let Some(job) = model.next_compare_job() {

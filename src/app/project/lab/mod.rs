@@ -1,4 +1,4 @@
-//! The Lab: which charts are made, what is asked of them, the curves so far, and the chart that is looked at.
+//! The Lab: settings of charts and study, the curves so far, and the chart on show.
 
 mod question;
 
@@ -11,7 +11,7 @@ use crate::evaluate::{BurstMethod, ChartOfStudy, ChartStudy, ShownChart, Study, 
 use crate::requests::{JobError, StudyRequest};
 use crate::synth::{ChartParams, NoisyParams};
 
-/// A study and what is known of its answer.
+/// A study and its report so far.
 #[derive(Debug, Clone)]
 pub struct LabResult {
     /// The study.
@@ -33,7 +33,7 @@ pub struct KeptCurves {
     pub result: LabResult,
 }
 
-/// Which result a point belongs to.
+/// Result that a point belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LabSet {
     /// The newest result, also while it is being made.
@@ -43,7 +43,7 @@ pub enum LabSet {
     Kept(usize),
 }
 
-/// Everything of the Lab.
+/// State of the Lab.
 #[derive(Debug)]
 pub struct Lab {
     /// Question of the study.
@@ -62,7 +62,7 @@ pub struct Lab {
     pub methods: Vec<BurstMethod>,
     /// The newest result.
     pub current: Option<LabResult>,
-    /// Results that stay.
+    /// Results that are kept for comparison.
     pub kept: Vec<KeptCurves>,
     /// The ratio whose ROC curves are shown, as an index of the rows.
     pub roc_row: usize,
@@ -78,7 +78,7 @@ pub struct Lab {
     pub wanted: Wanted<StudyRequest>,
     /// The request for the chart that is looked at.
     pub wanted_chart: Wanted<ChartOfStudy>,
-    /// Why there is no result, or no chart.
+    /// Error for which there is no result, or no chart.
     pub problem: Option<String>,
     /// Noise of a dark copy of the open burst.
     pub dark_copy: NoisyParams,
@@ -145,7 +145,7 @@ impl Lab {
         }
     }
 
-    /// The chart that is to be looked at.
+    /// The selected chart of the study.
     pub fn selected_chart(&self) -> Option<ChartOfStudy> {
         let (set, point) = self.selected?;
         let study = self.result(set)?.study.clone();
@@ -162,7 +162,7 @@ impl Lab {
 }
 
 impl Model {
-    /// Starts the study that is set.
+    /// Starts the study of the present settings.
     pub(in crate::app) fn run_study(&mut self, engine: &Engine) {
         match self.lab_study() {
             Ok(study) => {

@@ -53,7 +53,7 @@ impl LabQuestion {
         }
     }
 
-    /// Whether it is answered with charts that are made.
+    /// Whether the study uses synthetic charts.
     pub fn needs_charts(self) -> bool {
         self != Self::BurstFrames
     }
@@ -63,7 +63,7 @@ impl LabQuestion {
         matches!(self, Self::Dark | Self::Frames)
     }
 
-    /// Whether it asks for numbers of frames.
+    /// Whether the study takes numbers of frames.
     pub fn counts_frames(self) -> bool {
         matches!(self, Self::Frames | Self::BurstFrames)
     }
@@ -84,7 +84,7 @@ impl Lab {
     /// The ratios.
     ///
     /// # Errors
-    /// A word that is no positive number.
+    /// When a word is not a positive number.
     pub fn snrs(&self) -> Result<Vec<f64>, String> {
         let words = self.snrs_text.split(',').map(str::trim).filter(|word| !word.is_empty());
         let mut snrs: Vec<f64> = Vec::new();
@@ -105,7 +105,7 @@ impl Lab {
     /// The numbers of frames.
     ///
     /// # Errors
-    /// A word that is no whole number.
+    /// When a word is not a whole number.
     pub fn frame_counts(&self) -> Result<Vec<usize>, String> {
         let words = self.counts_text.split(',').map(str::trim).filter(|word| !word.is_empty());
         let count = |word: &str| {
@@ -115,7 +115,7 @@ impl Lab {
         words.map(count).collect()
     }
 
-    /// The study that is asked for, with the detector's parameters as `search` has them, and the bursts that are open.
+    /// The study of the present question, with the detector's parameters in `search`, and the open bursts.
     ///
     /// # Errors
     /// When a setting is invalid; the message is a sentence that says why.

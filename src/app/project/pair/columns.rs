@@ -29,7 +29,7 @@ pub enum MatchColumn {
     SlopeB,
     /// Distance of the descriptors.
     Distance,
-    /// That over the distance to the second nearest.
+    /// Distance over the distance to the second nearest.
     Ratio,
     /// Distance from the geometry.
     Error,
@@ -93,7 +93,7 @@ impl MatchColumn {
         }
     }
 
-    /// The value by which the column sorts; what has none comes last.
+    /// The value by which the column sorts; rows without one come last.
     pub fn value(self, row: &MatchRow<'_>) -> f32 {
         match self {
             Self::Number => row.index as f32,

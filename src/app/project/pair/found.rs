@@ -38,7 +38,7 @@ pub struct MatchRow<'a> {
     pub error_px: Option<f32>,
 }
 
-/// A match to be selected again once it has been made again: where its features were.
+/// Places of a match's features, with which it is selected again after the next matching.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SavedMatch {
     /// (u, v) in A, pixels.
@@ -47,11 +47,11 @@ pub struct SavedMatch {
     pub b: [f32; 2],
 }
 
-/// A match counts as the same as a saved one if both its features are this near, in pixels.
+/// Maximum distance of both features from those of a saved match that counts as the same, pixels.
 const SAME_PLACE_PX: f32 = 1.0;
 
 impl Matches {
-    /// With what the engine answered.
+    /// Wraps the engine's answer.
     pub fn new(matched: Matched, elapsed: Duration) -> Self {
         Self { request: matched.request, result: matched.result, elapsed }
     }
@@ -61,7 +61,7 @@ impl Matches {
         self.result.matches.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no matches.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -97,7 +97,7 @@ impl Matches {
         Some(MatchRow { index, found, a, b, inlier, error_px })
     }
 
-    /// All of them.
+    /// All matches.
     pub fn rows(&self) -> impl Iterator<Item = MatchRow<'_>> {
         (0..self.len()).filter_map(|index| self.row(index))
     }
@@ -113,7 +113,7 @@ impl Matches {
         rows.iter().map(|row| row.index).collect()
     }
 
-    /// The match that `saved` was, if it is there.
+    /// Index of the match at the places of `saved`, if there is one.
     pub fn find_again(&self, saved: &SavedMatch) -> Option<usize> {
         let apart = |row: &MatchRow<'_>| {
             let of = |f: &Feature, at: [f32; 2]| (f.u - at[0]).hypot(f.v - at[1]);
@@ -125,7 +125,7 @@ impl Matches {
 }
 
 impl MatchRow<'_> {
-    /// As it is kept to be found again.
+    /// Places with which the match is found again.
     pub fn saved(&self) -> SavedMatch {
         SavedMatch { a: [self.a.u, self.a.v], b: [self.b.u, self.b.v] }
     }

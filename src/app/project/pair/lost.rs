@@ -1,5 +1,4 @@
-//! Why features of A have no match, or the one that they have: what is known of all of them, and of the one that is
-//! asked about.
+//! Losses on the way to a match: the step at which each feature of A was lost, and the details of one feature.
 
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
@@ -9,9 +8,9 @@ use crate::inspect::unmatched::{Losses, Lost, Unmatched};
 use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest, Request};
 use std::sync::Arc;
 
-/// Candidates of a feature that are listed.
+/// Number of candidates of a feature that are listed.
 pub const CANDIDATES: usize = 5;
-/// Of these this many are shown with their patches.
+/// Number of these that are shown with their patches.
 pub const PATCHES: usize = 3;
 
 /// Losses of the features of A on the way to a match.
@@ -21,7 +20,7 @@ pub struct LostFeatures {
     pub found: Option<Arc<FoundLosses>>,
     /// The feature of A that is asked about while no match is selected.
     pub selected: Option<usize>,
-    /// Why the feature in focus is matched as it is.
+    /// Explanation of the match, or of the lack of one, of the feature in focus.
     pub why: Option<Why>,
     /// Whether the table lists features without a match, and not the matches.
     pub listed: bool,
@@ -35,14 +34,14 @@ pub struct LostFeatures {
     pub wanted_pictures: Wanted<PicturesRequest>,
 }
 
-/// Why a feature of A is matched as it is.
+/// Explanation of the match, or of the lack of one, of a feature of A.
 #[derive(Debug, Clone)]
 pub struct Why {
     /// The feature.
     pub feature: usize,
     /// The pair that was asked about.
     of: LossesRequest,
-    /// Why.
+    /// The explanation.
     pub unmatched: Arc<Unmatched>,
 }
 
@@ -66,7 +65,7 @@ pub fn lost_label(lost: Lost) -> &'static str {
 }
 
 impl Model {
-    /// Takes where features were lost, and the pictures. A request that failed is repeated with the next matches.
+    /// Takes the losses and the pictures. A request that failed is repeated with the next matches.
     pub(in crate::app) fn take_losses(&mut self) {
         let lost = &mut self.pair.lost;
         let found = lost.wanted.take().into_iter().filter_map(|ended| ended.result.ok()).next_back();
@@ -75,8 +74,7 @@ impl Model {
         lost.pictures = pictures.unwrap_or_else(|| std::mem::take(&mut lost.pictures));
     }
 
-    /// Requests, while two bursts are shown, where features were lost, and the pictures of the feature that is asked
-    /// about.
+    /// Requests, while two bursts are shown, the losses, and the pictures of the feature that is asked about.
     pub(in crate::app) fn ask_for_losses(&mut self, engine: &Engine) {
         if self.workspace != Workspace::Pair {
             return;
@@ -96,7 +94,7 @@ impl Model {
         }
     }
 
-    /// The pair that can be asked about now.
+    /// Request for the losses of the present pair, if it is matched.
     pub fn wanted_losses(&self) -> Option<LossesRequest> {
         let matches = self.pair.matches.as_ref()?;
         let size_b = self.burst_of(Side::B)?.burst.size();
@@ -118,7 +116,7 @@ impl Model {
         of_match().or(self.pair.lost.selected)
     }
 
-    /// Asks why feature `index` of A is matched as it is. One with a match selects that match.
+    /// Selects feature `index` of A for explanation; if it has a match, selects that match.
     pub fn ask_feature(&mut self, index: Option<usize>) {
         let matches = self.pair.matches.as_ref();
         let its_match = index.and_then(|index| matches?.rows().find(|row| row.found.a == index).map(|row| row.index));
@@ -148,9 +146,9 @@ impl Model {
         self.pair.lost.why = why;
     }
 
-    /// Where the geometry puts the feature that is asked about in B, pixels at mid-burst: of a line the point nearest
-    /// to its place in A, as what is seen mostly moves little from burst to burst. `None` where no geometry is known,
-    /// and where it lies outside B.
+    /// Place in B where the geometry expects the feature that is asked about, pixels at mid-burst: of an epipolar line
+    /// the point nearest to its place in A, as features mostly move little from burst to burst. `None` where no
+    /// geometry is known, and where the place lies outside B.
     pub fn expected_place(&self) -> Option<[f32; 2]> {
         let (why, found) = self.pair.lost.why.as_ref().zip(self.losses())?;
         let own = MatchSides::of(found).a.features.get(why.feature)?;
@@ -183,13 +181,13 @@ pub struct MatchSides<'a> {
 }
 
 impl<'a> MatchSides<'a> {
-    /// Those of `found`.
+    /// Detections of `found`.
     pub fn of(found: &'a FoundLosses) -> Self {
         Self { a: &found.request.request.a, b: &found.request.request.b }
     }
 }
 
-/// The point of a line through `points` that is nearest to a place; of one point that one.
+/// Point of the line through `points` that is nearest to a place; a single point is returned as it is.
 fn nearest_on(points: &[[f64; 2]], [u, v]: [f64; 2]) -> Option<[f64; 2]> {
     let on_part = |part: &[[f64; 2]]| {
         let ([from_u, from_v], [to_u, to_v]) = (part[0], part[1]);

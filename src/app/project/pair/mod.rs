@@ -33,7 +33,7 @@ pub use crate::app::project::side::Side;
 pub struct PairState {
     /// The parameters of matching, as they are being edited.
     pub params: MatchParams,
-    /// Why they make no sense.
+    /// Error in the parameters of matching.
     pub param_error: Option<ParamError>,
     /// The matches, with what they were made from.
     pub matches: Option<Matches>,
@@ -49,7 +49,7 @@ pub struct PairState {
     pub selected: Option<usize>,
     /// Index of the match under the pointer, between the pictures or in the table.
     pub hovered: Option<usize>,
-    /// To be selected when the next matching ends.
+    /// Match to select when the next matching ends.
     pub reselect: Option<SavedMatch>,
     /// The request for the matches.
     pub matching: Wanted<MatchRequest>,
@@ -61,13 +61,13 @@ pub struct PairState {
 }
 
 impl PairState {
-    /// The match that is looked at: the selected one, or while none is, the one that is pointed at.
+    /// Index of the match in focus: the selected one, or while none is selected, the one under the pointer.
     pub fn focus(&self) -> Option<usize> {
         self.selected.or(self.hovered)
     }
 
-    /// Indices of the matches that are drawn: those that are listed, or the selected one alone. One that is selected
-    /// stays, even where its kind is hidden.
+    /// Indices of the matches that are drawn: those that are listed, or the selected one alone. The selected one is
+    /// drawn even where its kind is hidden.
     pub fn drawn(&self) -> Vec<usize> {
         match self.selected {
             Some(one) if self.look.alone => vec![one],
@@ -118,11 +118,11 @@ impl PairState {
 }
 
 impl Model {
-    /// Makes A of B and B of A. The matches are made anew.
+    /// Swaps A and B. The matches are made anew.
     pub fn swap_sides(&mut self) {
         self.slots.swap();
         self.forget_requests();
-        // The probed place is one of the other burst now.
+        // The probed place is now one of the other burst.
         self.probe.clear();
         self.panes.swap_sides();
         self.compare.gold.swap(0, 1);
@@ -183,8 +183,7 @@ impl Model {
         self.check_pair();
     }
 
-    /// The matches that are wanted now; `None` while the features of a side are missing or the parameters make no
-    /// sense.
+    /// Request for the present matches; `None` while the features of a side are missing or the parameters are invalid.
     pub fn wanted_matches(&self) -> Option<MatchRequest> {
         if self.pair.param_error.is_some() {
             return None;
@@ -263,7 +262,7 @@ impl Model {
         if self.auto_detect {
             self.ask_for_features(Side::B, engine);
         }
-        // While features are still being found, a matching would be for nothing.
+        // While features are still being found, matches would be out of date at once.
         let detecting = self.slots.both().into_iter().any(|slot| slot.detecting.is_pending());
         if !detecting && self.wants_matching() {
             let wanted = self.wanted_matches();
@@ -292,7 +291,7 @@ impl Model {
         self.pair.patches.clear();
     }
 
-    /// Cancels the requests for what is on either side: that is about to be another burst.
+    /// Cancels the requests for both sides, before their bursts change.
     pub(in crate::app) fn forget_requests(&mut self) {
         for side in Side::BOTH {
             let slot = &mut self.slots[side];
@@ -306,7 +305,7 @@ impl Model {
         self.forget_asked_pictures();
     }
 
-    /// Why the matches on show are not those of what is set now; `None` when they are.
+    /// Reason for which the matches on show are out of date; `None` when they are current.
     pub fn stale_matches(&self) -> Option<&'static str> {
         let matches = self.pair.matches.as_ref()?;
         let features = [Side::A, Side::B].into_iter().any(|side| {

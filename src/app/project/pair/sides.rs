@@ -1,4 +1,4 @@
-//! The panes of A and of B: whose cursor moves, and what moves together.
+//! The panes of A and of B: the active cursor, and the properties that the panes share.
 
 use crate::app::pane::{Link, PaneId};
 use crate::app::project::Model;
@@ -29,7 +29,7 @@ impl Default for Links {
 }
 
 impl Model {
-    /// Whose slope and scale the cursor moves now.
+    /// Side whose slope and scale the cursor sets now.
     pub fn active_side(&self) -> Side {
         let both = self.workspace == Workspace::Pair && self.slots.b.burst.is_some();
         if both { self.focused().side } else { Side::A }

@@ -1,5 +1,5 @@
-//! The pair's promises: B can be worked on as A is, cursors follow where they are linked, matches are wanted, stale and
-//! found again as they should be.
+//! Tests of the pair: B supports the same work as A, linked cursors follow, and matches are requested, marked stale and
+//! selected again.
 
 use crate::app::pane::{Link, PaneId};
 use crate::app::project::pair::*;
