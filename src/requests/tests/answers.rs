@@ -1,4 +1,4 @@
-//! A request's answer is what the library's functions give for the same values.
+//! Tests that a request's answer equals the result of the library's functions for the same values.
 
 use super::{detected, empty, open, params, source, write_chart};
 use crate::baseline;
@@ -54,7 +54,7 @@ fn the_comparison_of_methods_searches_as_each_method_does() {
     }
 }
 
-/// Keeps the last trail, and counts what was asked of it.
+/// Store that keeps the last trail, and counts the calls.
 #[derive(Default)]
 struct OneKept {
     kept: RefCell<Option<Arc<ProbeCache>>>,
@@ -175,7 +175,7 @@ fn matches_and_losses_are_those_of_the_library() {
     let request = MatchRequest { a: a.clone(), b: b.clone(), params: Default::default() };
     let matched = request.compute(&Work::alone(&no_monitor())).expect("valid");
     assert_eq!(Ok(&*matched.result), match_detections(&a, &b, &Default::default(), &no_monitor()).as_ref());
-    // A burst matched with itself: each feature has its own as the nearest.
+    // In a burst matched with itself each feature is its own nearest neighbour.
     assert!(matched.result.matches.iter().all(|m| m.a == m.b) && !matched.result.matches.is_empty());
     let losses = LossesRequest { request: matched.request, result: matched.result, size_b: (96, 72) };
     let found = losses.compute(&Work::alone(&no_monitor())).expect("not cancelled");
@@ -225,7 +225,7 @@ fn features_are_compared_with_what_is_really_there_and_with_earlier_ones() {
     assert_eq!(truth.features.len(), 4);
     assert_eq!(against.found.len() + against.missed.len(), 4);
     assert!(against.found.len() >= 3 && against.is_whole_truth, "{}", against.summary());
-    // An earlier result that is not there any more is found again, and nothing has changed.
+    // An earlier result that is not kept any more is detected again, without a change.
     let earlier = Reference::Earlier { burst: open(), asked: params().into(), detection: None };
     let against = of(earlier).against;
     let Against::Changes { changes, before, .. } = &against else { panic!("changes were asked for") };
@@ -291,7 +291,7 @@ fn trajectories_are_read_and_compared_when_both_are_there() {
     assert!(one.report.is_none() && one.truth.is_none());
     let (read_from, trajectory) = one.estimate.expect("it was read");
     assert_eq!((&read_from, trajectory.poses.len()), (&path, 8));
-    // What was read is handed in again, and not read again.
+    // Features that were read are passed in, so the file is not read again.
     std::fs::remove_file(&path).expect("removed");
     let again = Some(TrajectorySource::Read(path.clone(), trajectory));
     let both = ask(again.clone(), again).expect("nothing is to be read");

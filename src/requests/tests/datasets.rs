@@ -1,4 +1,4 @@
-//! Work on a dataset: what is told on the way, and what is finished at the end.
+//! Tests of work on a dataset: the events before the answer, and the finished results.
 
 use super::{params, write_chart};
 use crate::dataset::DatasetSource;
@@ -18,7 +18,7 @@ fn nights(home: &Path) -> DatasetSource {
     DatasetSource::of_bursts(vec![home.join("nights")])
 }
 
-/// Looks at the dataset in `home`, whose features are in `home/kept`.
+/// Opens the dataset in `home`, whose features are in `home/kept`.
 fn look(home: &Path, source: DatasetSource, params: DetectorParams) -> OpenDataset {
     let request = DatasetRequest::Open {
         source,
@@ -36,7 +36,7 @@ fn keeping(home: &Path, params: SearchParams) -> Keeping {
     Keeping { folder: home.join("kept"), params, open: Default::default() }
 }
 
-/// Finds the features of all bursts; answers what was told.
+/// Finds the features of all bursts; returns the result and the events.
 fn detect(bursts: &Bursts, keeping: &Keeping, monitor: &Monitor) -> (Result<(), JobError>, Vec<DatasetEvent>) {
     let told = Mutex::new(Vec::new());
     let request = DatasetRequest::Detect { bursts: bursts.clone(), keeping: keeping.clone() };
@@ -69,12 +69,12 @@ fn each_burst_is_told_of_and_what_is_finished_stays_finished() {
     let again = look(home.path(), source.clone(), params());
     let counts: Vec<Option<usize>> = again.finished.iter().map(|f| f.as_ref().map(|f| f.features)).collect();
     assert_eq!(counts, [Some(done[0].1), None, Some(done[1].1)]);
-    // With other parameters nothing is finished, and it is said with which ones it is.
+    // With other parameters nothing is finished, and the answer holds the parameters of the features in the folder.
     let other = look(home.path(), source, DetectorParams { levels: 3, ..params() });
     assert!(other.finished.iter().all(Option::is_none));
     assert_eq!(other.other_params, Some(params().into()));
 
-    // The two that are there are matched; pairs with the broken one are left out.
+    // The two finished bursts are matched; pairs with the broken one are left out.
     let pairs = vec![(0, 1), (0, 2), (1, 2)];
     let matched = Mutex::new(Vec::new());
     let request = DatasetRequest::Match { bursts: dataset.bursts, keeping, pairs, matching: Default::default() };

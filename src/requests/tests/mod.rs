@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 
 /// A chart of a few discs.
 fn chart(seed: u64) -> ChartParams {
-    // Small enough that they fit, whatever the seed.
+    // Small enough to fit with every seed.
     let radius = 3.0..=6.0;
     ChartParams { width: 96, height: 72, frames: 4, discs: 4, radius, snr: 20.0, seed, ..ChartParams::default() }
 }
@@ -46,7 +46,7 @@ fn detected() -> Detected {
     DETECTED.get_or_init(|| find().compute(&Work::alone(&Monitor::default())).expect("valid parameters")).clone()
 }
 
-/// The detection of the chart, as questions about it name it.
+/// Source of the chart's detection, for requests about it.
 fn source() -> DetectionSource {
     DetectionSource { burst: open(), asked: params().into(), params: params(), finding: None }
 }

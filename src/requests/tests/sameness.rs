@@ -1,4 +1,4 @@
-//! When two requests ask for the same: the engine makes an answer once, and the window asks again only for another.
+//! Tests of `is_same`: the engine computes an answer once, and the window repeats only requests that differ.
 
 use super::{detected, empty, open, params, source};
 use crate::burst::OpenOptions;
@@ -83,7 +83,7 @@ fn the_pictures_of_two_openings_and_differences_are_others() {
     let difference = stack.clone().less(&frame);
     assert!(!difference.is_same(&stack) && !difference.is_same(&frame.clone().less(&stack)));
     assert!(difference.alone().is_same(&stack) && difference.is_same(&stack.clone().less(&frame)));
-    // Of what is subtracted its first picture counts.
+    // Of a difference that is subtracted only the first picture counts.
     assert!(stack.clone().less(&frame.less(&stack)).is_same(&difference));
     let patches = |a: &PictureRequest, b: &PictureRequest| PicturesRequest(vec![a.clone(), b.clone()]);
     assert!(patches(&stack, &difference).is_same(&patches(&stack, &difference)));
@@ -144,7 +144,7 @@ fn a_comparison_is_of_a_detection_with_one_reference() {
     let earlier = |burst, detection| Reference::Earlier { burst, asked: params().into(), detection };
     let file = |path: &str| Reference::File { path: path.into(), features: None };
     let truth = |params| Reference::Truth { burst: burst.clone(), params };
-    // An earlier result that is there already is the same as one that has to be found again.
+    // A request with a kept earlier result equals one whose result has to be detected again.
     assert!(with(earlier(burst.clone(), None)).is_same(&with(earlier(burst.clone(), Some(detection.clone())))));
     assert!(!with(earlier(burst.clone(), None)).is_same(&with(earlier(empty((96, 72), 4), None))));
     assert!(with(file("a.csv")).is_same(&with(file("a.csv"))));
