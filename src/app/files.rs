@@ -1,4 +1,4 @@
-//! What the window does with files: asks for them, opens, restores, loads and writes them.
+//! File actions of the window: asks for files, opens, restores, loads and writes them.
 
 use super::dialogs::{ExportKind, FileAnswer, PathField, Purpose, Question, ReplaceFile};
 use super::session::Session;
@@ -191,15 +191,15 @@ impl BurstscopeApp {
         }
     }
 
-    /// What may be written over once a person was asked: anything but what is open.
+    /// Rules for overwriting after the user agreed: any file but those that are open.
     fn may_replace(&self, path: &std::path::Path) -> OutputRules {
-        // What is not there is not open either, and nobody has to look through a large dataset.
+        // A file that does not exist is not open either; this avoids listing the files of a large dataset.
         let is_there = std::fs::symlink_metadata(path).is_ok();
         let opened = if is_there { self.model.opened_files() } else { Vec::new() };
         OutputRules::new(Inputs::of(opened), Overwrite::Force)
     }
 
-    /// Writes a file. Whoever chose the path was asked about what is there.
+    /// Writes a file. The dialog that gave the path has asked before overwriting.
     pub(super) fn write(&mut self, purpose: Purpose, path: PathBuf) {
         let rules = self.may_replace(&path);
         let prepared = crate::app::jobs::writing::prepare(purpose, &self.model, &self.widgets);
@@ -207,7 +207,7 @@ impl BurstscopeApp {
             Ok(work) => {
                 self.model.messages.resolved(purpose.title());
                 self.engine.task(purpose.title(), move || {
-                    // It may have waited for its turn.
+                    // The task may have waited, and files changed meanwhile.
                     rules.check(&path).map_err(|e| e.to_string())?;
                     work(&path)?;
                     Ok(format!("Wrote {}", path.display()))

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What is drawn.
+/// Options of a drawing of the window.
 #[derive(Debug, Clone)]
 pub struct RenderOptions {
     /// The burst.
@@ -27,22 +27,21 @@ pub struct RenderOptions {
     pub second: Option<BurstSource>,
     /// A dataset that is drawn instead, on its first burst.
     pub dataset: Option<DatasetSource>,
-    /// A session that is drawn instead, as it was left: what is said here of parameters and the cursor has no effect
-    /// then.
+    /// A session that is drawn instead, as it was left; parameters and cursor of these options then have no effect.
     pub session: Option<PathBuf>,
     /// A lesson that is drawn instead, as it begins.
     pub lesson: Option<Arc<Lesson>>,
     /// The detector's parameters.
     pub params: SearchParams,
-    /// How bursts are opened.
+    /// Options with which bursts are opened.
     pub calibration: OpenOptions,
     /// Columns and rows of the window, in points.
     pub size_points: (f32, f32),
     /// Pixels for each point: 2 for a HiDPI screen.
     pub scale: f32,
-    /// Light instead of dark.
+    /// Whether the theme is light instead of dark.
     pub light: bool,
-    /// Which kind of picture.
+    /// Kind of picture.
     pub kind: ViewKind,
     /// The slope; `None` takes the one with the most features, or (0, 0) when nothing is detected.
     pub slope: Option<Slope>,
@@ -56,7 +55,7 @@ pub struct RenderOptions {
     pub detect: bool,
     /// Whether the strongest feature, or of two bursts its match, is selected.
     pub select_strongest: bool,
-    /// How long it may take to open the burst and to detect.
+    /// Time limit for opening the burst and detecting.
     pub max_duration: Duration,
     /// Which file the picture may replace. What the window opens is never replaced.
     pub rules: OutputRules,

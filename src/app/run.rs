@@ -20,17 +20,17 @@ const APP_ID: &str = "burstscope";
 /// Pixels of the icon on each side; desktops make it smaller.
 const ICON_SIDE: u32 = 256;
 
-/// Where in the program's data folder the sessions of running windows are kept.
+/// Subfolder of the program's data folder for the sessions of running windows.
 const RUNNING_FOLDER: &str = "running";
 
-/// A device that is lost so often within [`LOSSES_WITHIN`] is not set up once more.
+/// Losses of the device within [`LOSSES_WITHIN`] after which it is not set up again.
 const MOST_LOSSES: usize = 3;
 const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 
-/// The window between two drawings: it outlives the device.
+/// The window, kept across losses of the graphics device.
 type Kept = Rc<RefCell<Option<BurstscopeApp>>>;
 
-/// What the toolkit draws: the window that is kept.
+/// The kept window, as the toolkit draws it.
 struct Shown(Kept);
 
 impl Shown {

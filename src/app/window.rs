@@ -27,7 +27,7 @@ use crate::requests::OpenBurst;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Where playing through the slopes is.
+/// Progress of playing through the slopes.
 #[derive(Default)]
 pub(super) struct Play {
     pub step: usize,
@@ -37,38 +37,38 @@ pub(super) struct Play {
 
 /// The window.
 pub struct BurstscopeApp {
-    /// What is shown.
+    /// The model: everything that is shown.
     pub model: Model,
     /// The workers.
     pub engine: Engine,
-    /// What the panes' widgets keep.
+    /// State of the panes' widgets.
     pub widgets: PaneWidgets,
-    /// What the workspace of two bursts keeps.
+    /// State of the panels of the workspace of two bursts.
     pub pair_panels: PairPanels,
     pub(super) selection: SelectionState,
     pub(super) probe: ProbePanel,
     /// The Lab's chart as a texture.
     pub(super) lab_picture: PlaneTexture,
-    /// What was computed of the rectangle that is measured.
+    /// Computed values of the measured rectangle.
     pub(super) regions: RegionCache,
     pub(super) thumbnails: Thumbnails,
     pub(super) overlays: Overlays,
     pub(super) restoring: Restoring,
     pub(super) play: Play,
-    /// Whether cursors were set on purpose, each to its own place, so that none follows another.
+    /// Whether cursors were set explicitly, each to its own place, so that none follows another.
     pub(super) cursors_set: bool,
-    /// Whether what is set was changed otherwise than by a step that can be undone.
+    /// Whether settings were changed by something other than a step that can be undone.
     pub(super) history_set: bool,
     /// The lessons, and the one that is open.
     pub lessons: Lessons,
     pub(super) captions: Captions,
     pub(super) desk: Desk,
     pub(super) recovery: Option<Recovery>,
-    /// Why the device that drew the window is lost, until it is drawn by another.
+    /// Reason why the device that drew the window was lost, until another draws it.
     pub(super) lost_device: Option<String>,
     /// Asks the window to end from outside.
     pub(super) end: EndRequest,
-    /// Whether it does.
+    /// Whether the window is ending.
     pub(super) is_ending: bool,
     settings: Settings,
 }

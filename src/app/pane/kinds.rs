@@ -10,7 +10,7 @@ use crate::teach::Shown;
 pub struct KindOfPicture {
     /// Name of its glossary entry.
     pub word: &'static str,
-    /// What exported files are called after.
+    /// Stem of the names of exported files.
     pub file_name: &'static str,
 }
 

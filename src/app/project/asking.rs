@@ -1,4 +1,4 @@
-//! What the project wants of the engine: in each pass it takes the answers that came, and requests what is missing.
+//! Requests of the project to the engine: in each pass it takes the answers that came, and requests what is missing.
 //!
 //! Each part of the project holds a [`Wanted`](crate::engine::Wanted) for what it asks, takes its answers and asks for
 //! what is missing. [`Model::wants`] is the one list of them all.

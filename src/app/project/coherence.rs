@@ -1,4 +1,4 @@
-//! How evenly the frames answer for the features of the open bursts, as far as that is known.
+//! Coherences of the features of the open bursts: how evenly the frames contribute to each feature.
 
 use crate::app::project::Model;
 use crate::app::project::side::{Side, Sides};
@@ -9,10 +9,10 @@ use crate::engine::{Engine, Wanted};
 use crate::requests::{CoherenceRequest, Coherences, JobError, Running};
 use std::sync::Arc;
 
-/// What is known.
+/// Known coherences, and the requests for missing ones.
 #[derive(Debug, Default)]
 pub struct CoherenceState {
-    /// Those of the detections of the open bursts.
+    /// Coherences of the detections of the open bursts.
     known: Vec<Coherences>,
     /// Requests for the features of each burst.
     pub wanted: Sides<Wanted<CoherenceRequest>>,

@@ -33,11 +33,11 @@ impl ViewKind {
     }
 }
 
-/// Where the cursor is. The slope may lie between the grid's slopes.
+/// Position of a pane's cursor. The slope may lie between the grid's slopes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Cursor {
-    /// Which kind of picture.
+    /// Kind of picture.
     pub kind: ViewKind,
     /// Frame, counted from 0.
     pub frame: usize,
@@ -50,7 +50,7 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    /// The picture to ask for.
+    /// Kind of picture at the cursor, for a request.
     pub fn picture_kind(&self) -> PictureKind {
         let slope = self.slope;
         match self.kind {
@@ -60,7 +60,7 @@ impl Cursor {
         }
     }
 
-    /// Moved by as much as another position was moved from `before` to `after`. The kind of picture stays.
+    /// The cursor moved by as much as another one moved from `before` to `after`. The kind of picture stays.
     #[must_use]
     pub fn moved_as(self, before: &Self, after: &Self) -> Self {
         let moved = |mine: f32, before: f32, after: f32| if before == after { mine } else { mine + (after - before) };
@@ -76,7 +76,8 @@ impl Cursor {
         }
     }
 
-    /// The same position with everything brought into the range that the burst and the parameters have.
+    /// The cursor with all values clamped to the range of the burst and the parameters; slopes that are not finite
+    /// become 0.
     #[must_use]
     pub fn within(self, params: &DetectorParams, frame_count: usize, size: (usize, usize)) -> Self {
         let (octaves, levels) = (octave_range(params, size), level_range(params));
@@ -104,8 +105,8 @@ pub fn level_range(params: &DetectorParams) -> RangeInclusive<i32> {
     -1..=params.levels as i32
 }
 
-/// The slope sliders reach from minus to plus this, in pixels per frame: a little beyond the grid, so that one can look
-/// past its rim.
+/// Largest magnitude on the slope sliders, pixels per frame: a little beyond the grid, so that slopes past its edge can
+/// be seen.
 pub fn slope_limit(grid: &SlopeGrid) -> f32 {
     (grid.max_magnitude() * 1.25).clamp(1.0, 1e4).ceil()
 }

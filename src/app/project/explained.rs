@@ -1,4 +1,4 @@
-//! What is known of the detection on show as a whole: its slopes and its candidates.
+//! Explanations of the detection on show: its slopes and its candidates.
 
 use crate::app::project::Model;
 use crate::app::project::side::Side;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// long again.
 const SHORT_SECS: f32 = 5.0;
 
-/// What is known, and what a person wants to know.
+/// Explanations that are known, the requests for them, and the user's choices.
 #[derive(Debug, Default)]
 pub struct ExplainedState {
     /// The slopes, and the detection that they are of.
@@ -49,7 +49,7 @@ impl ExplainedState {
         }
     }
 
-    /// Forgets everything but what a person wants: another burst is open.
+    /// Forgets everything but the chosen test: another burst is open.
     pub fn forget(&mut self) {
         *self = Self { shown_test: self.shown_test, ..Self::default() };
     }
@@ -62,13 +62,13 @@ impl Model {
         self.wanted_slopes().filter(|_| is_time && self.spectrum().is_none())
     }
 
-    /// Likewise the candidates that are to be drawn over the picture.
+    /// The candidates to be drawn over the picture, if they are not known. A running detection comes first.
     pub fn missing_candidates(&self) -> Option<ExplainRequest> {
         let is_time = self.workspace == Workspace::Inspect && !self.slots.a.detecting.is_pending();
         self.wanted_candidates().filter(|_| is_time && self.survey().is_none())
     }
 
-    /// Takes the answers.
+    /// Takes the answers about slopes and candidates; errors become messages.
     pub(in crate::app) fn take_explanations(&mut self) {
         let ended = self.explained.asked_slopes.take().into_iter().chain(self.explained.asked_candidates.take());
         for ended in ended.collect::<Vec<_>>() {
@@ -87,10 +87,10 @@ impl Model {
         self.explained.asked_candidates.want(engine, candidates);
     }
 
-    /// Sets what a piece of advice says. A range of slopes that is set so is a range that is given.
+    /// Applies the changes that a piece of advice proposes. If they concern the slopes, these count as given.
     ///
     /// # Errors
-    /// Parameters that make no sense with it; nothing is changed then.
+    /// When the changed parameters are invalid; nothing is changed then.
     pub fn apply_changes(&mut self, changes: &[ParamChange]) -> Result<(), ParamError> {
         self.params = ParamChange::all_applied(changes, &self.params)?;
         let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
@@ -100,7 +100,7 @@ impl Model {
         Ok(())
     }
 
-    /// What is asked of the detection on show.
+    /// The request that asks `question` about the detection on show; `None` without one.
     fn explain_request(&self, question: ExplainQuestion) -> Option<ExplainRequest> {
         Some(ExplainRequest { of: self.found_source(Side::A)?, question })
     }

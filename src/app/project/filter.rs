@@ -20,7 +20,7 @@ impl Interval {
     }
 }
 
-/// What a feature must satisfy to be shown; `None` lets all pass.
+/// Conditions that a feature must satisfy to be shown; `None` lets all features pass.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Filter {
@@ -122,7 +122,7 @@ impl Column {
         }
     }
 
-    /// What the column holds, with its unit.
+    /// Description of the column's values, with their unit.
     pub fn help(self) -> &'static str {
         match self {
             Self::Rank => "Rank by strength of the response, from 1",

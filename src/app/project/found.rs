@@ -13,11 +13,11 @@ use std::time::Duration;
 /// Features of the open burst, with what they were made from.
 #[derive(Debug, Clone)]
 pub struct FoundFeatures {
-    /// What was asked for.
+    /// The parameters that were requested.
     pub asked: SearchParams,
     /// The parameters they were made with: where slopes were to be found, with those that were.
     pub params: DetectorParams,
-    /// What was found of the slopes, if they were to be found.
+    /// The search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
     /// The features, descriptors and the tally.
     pub detection: Arc<Detection>,
@@ -28,7 +28,7 @@ pub struct FoundFeatures {
 }
 
 impl FoundFeatures {
-    /// What the engine answered after `elapsed` for `burst`.
+    /// Combines the engine's answer for `burst`, after `elapsed`, with advice.
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
         let Detected { asked, params, finding, detection, .. } = detected;
         let advice = explain(&detection, &params, burst.burst.size());

@@ -12,7 +12,7 @@ use crate::matching::MatchParams;
 /// More steps than this are not kept.
 const MAX_STEPS: usize = 200;
 
-/// What can be undone.
+/// Settings whose changes can be undone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     params: DetectorParams,
@@ -22,11 +22,11 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// What is set now.
+    /// The present settings of `model`.
     pub fn of(model: &Model) -> Self {
         let mut params = model.params.clone();
         if model.slopes.is_auto() {
-            // Those that were found are nobody's setting.
+            // Slopes that were found are not set by the user.
             params.slopes = SlopeGrid::default();
         }
         let cursors = model.panes.iter().map(|(id, pane)| (id, pane.cursor.slope)).collect();
@@ -64,12 +64,13 @@ impl Settings {
 pub struct History {
     past: Vec<Settings>,
     future: Vec<Settings>,
-    /// What was set before the step that goes on.
+    /// The settings before the step that is in progress.
     begun: Option<Settings>,
 }
 
 impl History {
-    /// Takes over what was set `before` and `after` a pass. `goes_on` says whether the step may go on in the next pass.
+    /// Records a change from the settings `before` a pass to those `after` it. With `goes_on` the step may continue in
+    /// the next pass, and is recorded when it ends.
     pub fn take(&mut self, before: Settings, after: &Settings, goes_on: bool) {
         if after.is_step_from(&before) {
             self.begun.get_or_insert(before);

@@ -109,7 +109,7 @@ impl Ranges {
         }
     }
 
-    /// The display of a class, to be changed by hand.
+    /// The display of a class, for changing.
     pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {
         match class {
             RangeClass::Intensity => &mut self.intensity,
@@ -134,7 +134,7 @@ impl Ranges {
         }
     }
 
-    /// The same, but another picture may still set it otherwise.
+    /// Sets the range of the picture's class from its percentiles, but lets another picture set it again.
     pub fn propose(&mut self, picture: &Picture) {
         let class = RangeClass::of(&picture.request);
         if self.fixed_mut(class).is_none_or(|fixed| *fixed) {
@@ -146,7 +146,8 @@ impl Ranges {
         }
     }
 
-    /// Whether the range of a class was set since the burst was opened; `None` for a class whose range is known.
+    /// Whether the range of a class was set since the burst was opened; `None` for a class whose range is known
+    /// beforehand.
     fn fixed_mut(&mut self, class: RangeClass) -> Option<&mut bool> {
         match class {
             RangeClass::Intensity => Some(&mut self.intensity_fixed),
@@ -157,7 +158,7 @@ impl Ranges {
         }
     }
 
-    /// The same with displays that make sense: what comes from a file may be anything.
+    /// The ranges with all displays made valid: a file may contain any values.
     #[must_use]
     pub fn sanitised(self) -> Self {
         Self {

@@ -47,7 +47,7 @@ impl Contender {
         }
     }
 
-    /// What it does.
+    /// Description of the method in a sentence.
     pub fn help(self) -> &'static str {
         match self {
             Self::Sift => "SIFT on the middle frame only: what a burst adds nothing to",

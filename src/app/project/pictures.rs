@@ -28,14 +28,14 @@ impl Model {
         self.panes.get(self.focus()).unwrap_or_else(|| self.panes.of(Side::A))
     }
 
-    /// The same, to be changed.
+    /// The pane that sliders and keys move, for changing.
     pub fn focused_mut(&mut self) -> &mut Pane {
         let focus = self.focus();
         let focus = if self.panes.get(focus).is_some() { focus } else { PaneId::of(Side::A) };
         self.panes.get_mut(focus).expect("A's pane is always there")
     }
 
-    /// Where the cursor is.
+    /// Cursor of the pane in focus.
     pub fn cursor(&self) -> &Cursor {
         &self.focused().cursor
     }
@@ -60,12 +60,12 @@ impl Model {
         self.slots[side].found.as_ref()
     }
 
-    /// Whether the features of `side` are those of what is set now.
+    /// Whether the features of `side` were found with the present parameters.
     pub fn features_are_current(&self, side: Side) -> bool {
         self.found_of(side).is_some_and(|found| found.asked == self.asked_of(side))
     }
 
-    /// The last parameters that made sense for the burst of `side`.
+    /// The last valid parameters for the burst of `side`.
     pub fn usable_params_of(&self, side: Side) -> &DetectorParams {
         &self.slots[side].usable_params
     }
@@ -78,13 +78,13 @@ impl Model {
         }
     }
 
-    /// The last parameters that made sense for the burst of `pane`, as its method takes them.
+    /// The last valid parameters for the burst of `pane`, as its method takes them.
     pub fn params_in(&self, pane: &Pane) -> Cow<'_, DetectorParams> {
         let usable = self.usable_params_of(pane.side);
         pane.method.map_or(Cow::Borrowed(usable), |method| Cow::Owned(method.params(usable)))
     }
 
-    /// What was found in the burst of `pane`, by its method.
+    /// Detection in the burst of `pane`, by the pane's method.
     pub fn detection_in(&self, pane: &Pane) -> Option<&Arc<Detection>> {
         match pane.method {
             Some(method) => self.method_found(method, pane.side).map(|found| &found.detection),
@@ -92,22 +92,22 @@ impl Model {
         }
     }
 
-    /// The same of the pane in focus.
+    /// The last valid parameters for the burst of the pane in focus.
     pub fn cursor_params(&self) -> &DetectorParams {
         self.usable_params_of(self.focused().side)
     }
 
-    /// Frames of the burst in focus.
+    /// Number of frames of the burst in focus; 0 without one.
     pub fn hand_frame_count(&self) -> usize {
         self.burst_of(self.focused().side).map_or(0, |open| open.burst.len())
     }
 
-    /// (columns, rows) of the burst in focus.
+    /// (columns, rows) of the burst in focus; (0, 0) without one.
     pub fn hand_size(&self) -> (usize, usize) {
         self.burst_of(self.focused().side).map_or((0, 0), |open| open.burst.size())
     }
 
-    /// The picture that `id` wants to show now; `None` without its burst.
+    /// Request for the picture that `id` is to show now; `None` without its burst.
     pub fn wanted(&self, id: PaneId) -> Option<PictureRequest> {
         let pane = self.panes.get(id)?;
         match pane.content {
@@ -132,7 +132,7 @@ impl Model {
         Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
     }
 
-    /// Whether the picture on show of `id` is the one that it wants, or it is known why that cannot be made.
+    /// Whether `id` shows the picture that it wants, or that picture is known to have failed.
     pub fn is_current(&self, id: PaneId) -> bool {
         let Some(wanted) = self.wanted(id) else { return true };
         self.panes.get(id).is_some_and(|pane| {
@@ -141,17 +141,17 @@ impl Model {
         })
     }
 
-    /// The same of the pane in focus.
+    /// Whether the picture of the pane in focus is current.
     pub fn picture_is_current(&self) -> bool {
         self.is_current(self.focus())
     }
 
-    /// The same of all panes on the screen.
+    /// Whether the pictures of all visible panes are current.
     pub fn pictures_are_current(&self) -> bool {
         self.visible_panes().into_iter().all(|id| self.is_current(id))
     }
 
-    /// Switches a link of a pane. One that no longer shares its display goes on with what it had.
+    /// Switches a link of a pane. A pane that no longer shares its display keeps the ranges that it had.
     pub fn set_link(&mut self, id: PaneId, link: Link, on: bool) {
         let shared = self.look.ranges;
         let Some(pane) = self.panes.get_mut(id) else { return };

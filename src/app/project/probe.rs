@@ -13,7 +13,7 @@ use crate::requests::{
 use crate::synth::Example;
 use serde::{Deserialize, Serialize};
 
-/// What a session keeps of the probe.
+/// The probe as a session file stores it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedProbe {
@@ -24,14 +24,14 @@ pub struct SavedProbe {
     pub is_open: bool,
 }
 
-/// What is probed and what is known of it.
+/// The probed place, its request, and the answer.
 #[derive(Debug, Default)]
 pub struct ProbeModel {
     /// Whether the panel on the right shows the probe.
     pub is_open: bool,
     /// Whether the place follows the pointer.
     pub follows: bool,
-    /// What is asked; `None` while nothing is probed.
+    /// The question; `None` while nothing is probed.
     pub question: Option<ProbeQuestion>,
     /// The trail that answers.
     pub traced: Option<Traced>,
@@ -48,7 +48,7 @@ pub struct ProbeModel {
 }
 
 impl ProbeModel {
-    /// Whether something is asked.
+    /// Whether a place is probed, or follows the pointer.
     pub fn is_on(&self) -> bool {
         self.follows || self.question.is_some()
     }
@@ -75,23 +75,24 @@ impl ProbeModel {
         }
     }
 
-    /// What is to be asked of the trail that is there.
+    /// Request for the question about the present trail; `None` without either.
     pub fn wanted(&self) -> Option<ProbeRequest> {
         Some(ProbeRequest { traced: self.traced.clone()?, question: self.question? })
     }
 
-    /// What a session keeps.
+    /// The probe for a session file; `None` while no place is known.
     pub fn saved(&self) -> Option<SavedProbe> {
         Some(SavedProbe { place: self.place()?, is_open: self.is_open })
     }
 
-    /// Whether the answer is the one to what is asked now.
+    /// Whether the answer is that to the present question.
     pub fn is_current(&self) -> bool {
         let wanted = self.wanted();
         self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request.is_same(&wanted))
     }
 
-    /// Takes a trail. What was asked of features and samples of another detection is asked of the place.
+    /// Takes a trail. A question about a feature, or about a sample on another grid of slopes, becomes one about the
+    /// best candidate at its place.
     pub fn take_trail(&mut self, traced: Traced) {
         let slopes = |traced: &Traced| traced.cache.params().used_slopes();
         let same_grid = self.traced.as_ref().is_some_and(|before| slopes(before) == slopes(&traced));
@@ -106,7 +107,7 @@ impl ProbeModel {
         (self.traced, self.problem) = (Some(traced), None);
     }
 
-    /// Takes an answer. The strongest candidate is asked for by its place from then on.
+    /// Takes an answer. The question for the strongest candidate then becomes one for its place.
     pub fn take_answer(&mut self, mut answer: Probed) {
         let is_asked = self.question == Some(answer.request.question);
         if answer.request.question == ProbeQuestion::Strongest {

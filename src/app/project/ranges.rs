@@ -10,19 +10,19 @@ use crate::app::project::look::{RangeClass, Ranges};
 use crate::plane::display::Display;
 
 impl Model {
-    /// The class of value range that `id` is shown in.
+    /// Class of the value range in which the picture of `id` is shown.
     pub fn range_class(&self, id: PaneId) -> RangeClass {
         let picture = self.panes.get(id).and_then(|pane| pane.picture.as_ref());
         let wanted = || self.wanted(id).map_or(RangeClass::Intensity, |wanted| RangeClass::of(&wanted));
         picture.map_or_else(wanted, |picture| RangeClass::of(&picture.request))
     }
 
-    /// The value ranges of `pane`: its own, or those that panes share.
+    /// Value ranges of `pane`: its own, or those that panes share.
     pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
         pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
     }
 
-    /// The same of the pane in focus, to be changed.
+    /// Value ranges of the pane in focus, for changing: its own, or those that panes share.
     pub fn hand_ranges_mut(&mut self) -> &mut Ranges {
         let focus = self.focus();
         match self.panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
@@ -31,7 +31,7 @@ impl Model {
         }
     }
 
-    /// How the picture of `id` is shown: range, gamma and colours.
+    /// Display of the picture of `id`: range, gamma and colours.
     pub fn display_of(&self, id: PaneId) -> Display {
         let ranges = self.panes.get(id).map_or(&self.look.ranges, |pane| self.ranges_of(pane));
         ranges.display(self.range_class(id))

@@ -1,4 +1,4 @@
-//! An estimated and a true trajectory, as plain values.
+//! Estimated and true trajectory, as plain values.
 
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
@@ -13,24 +13,24 @@ use std::sync::Arc;
 /// One of the two trajectories.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
-    /// What was estimated.
+    /// The estimated trajectory.
     Estimate,
-    /// What is true.
+    /// The true trajectory.
     Truth,
 }
 
 /// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.
 const PLANE_UNITS: f64 = 1000.0;
 
-/// Workspace around the cameras, as a part of the longer side.
+/// Margin around the cameras, as a fraction of the longer side.
 const MARGIN: f64 = 0.06;
 
 /// A place of a camera in the plane on show.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spot {
-    /// In plane units, down the screen positive.
+    /// Position in plane units, positive downwards.
     pub pos: egui::Pos2,
-    /// Where it is in its own trajectory.
+    /// Index in its own trajectory.
     pub index: usize,
     /// The pair of the report that it belongs to.
     pub pair: Option<usize>,
@@ -49,14 +49,14 @@ pub struct PlaneScene {
     pub scale: f64,
 }
 
-/// Everything about trajectories.
+/// The trajectories, their comparison, and their view.
 #[derive(Debug, Default)]
 pub struct Trajectories {
-    /// What was read and compared.
+    /// The trajectories that were read, and their comparison.
     pub compared: ComparedPoses,
-    /// How they are compared.
+    /// Options of the comparison.
     pub study: PoseStudy,
-    /// From which side they are seen.
+    /// Direction from which the trajectories are seen.
     pub projection: Projection,
     /// Pan and zoom of the plane.
     pub view: View,
@@ -64,7 +64,7 @@ pub struct Trajectories {
     pub hovered: Option<usize>,
     /// The pair of cameras that was clicked.
     pub selected: Option<usize>,
-    /// The label of the camera whose burst was asked for by a second click, until that is seen to.
+    /// Label of the camera whose burst a second click asked to open; `None` once that was handled.
     pub wanted: Option<String>,
     /// The request to read and compare.
     pub reading: Wanted<PosesRequest>,
@@ -72,7 +72,7 @@ pub struct Trajectories {
 }
 
 impl Trajectories {
-    /// What to ask for when `path` is to be read as `which`; the other one stays, also one that is being read.
+    /// Request to read `path` as `which`; the other trajectory stays, even while it is being read.
     pub fn request_with(&self, which: Which, path: PathBuf) -> PosesRequest {
         let mut request = self.request();
         let slot = if which == Which::Estimate { &mut request.estimate } else { &mut request.truth };
@@ -80,7 +80,7 @@ impl Trajectories {
         request
     }
 
-    /// What to ask for when the study was changed.
+    /// Request to compare the trajectories that are open or being read, with the present study.
     pub fn request(&self) -> PosesRequest {
         let source = |read: &Option<(PathBuf, Arc<Trajectory>)>| {
             read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory))
@@ -95,7 +95,7 @@ impl Trajectories {
         }
     }
 
-    /// Takes what was read and compared.
+    /// Takes an answer of the engine; other trajectories than before reset pan and zoom.
     pub fn take(&mut self, compared: ComparedPoses) {
         let same = |a: &Option<(PathBuf, Arc<Trajectory>)>, b: &Option<(PathBuf, Arc<Trajectory>)>| match (a, b) {
             (Some((_, a)), Some((_, b))) => Arc::ptr_eq(a, b),
