@@ -75,7 +75,7 @@ impl BurstscopeApp {
         ctx.copy_text(line);
     }
 
-    /// How the burst was opened: what is built in needs nothing.
+    /// Options with which the burst was opened; the default for built-in bursts.
     fn calibration_of_open(&self) -> OpenOptions {
         match self.model.slots.a.burst.as_ref().map(|open| &open.source) {
             Some(BurstSource::Paths(_)) => self.model.calibration.clone(),

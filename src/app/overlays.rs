@@ -58,12 +58,12 @@ impl BurstscopeApp {
         }
     }
 
-    /// Bursts of which a person has to choose one before anything is opened; mostly none.
+    /// Bursts of which the user has to choose one before anything is opened; usually none.
     pub fn choice(&self) -> &[BurstSource] {
         &self.overlays.choice
     }
 
-    /// Whether a dialog has the keys.
+    /// Whether a dialog is open that gets all keys.
     pub(super) fn modal_is_open(&self) -> bool {
         self.overlays.palette.is_open()
             || self.overlays.sheet_open
@@ -131,7 +131,7 @@ impl BurstscopeApp {
         crate::app::panel::messages::messages_ui(ctx, &mut self.model.messages);
     }
 
-    /// Asks the person which of `bursts` is to be opened as `side`.
+    /// Asks the user which of `bursts` is to be opened as `side`.
     pub(super) fn choose_among(&mut self, bursts: Vec<BurstSource>, side: Side) {
         (self.overlays.choice, self.overlays.choice_side) = (bursts, side);
     }

@@ -28,7 +28,7 @@ fn content_of(shown: Shown) -> (Content, Option<ViewKind>) {
 }
 
 impl ViewKind {
-    /// Likewise among all kinds of picture.
+    /// The corresponding kind among all kinds of picture.
     pub fn shown(self) -> Shown {
         match self {
             Self::Frame => Shown::Frame,

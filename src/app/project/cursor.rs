@@ -142,8 +142,8 @@ pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool
     }
 }
 
-/// The slope after `slope` when playing through the grid: row by row, every other row backwards, so that the picture
-/// never jumps. `step` counts from 0 and may run on for ever; the grid is played there and back.
+/// The slope at `step` when playing through the grid: row by row, every other row backwards, so that the picture never
+/// jumps. `step` counts from 0 without limit; the grid is played forwards and backwards in turn.
 pub fn played(grid: &SlopeGrid, step: usize) -> Slope {
     let count = grid.len().max(1);
     let period = (2 * count).saturating_sub(2).max(1);
@@ -154,7 +154,7 @@ pub fn played(grid: &SlopeGrid, step: usize) -> Slope {
     grid.at(i as f32, j as f32)
 }
 
-/// The step of [`played`] at which the grid's slope nearest to `slope` comes up first.
+/// First step of [`played`] that gives the grid's slope nearest to `slope`.
 pub fn play_step_of(grid: &SlopeGrid, slope: Slope) -> usize {
     let (i, j) = nearest_on_grid(grid, slope);
     let i = if j % 2 == 1 { grid.u.count.saturating_sub(1) - i } else { i };

@@ -11,16 +11,16 @@ use crate::inspect::spectrum::Spectrum;
 use crate::requests::{ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Request};
 use std::sync::Arc;
 
-/// The slopes of a detection that took longer than this are looked at only when a person asks: that takes nearly as
-/// long again.
+/// Detection time, seconds, above which the slopes are examined only on the user's request: that takes nearly as long
+/// again.
 const SHORT_SECS: f32 = 5.0;
 
 /// Explanations that are known, the requests for them, and the user's choices.
 #[derive(Debug, Default)]
 pub struct ExplainedState {
-    /// The slopes, and the detection that they are of.
+    /// The slopes, with the request that they answer.
     slopes: Option<(ExplainRequest, Arc<Spectrum>)>,
-    /// The candidates, and the detection that they are of.
+    /// The candidates, with the request that they answer.
     candidates: Option<(ExplainRequest, Arc<Survey>)>,
     /// The test whose candidates are drawn over the picture.
     pub shown_test: Option<Test>,
@@ -105,7 +105,7 @@ impl Model {
         Some(ExplainRequest { of: self.found_source(Side::A)?, question })
     }
 
-    /// The slopes of the detection on show, as far as they are known.
+    /// The slopes of the detection on show; `None` while they are not known.
     pub fn spectrum(&self) -> Option<&Arc<Spectrum>> {
         let (request, spectrum) = self.explained.slopes.as_ref()?;
         let wanted = self.explain_request(ExplainQuestion::Slopes)?;
@@ -118,7 +118,7 @@ impl Model {
         request.is_same(&self.wanted_candidates()?).then_some(survey)
     }
 
-    /// The counts of candidates of the detection on show, whichever of them are listed.
+    /// The survey of the detection on show, for its counts: of whichever test its candidates are listed.
     pub fn survey_counts(&self) -> Option<&Arc<Survey>> {
         let (request, survey) = self.explained.candidates.as_ref()?;
         let wanted = self.explain_request(request.question)?;
@@ -130,12 +130,13 @@ impl Model {
         self.survey()?.marks.get(self.explained.selected?)
     }
 
-    /// Whether the detection on show is so long that its slopes are looked at only when a person asks.
+    /// Whether the detection on show took so long that its slopes are examined only on the user's request.
     pub fn slopes_take_long(&self) -> bool {
         self.slots.a.found.as_ref().is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
     }
 
-    /// The slopes of the detection on show, if they are wanted: unless it took long, always. One frame has none.
+    /// Request for the slopes of the detection on show, if they are wanted: always, unless the detection took long. A
+    /// single frame has none.
     pub fn wanted_slopes(&self) -> Option<ExplainRequest> {
         let found = self.slots.a.found.as_ref()?;
         let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
@@ -143,7 +144,7 @@ impl Model {
         self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted && self.stale().is_none())
     }
 
-    /// The candidates that are to be drawn over the picture.
+    /// Request for the candidates that are to be drawn over the picture.
     pub fn wanted_candidates(&self) -> Option<ExplainRequest> {
         let test = self.explained.shown_test?;
         let options = SurveyOptions { test: Some(test), ..SurveyOptions::default() };

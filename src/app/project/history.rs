@@ -1,15 +1,16 @@
-//! Undo and redo of what a person sets: the parameters of the detector and of matching, and the slopes that panes show.
+//! Undo and redo of the user's settings: the parameters of the detector and of matching, and the slopes of panes'
+//! cursors.
 //!
-//! The window tells the history what is set before and after each pass in which a person could change it. What changes
-//! by itself (slopes that were found, the slope with most features) is no step. While something goes on (a drag,
-//! typing, playing through the slopes) all of it is one step.
+//! The window gives the history the settings before and after each pass in which the user could change them. Automatic
+//! changes (slopes that were found, the slope with most features) are no steps. A continued change (a drag, typing,
+//! playing through the slopes) is one step.
 
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use crate::detector::{DetectorParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
 
-/// More steps than this are not kept.
+/// Largest number of steps that are kept.
 const MAX_STEPS: usize = 200;
 
 /// Settings whose changes can be undone.
@@ -49,7 +50,7 @@ impl Settings {
         model.check_pair();
     }
 
-    /// Whether a person would call the change from `before` a step: panes that were opened or closed are none.
+    /// Whether the change from `before` is a step to undo. Opening or closing panes is none.
     fn is_step_from(&self, before: &Self) -> bool {
         let moved = before
             .cursors
@@ -59,7 +60,7 @@ impl Settings {
     }
 }
 
-/// The steps that were made, and those that were undone.
+/// Settings before each step that can be undone, and after each that can be redone.
 #[derive(Debug, Default)]
 pub struct History {
     past: Vec<Settings>,
@@ -84,17 +85,17 @@ impl History {
         }
     }
 
-    /// Whether there is something to undo.
+    /// Whether there is a step to undo.
     pub fn can_undo(&self) -> bool {
         !self.past.is_empty()
     }
 
-    /// Whether there is something to redo.
+    /// Whether there is a step to redo.
     pub fn can_redo(&self) -> bool {
         !self.future.is_empty()
     }
 
-    /// Takes the last step back.
+    /// Undoes the last step.
     pub fn undo(&mut self, model: &mut Model) {
         if let Some(before) = self.past.pop() {
             self.future.push(Settings::of(model));
@@ -102,7 +103,7 @@ impl History {
         }
     }
 
-    /// Makes the step again that was undone last.
+    /// Redoes the step that was undone last.
     pub fn redo(&mut self, model: &mut Model) {
         if let Some(after) = self.future.pop() {
             self.past.push(Settings::of(model));

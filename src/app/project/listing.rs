@@ -55,8 +55,8 @@ impl Model {
     }
 }
 
-/// Of the items of a list the one after (or before) the selected one: the first (or last) where none is, and the last
-/// where there is no further one.
+/// The item of a list after (or before) the selected one: the first (or last) if none is selected; the selected one at
+/// the end of the list.
 pub(crate) fn neighbour(listed: &[usize], selected: Option<usize>, forward: bool) -> Option<usize> {
     let place = selected.and_then(|s| listed.iter().position(|&i| i == s));
     let last = listed.len().saturating_sub(1);

@@ -1,8 +1,8 @@
-//! How pictures and features look: value ranges, colour maps, and what is drawn over the picture.
+//! Look of pictures and features: value ranges, colour maps, and drawings over the picture.
 //!
-//! Ranges are fixed for each class of picture, so that two slopes or two frames can be compared: frames and
-//! motion-stack images share one, DoG responses have another, symmetric about zero; so has each map. A range is set
-//! once, from the first picture of its class (of several panes: that of the one in focus); after that only by hand.
+//! Each class of picture has a fixed range, so that two slopes or two frames can be compared: frames and motion-stack
+//! images share one; DoG responses have another, symmetric about zero; so does each map. A range is set once, from the
+//! first picture of its class (with several panes: that of the pane in focus); after that only by the user.
 
 use crate::plane::colour_map::ColourMap;
 use crate::plane::display::Display;
@@ -10,7 +10,7 @@ use crate::plane::statistics::{Region, percentiles};
 use crate::requests::{MapKind, Picture, PictureKind, PictureRequest};
 use serde::{Deserialize, Serialize};
 
-/// The classes of picture that share a value range.
+/// Classes of picture, each with a shared value range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RangeClass {
     /// Frames, motion-stack images and merged frames.
@@ -33,7 +33,7 @@ impl RangeClass {
         if request.minus().is_some() { Self::Difference } else { Self::of_kind(request.kind) }
     }
 
-    /// The class of a kind of picture that is no difference.
+    /// The class of a kind of picture, for pictures that are no differences.
     pub fn of_kind(kind: PictureKind) -> Self {
         match kind {
             PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge => Self::Intensity,
@@ -69,7 +69,7 @@ pub struct Ranges {
     pub difference: Display,
     /// For maps of the noise.
     pub noise: Display,
-    /// For maps of shares; all of them, unless changed by hand.
+    /// For maps of shares; the range 0 … 1 unless the user changes it.
     pub share: Display,
     /// Whether the range was set since the burst was opened.
     pub intensity_fixed: bool,
@@ -172,7 +172,7 @@ impl Ranges {
     }
 }
 
-/// How pictures and features look.
+/// Look of pictures and features.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Look {

@@ -63,12 +63,12 @@ impl Messages {
         self.note.as_deref()
     }
 
-    /// Takes an error away.
+    /// Removes an error.
     pub fn dismiss(&mut self, id: u64) {
         self.errors.retain(|m| m.id != id);
     }
 
-    /// Takes away the errors that `title` names: what they were about has worked since.
+    /// Removes the errors with this title: the action has succeeded since.
     pub fn resolved(&mut self, title: &str) {
         self.errors.retain(|m| m.title != title);
     }

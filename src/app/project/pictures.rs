@@ -1,4 +1,4 @@
-//! The pictures that panes show: which are wanted, which are there, and which pane the sliders move.
+//! Pictures of panes: those that are wanted, those that are there, and the pane in focus.
 
 use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
 use crate::app::project::cursor::{Cursor, ViewKind};
@@ -161,7 +161,7 @@ impl Model {
         }
     }
 
-    /// The slope by which the picture of `id` was shifted; `None` for a frame and for what has no single slope.
+    /// Slope by which the frames were shifted for the picture of `id`; `None` for pictures without a single slope.
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
         let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
         if matches!(picture.request.kind, PictureKind::Map { map, .. } if !map.is_of_slope()) {
@@ -198,9 +198,9 @@ impl Model {
         }
     }
 
-    /// Requests the pictures that visible panes want and have not, that of the pane in focus first, and that of the
-    /// selected feature's patch. Pictures that take a search wait for the end of a drag, and for a running detection,
-    /// from which they may be made.
+    /// Requests the missing pictures of visible panes, that of the pane in focus first, and that of the selected
+    /// feature's patch. Pictures that need a search wait for the end of a drag, and for a running detection, from which
+    /// they may be made.
     pub(in crate::app) fn ask_for_pictures(&mut self, engine: &Engine, dragging: bool) {
         let (focus, waits) = (self.focus(), dragging || self.slots.a.detecting.is_pending());
         let mut ids = self.visible_panes();
@@ -224,7 +224,7 @@ impl Model {
         self.wanted_pictures.retain(|id, _| panes.get(*id).is_some());
     }
 
-    /// Cancels the requests for pictures: those that are still wanted are requested again.
+    /// Cancels the requests for pictures; those still wanted are requested again.
     pub(in crate::app) fn forget_asked_pictures(&mut self) {
         self.wanted_pictures.clear();
         self.wanted_patch.forget();
@@ -253,14 +253,14 @@ impl Model {
         self.settle_ranges();
     }
 
-    /// Takes over why the picture of a pane could not be made.
+    /// Stores why the picture of a pane could not be made.
     pub fn take_problem(&mut self, id: PaneId, request: PictureRequest, error: &JobError) {
         if let Some(pane) = self.panes.get_mut(id) {
             pane.problem = Some((request, error.to_string()));
         }
     }
 
-    /// Gives the focus to a pane on the burst of `side`, if the one that has it is on the other and there is one.
+    /// Moves the focus to a visible pane on the burst of `side`, if there is one and the focus is not on such a pane.
     pub fn focus_on_side(&mut self, side: Side) {
         let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
         if !is_on(&self.panes.focus())
@@ -270,7 +270,7 @@ impl Model {
         }
     }
 
-    /// Lays out a preset, made from the pane in focus.
+    /// Arranges the panes by a preset, made from the pane in focus.
     pub fn lay_out(&mut self, preset: Preset) {
         let params = self.cursor_params().clone();
         self.panes.lay_out(preset, &params);

@@ -120,7 +120,7 @@ impl ProbeModel {
         (self.answer, self.problem) = (Some(answer), None);
     }
 
-    /// Looks more closely at something else at the same place.
+    /// Asks about another subject at the same place.
     pub fn look_at(&mut self, wanted: Subject) {
         if let Some(place) = self.place() {
             self.question = Some(ProbeQuestion::At { place, wanted });
@@ -129,7 +129,7 @@ impl ProbeModel {
 }
 
 impl Model {
-    /// Takes the trail and the answer, or why there is none.
+    /// Takes the trail and the answer, or the reason why there is none.
     pub(in crate::app) fn take_probed(&mut self) {
         let open = self.slots.a.burst.as_ref().map(|burst| burst.id);
         for ended in self.probe.wanted_trail.take() {
@@ -176,7 +176,7 @@ impl Model {
         }
     }
 
-    /// Lets the probe follow the pointer, or not any more.
+    /// Switches whether the probe follows the pointer.
     pub(in crate::app) fn follow_with_probe(&mut self) {
         let probe = &mut self.probe;
         probe.follows ^= true;
@@ -185,14 +185,14 @@ impl Model {
         }
     }
 
-    /// Whether the question is answered, or cannot be.
+    /// Whether the question is answered or cannot be answered, or there is none.
     pub(in crate::app) fn probe_is_settled(&self) -> bool {
         let (probe, a) = (&self.probe, &self.slots.a);
         let can = a.burst.is_some() && (a.found.is_some() || self.wants_detection(Side::A));
         !probe.is_on() || !can || probe.question.is_none() || probe.problem.is_some() || probe.is_current()
     }
 
-    /// Asks, and shows the panel with the answer.
+    /// Asks a question, and shows the panel with the answer. A place outside the picture only gives a note.
     pub fn ask_probe(&mut self, question: ProbeQuestion) {
         let inside = match question {
             ProbeQuestion::At { place: [u, v], .. } => {
@@ -210,7 +210,7 @@ impl Model {
         (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
     }
 
-    /// The detection on show, where what answers the probe is not what it left behind.
+    /// The detection on show, if the present trail is not of it.
     pub fn untraced(&self) -> Option<DetectionSource> {
         let (burst, found) = (self.slots.a.burst.as_ref()?, self.slots.a.found.as_ref()?);
         let is_of = |traced: &Traced| {
@@ -233,7 +233,7 @@ impl Model {
         }
     }
 
-    /// Asks again what a session asked; without a place nothing is probed.
+    /// Restores the probe of a session; without one nothing is probed.
     pub fn restore_probe(&mut self, saved: Option<SavedProbe>) {
         self.probe.clear();
         self.probe.is_open = saved.is_some_and(|saved| saved.is_open);
@@ -244,12 +244,12 @@ impl Model {
         }
     }
 
-    /// Whether the answer of the probe is about other parameters than those that are set now.
+    /// Whether the answer was made with other parameters than the present ones.
     pub fn probe_is_stale(&self) -> bool {
         self.probe.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != self.asked())
     }
 
-    /// Makes one change of a parameter, as its row would.
+    /// Changes a parameter, as its row in the panel does; a message gives the change or the error.
     pub fn apply_change(&mut self, change: &ParamChange) {
         match change.applied(&self.params) {
             Ok(params) => {
@@ -264,8 +264,9 @@ impl Model {
         }
     }
 
-    /// Prepares the probe for the burst that was opened `after` another one: an example is probed where it shows what
-    /// it is for, at the slopes at which it does, if none were given; other bursts leave those slopes again.
+    /// Prepares the probe for a newly opened burst; `before` is the earlier one. An example gets its own grid of slopes
+    /// if none was given, and is probed at its place of interest if detections start automatically. The next burst
+    /// drops that grid again.
     pub fn start_probe(&mut self, before: Option<&BurstSource>) {
         let grid = |example: Example| {
             let (range, count) = example.slopes_u();

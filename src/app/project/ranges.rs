@@ -1,8 +1,8 @@
-//! The value ranges that pictures are shown in: their own ones or those that panes share, and which picture sets them.
+//! Value ranges of pictures: a pane's own or those that panes share, and the picture that sets them.
 //!
-//! A range that panes share is set by the pane in focus, or if that shows another class of picture by the first in
-//! reading order, once it shows what it wants to show. So it does not matter which of the pictures was made first: the
-//! same panes always come to be seen in the same range.
+//! A shared range is set by the pane in focus, or if that shows another class of picture by the first in reading order,
+//! once its wanted picture is there. So the result does not depend on the order in which the pictures are made: the
+//! same panes always get the same range.
 
 use crate::app::pane::{Pane, PaneId};
 use crate::app::project::Model;
@@ -37,9 +37,8 @@ impl Model {
         ranges.display(self.range_class(id))
     }
 
-    /// Sets the ranges that are not set yet from the pictures on show, each from the pane that it is for: a pane's own
-    /// range from its picture, one that is shared from the pane in focus or the first in reading order that shows this
-    /// class.
+    /// Sets the ranges that are not set yet: a pane's own range from its picture, a shared one from the pane in focus
+    /// or the first in reading order that shows this class.
     pub fn settle_ranges(&mut self) {
         let mut led = Vec::new();
         let focus = self.focus();

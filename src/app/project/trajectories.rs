@@ -109,28 +109,28 @@ impl Trajectories {
         (self.scene, self.hovered, self.selected) = (None, None, None);
     }
 
-    /// Forgets both.
+    /// Removes both trajectories.
     pub fn clear(&mut self) {
         self.reading.forget();
         self.take(ComparedPoses::default());
     }
 
-    /// Whether neither is there.
+    /// Whether there is neither trajectory.
     pub fn is_empty(&self) -> bool {
         self.compared.estimate.is_none() && self.compared.truth.is_none()
     }
 
-    /// The comparison.
+    /// The comparison; `None` without both trajectories, or if it failed.
     pub fn report(&self) -> Option<&Arc<PoseReport>> {
         self.compared.report.as_ref()?.as_ref().ok()
     }
 
-    /// Why there is no comparison although both are there.
+    /// Reason why there is no comparison although both trajectories are there.
     pub fn problem(&self) -> Option<&str> {
         self.compared.report.as_ref()?.as_ref().err().map(String::as_str)
     }
 
-    /// The plane as it is to be drawn; made anew after a change only.
+    /// The plane as it is to be drawn; recomputed only after a change.
     pub fn scene(&mut self) -> Arc<PlaneScene> {
         match &self.scene {
             Some((projection, scene)) if *projection == self.projection => scene.clone(),
@@ -171,7 +171,7 @@ impl Model {
         }
     }
 
-    /// Restores those of a session.
+    /// Restores the trajectories of a session.
     pub(in crate::app) fn restore_trajectories(&mut self, saved: Option<SavedTrajectories>, engine: &Engine) {
         self.trajectories.clear();
         if let Some(SavedTrajectories { estimate, truth, projection }) = saved {
@@ -184,8 +184,8 @@ impl Model {
 }
 
 impl PlaneScene {
-    /// Both trajectories seen from one side. An estimate that cannot be compared is drawn only where there is no truth:
-    /// its world is another.
+    /// Both trajectories, projected from one direction. An estimate that cannot be aligned is drawn only without a
+    /// truth, because its coordinates are different ones.
     pub fn of(compared: &ComparedPoses, projection: Projection) -> Self {
         let report = compared.report.as_ref().and_then(|r| r.as_ref().ok());
         let centres = |trajectory: &Trajectory, move_to: &dyn Fn(&nalgebra::Isometry3<f64>) -> [f64; 3]| {
@@ -214,7 +214,7 @@ impl PlaneScene {
     ) -> Self {
         let flat = |centres: &[[f64; 3]]| centres.iter().map(|c| axes.project(*c)).collect::<Vec<_>>();
         let (truth, estimate) = (flat(truth), flat(estimate));
-        // The frame is the truth's, so that an estimate that runs away does not make the truth a point.
+        // The truth determines the section shown, so that a diverging estimate does not shrink the truth to a point.
         let framed = if truth.is_empty() { &estimate } else { &truth };
         let range = |k: usize| {
             let finite = framed.iter().map(|p| p[k]).filter(|x| x.is_finite());
@@ -223,7 +223,7 @@ impl PlaneScene {
         let ((left, right), (down, up)) = (range(0), range(1));
         let extent = (right - left).max(up - down);
         let scale = if extent.is_finite() && extent > 0.0 { PLANE_UNITS / extent } else { 1.0 };
-        // Where cameras stand on a line or in one place there is still a plane around them.
+        // Cameras on a line or in one place still get a plane around them.
         let side = |extent: f64| if extent.is_finite() { (extent * scale).max(0.3 * PLANE_UNITS) } else { PLANE_UNITS };
         let margin = 2.0 * MARGIN * PLANE_UNITS;
         let (width, height) = (side(right - left) + margin, side(up - down) + margin);

@@ -1,4 +1,4 @@
-//! A session comes back as it was, whatever happened to its file.
+//! Tests that a session is restored unchanged, and that damaged files are reported.
 
 use super::*;
 use crate::app::project::against::With;
@@ -51,7 +51,7 @@ fn with_what_features_were_compared_comes_back_and_older_sessions_have_none() {
     session.apply(&mut restored);
     assert_eq!(restored.saved_against(), session.against);
     assert_eq!(Session::of(&restored).expect("a burst is open").against, session.against);
-    // Another session has nothing of it.
+    // A session without a comparison removes it.
     session.against = None;
     session.apply(&mut restored);
     assert!(restored.saved_against().is_none());
