@@ -196,7 +196,7 @@ mod tests {
         bench.model.open_workspace(Workspace::Pair);
         bench.settle();
         assert!(bench.model.features_are_current(Side::B) && bench.model.pair.matches.is_some());
-        // The other way round they are matched anew, and nothing is searched again.
+        // With exchanged sides they are matched again, and no features are searched.
         let found = bench.model.slots.a.found.as_ref().expect("features").detection.clone();
         bench.model.swap_sides();
         assert!(bench.model.pair.matches.is_none());

@@ -1,4 +1,4 @@
-//! Where the cursor is: which picture, at which frame, slope, octave and level.
+//! The cursor of a pane: kind of picture, frame, slope, octave and level.
 
 use crate::detector::scale_space::levels::searched_octaves;
 use crate::detector::{DetectorParams, Slope, SlopeGrid};
@@ -23,7 +23,7 @@ impl ViewKind {
     /// All kinds, in the order of the switch.
     pub const ALL: [Self; 3] = [Self::Frame, Self::Stack, Self::Dog];
 
-    /// Its name in the window.
+    /// Name in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Frame => "Frame",
@@ -124,8 +124,8 @@ pub fn snapped(grid: &SlopeGrid, slope: Slope) -> Slope {
     grid.at(i as f32, j as f32)
 }
 
-/// One step along the grid's first (`along_second` false) or second axis from `slope`: to the next slope of the grid in
-/// that direction, or by a quarter of a pixel per frame where that axis has a single slope.
+/// The slope one step from `slope` along the grid's first (`along_second` false) or second axis: the next slope of the
+/// grid in that direction, or a quarter of a pixel per frame further where that axis has a single slope.
 pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool) -> Slope {
     let sign = if forward { 1.0 } else { -1.0 };
     let axis = if along_second { &grid.v } else { &grid.u };

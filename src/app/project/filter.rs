@@ -104,7 +104,7 @@ impl Column {
         Self::AtSlopeLimit,
     ];
 
-    /// Its heading.
+    /// Heading in the table.
     pub fn heading(self) -> &'static str {
         match self {
             Self::Rank => "#",

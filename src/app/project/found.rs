@@ -39,7 +39,7 @@ impl FoundFeatures {
 /// A selected feature, to be selected again after the next detection.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SavedSelection {
-    /// Its index when it was saved.
+    /// Index of the feature when it was saved.
     pub index: usize,
     /// Column, input pixels.
     pub u: f32,

@@ -141,7 +141,7 @@ mod tests {
         assert_eq!(model.pair.params, MatchParams::default());
         history.redo(&mut model);
         assert_eq!(model.cursor().slope, Slope::new(1.0, 0.0));
-        // A new step forgets what was undone.
+        // A new step removes the steps that were undone.
         pass(&mut history, &mut model, false, |m| m.params.octaves = 2);
         assert!(!history.can_redo());
         for _ in 0..5 {

@@ -44,7 +44,7 @@ impl RangeClass {
         }
     }
 
-    /// Its name within a sentence.
+    /// Name of the class within a sentence.
     pub fn label(self) -> &'static str {
         match self {
             Self::Intensity => "frames and motion stacks",

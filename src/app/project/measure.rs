@@ -20,9 +20,9 @@ pub enum Tool {
 pub struct MeasuredLine {
     /// Pane on which it was drawn.
     pub pane: PaneId,
-    /// Its beginning, image pixels.
+    /// Start of the line, image pixels.
     pub from_image: Pos2,
-    /// Its end, image pixels.
+    /// End of the line, image pixels.
     pub to_image: Pos2,
 }
 

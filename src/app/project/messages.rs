@@ -9,7 +9,7 @@ pub enum Severity {
     Error,
 }
 
-/// One message.
+/// A message to the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
     /// Unique number of the message.

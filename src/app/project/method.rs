@@ -26,7 +26,7 @@ impl Contender {
     /// All methods, in the order of the table.
     pub const ALL: [Self; 5] = [Self::Sift, Self::Merge, Self::Buff1d, Self::Buff2d, Self::Gold];
 
-    /// Its place in [`Contender::ALL`].
+    /// Index in [`Contender::ALL`].
     pub fn index(self) -> usize {
         Self::ALL.iter().position(|m| *m == self).unwrap_or(0)
     }

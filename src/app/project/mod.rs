@@ -87,10 +87,10 @@ impl Default for Panels {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BottomTab {
-    /// One row a feature.
+    /// Table with one row for each feature.
     #[default]
     Table,
-    /// How many candidates each test rejected.
+    /// Tally: number of candidates that each test rejected.
     Tally,
     /// The noise of the burst.
     Noise,
@@ -107,16 +107,16 @@ pub enum BottomTab {
 /// Everything that the window shows.
 #[derive(Debug, Default)]
 pub struct Model {
-    /// How bursts are opened: bias and flat frame, black and full scale, linear light.
+    /// Options with which bursts are opened: bias and flat frame, black and full scale, linear light.
     pub calibration: OpenOptions,
     /// The open workspace.
     pub workspace: Workspace,
     /// The two bursts with what was found in each.
     pub slots: Sides<Slot>,
-    /// The parameters as they are being edited; they may make no sense for the moment. Where slopes are found, theirs
-    /// are those found last.
+    /// The parameters as they are being edited; they may be invalid for the moment. If slopes are to be found, their
+    /// grid is the one found last.
     pub params: DetectorParams,
-    /// How the slopes are chosen.
+    /// Choice of the slopes: found or given.
     pub slopes: SlopeChoice,
     /// The panes that show pictures, each with its own cursor.
     pub panes: Panes,
@@ -132,7 +132,7 @@ pub struct Model {
     pub hovered: Option<usize>,
     /// Feature to be selected when the next detection ends.
     pub reselect: Option<SavedSelection>,
-    /// Which features are shown.
+    /// Filter of the features that are shown.
     pub filter: Filter,
     /// The table's order.
     pub order: Order<Column>,

@@ -1,4 +1,4 @@
-//! The probe of the window: the place that is asked about, the trail that answers, and the answer.
+//! The probe of the window: the probed place, the trail from which answers come, and the answer.
 
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
@@ -33,7 +33,7 @@ pub struct ProbeModel {
     pub follows: bool,
     /// The question; `None` while nothing is probed.
     pub question: Option<ProbeQuestion>,
-    /// The trail that answers.
+    /// The trail from which answers come.
     pub traced: Option<Traced>,
     /// The last answer.
     pub answer: Option<Probed>,

@@ -292,7 +292,7 @@ mod tests {
         }
         assert_eq!(scene.truth[3].pair, None);
         assert_eq!(scene.truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
-        // Alone, each is drawn in its own world; together without a comparison only the truth.
+        // Alone, each is drawn in its own coordinates; both without a comparison: only the truth is drawn.
         let alone = ComparedPoses { truth: None, report: None, ..compared.clone() };
         assert_eq!(PlaneScene::of(&alone, Projection::Xy).estimate.len(), 3);
         let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };

@@ -61,7 +61,7 @@ pub struct Session {
     /// Cursor of A's own pane.
     #[serde(default)]
     pub scrub: Cursor,
-    /// Its pan and zoom.
+    /// Pan and zoom of that pane.
     #[serde(default)]
     pub view: View,
     /// The panes of *Inspect*, since version 2.

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedDataset {
-    /// Where its bursts come from.
+    /// Source of its bursts.
     pub source: DatasetSource,
     /// Folder in which its features are kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -80,7 +80,7 @@ fn unknown_keys_are_named_wherever_they_are_and_older_files_may_have_them() {
     for table in tables {
         let misspelt = text.replacen(table, &format!("{table}\nmisspelt = 1"), 1);
         let error = Session::from_toml(&misspelt).expect_err(table);
-        // A value of several kinds is a table with its kind as the only key.
+        // A value of an enum is a table with the variant as the only key.
         let of_one_kind = error.contains("wanted exactly 1 element");
         assert!(error.contains("misspelt") || (of_one_kind && error.contains(table)), "{table}: {error}");
         of_one_kinds += usize::from(of_one_kind);
@@ -93,7 +93,7 @@ fn unknown_keys_are_named_wherever_they_are_and_older_files_may_have_them() {
     let error = Session::from_toml(&misspelt).expect_err("unknown");
     assert!(error.contains("pair.links.misspelt"), "{error}");
     assert!(Session::from_toml(&misspelt.replacen("version = 3", "version = 2", 1)).is_ok());
-    // Within a value of several kinds.
+    // Within a value of an enum.
     let inner = "version = 3\nburst = { dark_copy = { of = \"demo\", noise = 0.1, seed = 3 } }";
     let error = Session::from_toml(inner).expect_err("unknown");
     assert!(error.contains("seed"), "{error}");

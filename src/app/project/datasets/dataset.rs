@@ -1,4 +1,4 @@
-//! One dataset with the states of its bursts and the matches of its pairs.
+//! A dataset with the states of its bursts and the matches of its pairs.
 
 use super::pairs::{BurstPair, PairTable, pair_of};
 use super::state::{BurstState, StateCounts};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// A dataset that is open.
 #[derive(Debug, Clone)]
 pub struct Dataset {
-    /// Where it comes from.
+    /// Source of the dataset.
     pub source: DatasetSource,
     /// Its bursts; at least one.
     pub bursts: Bursts,
@@ -161,7 +161,7 @@ impl Dataset {
             DatasetEvent::Begun { index } if matches!(self.states.get(*index), Some(BurstState::Done(_))) => return,
             DatasetEvent::Begun { index } => (*index, BurstState::Running),
             DatasetEvent::Done { index, finished } => {
-                // Features of other parameters are being replaced by these.
+                // These features replace those of other parameters.
                 self.other_params = None;
                 if !matches!(self.states.get(*index), Some(BurstState::Done(_))) {
                     self.matches.forget_burst(*index);
@@ -253,7 +253,7 @@ mod tests {
         open.take_event(&DatasetEvent::Failed { index: 2, error: "x.png: empty".into() });
         assert_eq!(open.states[2].sentence(), "failed: x.png: empty");
         open.take_event(&DatasetEvent::Begun { index: 99 });
-        // What failed is tried again; with other parameters everything is.
+        // Failed bursts are tried again; with other parameters all bursts are.
         open.begin_detection(&SearchParams::default());
         assert_eq!((open.counts().done, open.counts().failed), (2, 0));
         let mut other = SearchParams::default();

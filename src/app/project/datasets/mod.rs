@@ -36,7 +36,7 @@ impl Work {
     }
 }
 
-/// Which pairs are matched.
+/// Choice of the pairs to match.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PairChoice {
     /// Whether each burst is matched with the next few only.
@@ -67,7 +67,7 @@ pub struct Datasets {
     pub work: Option<Work>,
     /// The request for this work.
     pub wanted: Wanted<DatasetRequest>,
-    /// Which pairs are matched.
+    /// Choice of the pairs to match.
     pub choice: PairChoice,
     /// Places of A and B in the session to which the dataset being opened belongs, if it belongs to one.
     pub restoring: Option<[Option<usize>; 2]>,

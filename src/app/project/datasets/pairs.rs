@@ -172,7 +172,7 @@ impl PairTable {
         rows.sort_by(|a, b| {
             let order = if column == PairColumn::Pair { a.0.cmp(&b.0) } else { by_value(&a.1, &b.1) };
             let order = if self.order.descending { order.reverse() } else { order };
-            // Equal ones stay in the order of the bursts.
+            // Equal pairs stay in the order of the bursts.
             order.then(if column == PairColumn::Pair { Ordering::Equal } else { a.0.cmp(&b.0) })
         });
         rows
