@@ -1,4 +1,4 @@
-//! What goes to the clipboard: a row, a value, a place, a picture.
+//! Text and pictures for the clipboard: a row, a value, a place, a picture.
 
 use super::canvas::Readout;
 use super::pane::PaneId;
@@ -11,20 +11,20 @@ use crate::detector::Feature;
 use crate::export::{COLUMNS, FeatureRow};
 use crate::requests::BurstSource;
 
-/// The features' columns and one feature's numbers, tabs between them: what a spreadsheet takes as two rows.
+/// The features' columns and one feature's numbers, separated by tabs: two rows for a spreadsheet.
 pub fn feature_text(feature: &Feature) -> String {
     let values = FeatureRow::from(feature).values().map(|value| value.to_string());
     format!("{}\n{}", COLUMNS.join("\t"), values.join("\t"))
 }
 
-/// The same of a match, in the columns of the table.
+/// The table's headings and one match's values, separated by tabs: two rows for a spreadsheet.
 pub fn match_text(row: &MatchRow<'_>) -> String {
     let headings = MatchColumn::ALL.map(MatchColumn::heading).join("\t");
     let values = MatchColumn::ALL.map(|column| column.text(row)).join("\t");
     format!("{headings}\n{values}")
 }
 
-/// A value as a program reads it.
+/// The value alone, as a program reads it.
 pub fn value_text(readout: &Readout) -> String {
     readout.value.to_string()
 }
@@ -56,7 +56,7 @@ impl BurstscopeApp {
         }
     }
 
-    /// Copies the command that finds what is seen.
+    /// Copies the command that finds the features on show.
     pub(super) fn copy_command(&mut self, ctx: &egui::Context) {
         let Some(burst) = &self.model.slots.a.burst else { return };
         let inputs = match &burst.source {
@@ -75,7 +75,7 @@ impl BurstscopeApp {
         ctx.copy_text(line);
     }
 
-    /// How the burst was opened: what is built in needs nothing.
+    /// Options with which the burst was opened; the default for built-in bursts.
     fn calibration_of_open(&self) -> OpenOptions {
         match self.model.slots.a.burst.as_ref().map(|open| &open.source) {
             Some(BurstSource::Paths(_)) => self.model.calibration.clone(),

@@ -1,12 +1,12 @@
-//! The request to end that comes from outside, such as by the signal of a system that shuts down.
+//! Request from outside to end the window, such as the signal of a system that shuts down.
 //!
-//! Nobody was asked, so nothing may be lost by it: the window saves its session, closes, finishes the files that it is
+//! The user was not asked, so nothing may be lost: the window saves its session, closes, finishes the files that it is
 //! writing, and leaves the session to be offered at the next start.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// Asks a window to end. All clones ask the same window.
+/// Request to end a window. All clones refer to the same window.
 #[derive(Debug, Clone, Default)]
 pub struct EndRequest(Arc<Shared>);
 
@@ -36,7 +36,7 @@ impl EndRequest {
         self.0.is_made.load(Ordering::SeqCst)
     }
 
-    /// The window that is woken by it. Its first pass comes by itself, so that nothing is missed before.
+    /// Sets the window that a request wakes. An earlier request is seen in the window's first pass.
     pub(super) fn wakes(&self, window: &egui::Context) {
         let _ = self.0.window.set(window.clone());
     }

@@ -1,4 +1,4 @@
-//! What the window does with files: asks for them, opens, restores, loads and writes them.
+//! File actions of the window: asks for files, opens, restores, loads and writes them.
 
 use super::dialogs::{ExportKind, FileAnswer, PathField, Purpose, Question, ReplaceFile};
 use super::session::Session;
@@ -35,7 +35,7 @@ impl BurstscopeApp {
             return;
         }
         if let (Some(draft), [one]) = (&mut self.overlays.calibration, paths.as_slice()) {
-            // Onto the open dialog: the bias first, then the flat.
+            // Dropped on the open dialog: the bias frame first, then the flat frame.
             let field = if draft.bias.is_none() { &mut draft.bias } else { &mut draft.flat };
             *field = Some(one.clone());
             return;
@@ -46,7 +46,7 @@ impl BurstscopeApp {
                 self.use_files(if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }, paths);
             }
             [one] if self.model.workspace == Workspace::Trajectories => {
-                // The first that comes is the estimate, the second the truth; a third takes the place of the estimate.
+                // The first file dropped is the estimate, the second the truth; a third replaces the estimate.
                 let compared = &self.model.trajectories.compared;
                 let truth = compared.estimate.is_some() && compared.truth.is_none();
                 let which = if truth { Which::Truth } else { Which::Estimate };
@@ -57,14 +57,14 @@ impl BurstscopeApp {
         }
     }
 
-    /// Whether what is dropped now falls on the pane of the second burst.
+    /// Whether the pointer is over a pane of the second burst, for dropped files.
     fn is_dropped_on_b(&self, ctx: &egui::Context) -> bool {
         let pointer = ctx.input(|i| i.pointer.latest_pos());
         let is_there = |rect: &egui::Rect| pointer.is_some_and(|pos| rect.contains(pos));
         self.drop_places().iter().any(|(rect, side)| *side == Side::B && is_there(rect))
     }
 
-    /// In *Two bursts*, where files can be dropped to be opened as which burst: the panes.
+    /// Rectangles of the panes in *Two bursts*, with the side for which files dropped there are opened.
     pub(super) fn drop_places(&self) -> Vec<(egui::Rect, Side)> {
         if self.model.workspace != Workspace::Pair || self.model.slots.a.burst.is_none() {
             return Vec::new();
@@ -129,7 +129,7 @@ impl BurstscopeApp {
             Purpose::PaperFigures => self.model.make_figures(first, &self.engine),
             #[cfg(feature = "colmap")]
             Purpose::ExportDatabase => self.export_database(first),
-            // Without COLMAP's database nobody can ask for it.
+            // Without the feature `colmap` there is no action for this.
             #[cfg(not(feature = "colmap"))]
             Purpose::ExportDatabase => {}
             Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
@@ -151,8 +151,8 @@ impl BurstscopeApp {
         }
     }
 
-    /// Restores a session file: opens its burst, then takes over everything else, also where the burst could not be
-    /// opened. Until then nothing changes. Answers the request that opens it.
+    /// Restores a session file: opens its burst, then restores everything else, even if the burst could not be opened.
+    /// Until then nothing changes. Returns the request that opens the burst; `None` if the file cannot be read.
     pub fn restore_session(&mut self, path: &std::path::Path) -> Option<JobId> {
         let read = read_text(path, MAX_SESSION_BYTES).map_err(|e| e.to_string());
         match read.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e))) {
@@ -191,15 +191,15 @@ impl BurstscopeApp {
         }
     }
 
-    /// What may be written over once a person was asked: anything but what is open.
+    /// Rules for overwriting after the user agreed: any file but those that are open.
     fn may_replace(&self, path: &std::path::Path) -> OutputRules {
-        // What is not there is not open either, and nobody has to look through a large dataset.
+        // A file that does not exist is not open either; this avoids listing the files of a large dataset.
         let is_there = std::fs::symlink_metadata(path).is_ok();
         let opened = if is_there { self.model.opened_files() } else { Vec::new() };
         OutputRules::new(Inputs::of(opened), Overwrite::Force)
     }
 
-    /// Writes a file. Whoever chose the path was asked about what is there.
+    /// Writes a file. The dialog that gave the path has asked before overwriting.
     pub(super) fn write(&mut self, purpose: Purpose, path: PathBuf) {
         let rules = self.may_replace(&path);
         let prepared = crate::app::jobs::writing::prepare(purpose, &self.model, &self.widgets);
@@ -207,7 +207,7 @@ impl BurstscopeApp {
             Ok(work) => {
                 self.model.messages.resolved(purpose.title());
                 self.engine.task(purpose.title(), move || {
-                    // It may have waited for its turn.
+                    // The task may have waited, and files changed meanwhile.
                     rules.check(&path).map_err(|e| e.to_string())?;
                     work(&path)?;
                     Ok(format!("Wrote {}", path.display()))

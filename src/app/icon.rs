@@ -29,7 +29,7 @@ pub fn icon(side: u32) -> IconData {
     for row in 0..side {
         for column in 0..side {
             let (u, v) = ((column as f32 + 0.5) * pixel, (row as f32 + 0.5) * pixel);
-            // How much of the pixel lies within a distance.
+            // Covered fraction of the pixel at this distance from the outline.
             let cover = |distance: f32| (0.5 - distance / pixel).clamp(0.0, 1.0);
             let stroke = |distance: f32, width: f32| cover(distance.abs() - 0.5 * width);
             let centre = (u - 32.0).hypot(v - 32.0);

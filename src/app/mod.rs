@@ -1,14 +1,14 @@
 //! The window: panes, panels, overlays, shortcuts. It computes nothing that a command could not compute.
 //!
 //! [`project`] holds what is open as plain values. Each pass of [`window::BurstscopeApp`] takes what the workers of
-//! [`crate::engine`] have published, runs the [`actions`] that were asked for, draws, and lets `jobs` ask the workers
-//! for what is wanted and not there.
+//! [`crate::engine`] have published, runs the [`actions`] that were asked for, draws, and lets `jobs` request what is
+//! missing from the workers.
 //!
-//! What lies between toolbar and status bar is a [`workspace`]: one burst, two, several methods, or many bursts
-//! ([`dataset`]); each arranges panes and panels. Pictures are shown in [panes](pane), each with its own cursor; the
-//! [`inspector`] draws any arrangement of them, [`canvas`] is the picture's widget and [`view`] how it is seen, [`gpu`]
-//! draws its pixels, [`histogram`] sets their range. On the pictures one can [`measure`], and a [`figure`] is made of
-//! what they show. A [`panel`] is about one subject.
+//! Between toolbar and status bar lies a [`workspace`]: one burst, two, several methods, or many bursts ([`dataset`]);
+//! each arranges panes and panels. Pictures are shown in [panes](pane), each with its own cursor; the [`inspector`]
+//! draws any arrangement of them, [`canvas`] is the picture's widget and [`view`] its pan, zoom and colouring, [`gpu`]
+//! draws its pixels, [`histogram`] sets their range. [`measure`] draws lines and rectangles on the pictures, [`figure`]
+//! makes figures of them. A [`panel`] is about one subject.
 
 pub mod actions;
 pub mod canvas;

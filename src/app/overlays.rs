@@ -1,4 +1,4 @@
-//! What floats over the window: dialogs, the palette, sheets, messages.
+//! Overlays of the window: dialogs, the palette, sheets, messages.
 
 use super::actions::{Queue, palette::Palette, shortcuts_sheet};
 use super::dataset::CutDialog;
@@ -10,7 +10,7 @@ use crate::app::project::pair::Side;
 use crate::burst::OpenOptions;
 use crate::requests::{BurstId, BurstSource};
 
-/// What floats over the window.
+/// State of the overlays.
 #[derive(Default)]
 pub(super) struct Overlays {
     pub palette: Palette,
@@ -21,16 +21,16 @@ pub(super) struct Overlays {
     /// The calibration that is being set, while its dialog is open.
     pub calibration: Option<OpenOptions>,
     pub path_field: Option<PathField>,
-    /// A file that is to be written where one is already, while it is asked whether it may be.
+    /// A file to be overwritten, while the user is asked.
     pub replace_file: Option<ReplaceFile>,
-    /// Bursts of a folder, of which one is to be chosen, and as which it is opened.
+    /// Bursts of a folder, of which one is to be chosen, and the side for which it is opened.
     pub choice: Vec<BurstSource>,
     pub choice_side: Side,
-    /// How a sequence is to be cut, while that is being asked.
+    /// Options for cutting a sequence, while the user is asked.
     pub cut: Option<CutDialog>,
-    /// Whether features of other parameters may be replaced, while that is being asked.
+    /// Whether the user is being asked to replace features of other parameters.
     pub replace_features: bool,
-    /// The burst that stays as long as it is, though it could be cut.
+    /// A burst that could be cut, and that the user chose not to cut.
     pub stays_whole: Option<BurstId>,
 }
 
@@ -42,10 +42,10 @@ impl Overlays {
 }
 
 impl BurstscopeApp {
-    /// Opens what is open anew, with this calibration.
+    /// Opens the bursts and the dataset again with this calibration.
     pub(super) fn calibrate(&mut self, options: OpenOptions) {
         self.model.calibration = options;
-        // They are of the calibration of before.
+        // The thumbnails were made with the earlier calibration.
         self.thumbnails.clear();
         if let Some(source) = self.model.slots.a.burst.as_ref().map(|open| open.source.clone()) {
             self.open(source);
@@ -58,12 +58,12 @@ impl BurstscopeApp {
         }
     }
 
-    /// Bursts of which a person has to choose one before anything is opened; mostly none.
+    /// Bursts of which the user has to choose one before anything is opened; usually none.
     pub fn choice(&self) -> &[BurstSource] {
         &self.overlays.choice
     }
 
-    /// Whether a dialog has the keys.
+    /// Whether a dialog is open that gets all keys.
     pub(super) fn modal_is_open(&self) -> bool {
         self.overlays.palette.is_open()
             || self.overlays.sheet_open
@@ -131,7 +131,7 @@ impl BurstscopeApp {
         crate::app::panel::messages::messages_ui(ctx, &mut self.model.messages);
     }
 
-    /// Asks the person which of `bursts` is to be opened as `side`.
+    /// Asks the user which of `bursts` is to be opened as `side`.
     pub(super) fn choose_among(&mut self, bursts: Vec<BurstSource>, side: Side) {
         (self.overlays.choice, self.overlays.choice_side) = (bursts, side);
     }

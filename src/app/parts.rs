@@ -1,14 +1,15 @@
-//! Where the named parts of the window are: whoever draws a part says so in one line, and a lesson points at it.
+//! Positions of the named parts of the window: the code that draws a part marks it in one line, and a lesson points at
+//! it.
 
 use crate::teach::Part;
 use egui::{Context, Id, Rect, Ui};
 use std::collections::BTreeMap;
 
-/// What is pointed at, and where it was drawn.
+/// Parts that are pointed at, and where they were drawn.
 #[derive(Debug, Clone, Default)]
 struct Parts {
     wanted: Vec<Part>,
-    /// Of these, those that are to be scrolled to.
+    /// Wanted parts that are still to be scrolled to.
     scroll_to: Vec<Part>,
     /// The pass in which they were drawn.
     pass: u64,
@@ -19,7 +20,7 @@ fn with<T>(ctx: &Context, use_parts: impl FnOnce(&mut Parts) -> T) -> T {
     ctx.data_mut(|data| use_parts(data.get_temp_mut_or_default(Id::unique("parts of the window"))))
 }
 
-/// Says that `part` was drawn in `rect`. Scrolls to it, where it is one that was just asked for.
+/// Records that `part` was drawn in `rect`, if it is wanted. Scrolls to it once after it was requested.
 pub fn mark(ui: &Ui, part: Part, rect: Rect) {
     let pass = ui.ctx().cumulative_pass_nr();
     let scroll = with(ui.ctx(), |parts| {
@@ -31,7 +32,7 @@ pub fn mark(ui: &Ui, part: Part, rect: Rect) {
         }
         let seen = rect.intersect(ui.clip_rect());
         if seen.is_positive() {
-            // What is drawn in pieces is all of them.
+            // A part that is drawn in pieces extends over all of them.
             parts.drawn.entry(part).and_modify(|drawn| *drawn = drawn.union(seen)).or_insert(seen);
         }
         let place = parts.scroll_to.iter().position(|wanted| *wanted == part);
@@ -42,7 +43,7 @@ pub fn mark(ui: &Ui, part: Part, rect: Rect) {
     }
 }
 
-/// Says which parts are pointed at from now on; where they are not seen, they are scrolled to.
+/// Sets the parts that are pointed at from now on, and scrolls to them.
 pub fn want(ctx: &Context, wanted: &[Part]) {
     with(ctx, |parts| {
         if parts.wanted != wanted {
@@ -52,7 +53,7 @@ pub fn want(ctx: &Context, wanted: &[Part]) {
     });
 }
 
-/// The parts that are pointed at, with where they can be seen, as drawn last.
+/// The parts that are pointed at, with their visible rectangles, as drawn last.
 pub fn drawn(ctx: &Context) -> Vec<(Part, Rect)> {
     with(ctx, |parts| parts.drawn.iter().map(|(part, rect)| (*part, *rect)).collect())
 }

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What is drawn.
+/// Options of a drawing of the window.
 #[derive(Debug, Clone)]
 pub struct RenderOptions {
     /// The burst.
@@ -27,22 +27,21 @@ pub struct RenderOptions {
     pub second: Option<BurstSource>,
     /// A dataset that is drawn instead, on its first burst.
     pub dataset: Option<DatasetSource>,
-    /// A session that is drawn instead, as it was left: what is said here of parameters and the cursor has no effect
-    /// then.
+    /// A session that is drawn instead, as it was left; parameters and cursor of these options then have no effect.
     pub session: Option<PathBuf>,
     /// A lesson that is drawn instead, as it begins.
     pub lesson: Option<Arc<Lesson>>,
     /// The detector's parameters.
     pub params: SearchParams,
-    /// How bursts are opened.
+    /// Options with which bursts are opened.
     pub calibration: OpenOptions,
     /// Columns and rows of the window, in points.
     pub size_points: (f32, f32),
     /// Pixels for each point: 2 for a HiDPI screen.
     pub scale: f32,
-    /// Light instead of dark.
+    /// Whether the theme is light instead of dark.
     pub light: bool,
-    /// Which kind of picture.
+    /// Kind of picture.
     pub kind: ViewKind,
     /// The slope; `None` takes the one with the most features, or (0, 0) when nothing is detected.
     pub slope: Option<Slope>,
@@ -56,11 +55,11 @@ pub struct RenderOptions {
     pub detect: bool,
     /// Whether the strongest feature, or of two bursts its match, is selected.
     pub select_strongest: bool,
-    /// How long it may take to open the burst and to detect.
+    /// Time limit for opening the burst and detecting.
     pub max_duration: Duration,
-    /// Which file the picture may replace. What the window opens is never replaced.
+    /// Rules for replacing a file by the picture. Files that the window opens are never replaced.
     pub rules: OutputRules,
-    /// Ends it early: the picture is not written then.
+    /// Cancels the drawing; no picture is written then.
     pub monitor: Monitor,
 }
 
@@ -91,25 +90,25 @@ impl Default for RenderOptions {
     }
 }
 
-/// Why there is no picture of the window.
+/// Reason why there is no picture of the window.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
-    /// It could not be drawn.
+    /// The window could not be drawn.
     #[error(transparent)]
     Offscreen(#[from] OffscreenError),
-    /// It could not be written.
+    /// The picture could not be written.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// The window shows an error instead of what was asked for.
+    /// The window shows an error.
     #[error("{0}")]
     Window(String),
     /// The burst has no such frame, octave or level, or the slope leads out of it.
     #[error(transparent)]
     Param(#[from] ParamError),
-    /// It was cancelled.
+    /// The drawing was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// It took too long.
+    /// The window was not ready within the time limit, here in seconds.
     #[error("the window was not ready after {0} seconds; allow more time, or search fewer slopes")]
     Timeout(u64),
 }
@@ -117,8 +116,8 @@ pub enum RenderError {
 /// Draws the window with `options` into the PNG file `path`.
 ///
 /// # Errors
-/// When the burst cannot be opened, the parameters make no sense for it, nothing can be drawn, or the file cannot be
-/// written.
+/// When the burst cannot be opened, the parameters are invalid for it, nothing can be drawn, the time limit is
+/// exceeded, the drawing is cancelled, or the file cannot be written.
 pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderError> {
     options.rules.check(path)?;
     let settings = Settings {
@@ -196,10 +195,10 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     Ok(())
 }
 
-/// Whether the burst has the frame, octave and level that are asked for, and whether the slope stays within it.
+/// Checks that the burst has the frame, octave and level of the options, and that the slope stays within it.
 ///
 /// # Errors
-/// The first that it has not, as the commands that compute such a picture say it.
+/// When one of them is missing or invalid: the first, worded as by the commands that compute such a picture.
 fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), ParamError> {
     if let Some(frame) = options.frame.filter(|frame| *frame >= burst.len()) {
         return Err(ParamError {
@@ -218,7 +217,7 @@ fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), ParamError
     Ok(())
 }
 
-/// Puts the cursor where the options say.
+/// Sets the cursor from the options.
 fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     let model = &mut app.model;
     let pane = model.focused_mut();

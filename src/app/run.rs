@@ -1,8 +1,8 @@
-//! Opens the window on the desktop, and opens it again where the graphics device is lost.
+//! Opens the window on the desktop, and opens it again after the graphics device was lost.
 //!
-//! Device and window belong together in the toolkit, so a lost device cannot be replaced under an open window. The
-//! drawing ends instead, and the same program (with all that is open, runs and was undone) goes on in a new window with
-//! a new device.
+//! The toolkit ties the device to the window, so a lost device cannot be replaced under an open window. Instead the
+//! drawing ends, and the program continues in a new window with a new device; open data, running work and the history
+//! stay.
 
 use super::gpu::{self, Gpu};
 use super::recovery::{KeptIn, SAVED_EVERY};
@@ -20,17 +20,17 @@ const APP_ID: &str = "burstscope";
 /// Pixels of the icon on each side; desktops make it smaller.
 const ICON_SIDE: u32 = 256;
 
-/// Where in the program's data folder the sessions of running windows are kept.
+/// Subfolder of the program's data folder for the sessions of running windows.
 const RUNNING_FOLDER: &str = "running";
 
-/// A device that is lost so often within [`LOSSES_WITHIN`] is not set up once more.
+/// Losses of the device within [`LOSSES_WITHIN`] after which it is not set up again.
 const MOST_LOSSES: usize = 3;
 const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 
-/// The window between two drawings: it outlives the device.
+/// The window, kept across losses of the graphics device.
 type Kept = Rc<RefCell<Option<BurstscopeApp>>>;
 
-/// What the toolkit draws: the window that is kept.
+/// The kept window, as the toolkit draws it.
 struct Shown(Kept);
 
 impl Shown {
@@ -55,7 +55,7 @@ impl eframe::App for Shown {
     }
 }
 
-/// Opens the window and answers when it is closed. Settings of the last time come on top of those in `startup`.
+/// Opens the window and returns when it is closed. Stored settings replace those in `startup`.
 ///
 /// # Errors
 /// When there is no display, or no graphics card (nor a software one) that can draw the window, or its device is lost
@@ -84,7 +84,7 @@ pub fn run(mut startup: Startup) -> anyhow::Result<()> {
     }
 }
 
-/// Opens a window on a new device: the one that is kept, or a new one, which is kept then.
+/// Draws the kept window on a new device until it is closed; without a kept one, creates and keeps it.
 fn draw_until_closed(
     window: &Kept,
     startup: &mut Option<Startup>,
@@ -122,8 +122,8 @@ fn draw_until_closed(
 }
 
 impl BurstscopeApp {
-    /// Whether the device is lost. Then the drawing ends: the session is saved, in case that no other device is found,
-    /// and the window is closed to be opened again.
+    /// Whether the device is lost. If so, saves the session, in case no other device is found, and closes the window to
+    /// be opened again.
     pub(super) fn leaves_lost_device(&mut self, ctx: &egui::Context) -> bool {
         let Some(gpu) = Gpu::of(ctx) else { return false };
         let Some(why) = gpu.lost() else { return false };
@@ -135,7 +135,7 @@ impl BurstscopeApp {
         true
     }
 
-    /// Whether the window was asked to end from outside. Then its session is saved and it is closed.
+    /// Whether the window was asked to end from outside. If so, saves its session and closes it.
     pub(super) fn leaves_when_asked(&mut self, ctx: &egui::Context) -> bool {
         if !self.end.is_made() {
             return false;
@@ -147,7 +147,8 @@ impl BurstscopeApp {
         true
     }
 
-    /// Why the device was lost with which the window was drawn; another one is to draw it from now on.
+    /// Takes the reason why the device was lost, if it was, and shows it as an error: another device draws the window
+    /// from now on.
     fn take_lost_device(&mut self) -> Option<String> {
         let why = self.lost_device.take()?;
         let text = format!("the driver gave it up ({why}); the window was opened again, and nothing else has changed");

@@ -1,4 +1,4 @@
-//! What the window remembers from one start to the next.
+//! Settings that the window remembers from one start to the next.
 
 use super::lesson::Progress;
 use crate::app::project::figure::FigureChoice;
@@ -9,13 +9,13 @@ use crate::requests::BurstSource;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The name under which the settings are stored.
+/// Key under which the settings are stored.
 pub const STORAGE_KEY: &str = "burstscope settings";
 
-/// The recent list is at most this long.
+/// Largest length of a list of recent sources.
 const MOST_RECENT: usize = 12;
 
-/// What is remembered.
+/// Remembered settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
@@ -29,15 +29,15 @@ pub struct Settings {
     pub theme: egui::ThemePreference,
     /// Open parts of the window.
     pub panels: Panels,
-    /// Whether a detection starts by itself after a change.
+    /// Whether a detection starts automatically after a change.
     pub auto_detect: bool,
-    /// What moves together in two bursts.
+    /// Links between the panes of two bursts.
     pub links: Links,
-    /// How matches look.
+    /// Display of matches.
     pub match_look: MatchLook,
-    /// What figures show.
+    /// Contents and style of figures.
     pub figure: FigureChoice,
-    /// How far somebody came in each lesson, by its name.
+    /// Progress in each lesson, by the lesson's name.
     pub lessons: BTreeMap<String, Progress>,
 }
 
@@ -64,7 +64,7 @@ impl Settings {
         storage.get_string(STORAGE_KEY).and_then(|text| toml::from_str(&text).ok()).unwrap_or_default()
     }
 
-    /// Stores them.
+    /// Stores the settings.
     pub fn store(&self, storage: &mut dyn eframe::Storage) {
         if let Ok(text) = toml::to_string(self) {
             storage.set_string(STORAGE_KEY, text);
@@ -84,7 +84,7 @@ impl Settings {
         self.burst_length = source.burst_length.unwrap_or(self.burst_length);
     }
 
-    /// Takes over what the model has of them.
+    /// Takes over from the model the settings that it holds.
     pub fn take_from(&mut self, model: &Model) {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
         (self.links, self.match_look) = (model.pair_links(), model.pair.look);
@@ -98,12 +98,12 @@ fn put_first<T: Clone + PartialEq>(list: &mut Vec<T>, item: &T) {
     list.truncate(MOST_RECENT);
 }
 
-/// What was opened before and is to be opened again.
+/// A source that was opened before, to be opened again.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Recent {
     /// One burst.
     Burst(BurstSource),
-    /// Many.
+    /// A dataset of many bursts.
     Dataset(DatasetSource),
 }
 

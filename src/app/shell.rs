@@ -1,4 +1,4 @@
-//! Where everything is: menus and toolbar above, the open workspace in the middle, the status below.
+//! Layout of the window: menus and toolbar above, the open workspace in the middle, the status bar below.
 
 use super::actions::{ActionId, Queue, menu::menu_bar_ui};
 use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
@@ -10,7 +10,7 @@ use crate::app::project::side::Side;
 use crate::app::workspace::{switch_ui, workspace_ui};
 use egui::{CentralPanel, Frame, Margin, Panel};
 
-/// Draws the whole window except what floats over it. Answers what is asked of the lesson that is open.
+/// Draws the whole window except its overlays. Returns the wish of the user about the open lesson.
 pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) -> Option<Wish> {
     let mut open_recent = None;
     let mut open_burst = None;

@@ -1,4 +1,4 @@
-//! With what a window starts.
+//! Options with which a window starts.
 
 use super::dialogs::{FileDialogs, SystemDialogs};
 use super::ending::EndRequest;
@@ -12,13 +12,13 @@ use crate::teach::Lesson;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// With what a window starts.
+/// Options with which a window starts.
 pub struct Startup {
-    /// How bursts are opened.
+    /// Options with which bursts are opened.
     pub calibration: OpenOptions,
-    /// What is opened first; `None` opens nothing and shows how to begin.
+    /// Burst that is opened first; `None` opens nothing and shows how to begin.
     pub source: Option<BurstSource>,
-    /// What is opened beside it, as the second burst.
+    /// Second burst, opened beside the first.
     pub second: Option<BurstSource>,
     /// A dataset that is opened instead.
     pub dataset: Option<DatasetSource>,
@@ -30,15 +30,15 @@ pub struct Startup {
     pub lesson: Option<Arc<Lesson>>,
     /// Lessons beside those that are built in.
     pub lessons: Vec<Lesson>,
-    /// What was remembered from the last time.
+    /// Settings remembered from earlier runs.
     pub settings: Settings,
-    /// Where the session is saved by itself; `None` saves none.
+    /// Folder and interval of automatic saving; `None` saves nothing.
     pub kept: Option<KeptIn>,
-    /// Asks for files.
+    /// Dialogs that ask for files.
     pub dialogs: Arc<dyn FileDialogs>,
-    /// Asks the window to end from outside.
+    /// Request from outside to end the window.
     pub end: EndRequest,
-    /// Bytes of pictures that are kept.
+    /// Size of the cache of pictures, bytes.
     pub cache_bytes: usize,
 }
 

@@ -1,28 +1,28 @@
-//! How the window looks: quiet colours, small type, little space, so that the picture has the room.
+//! Style of the window: muted colours, small type and little spacing, so that most of the space is for the picture.
 
 use egui::{Color32, CornerRadius, FontId, Stroke, Style, TextStyle, Theme, style::ScrollStyle, vec2};
 
-/// The accent in both themes: a blue that is neither end of a diverging map.
+/// Accent colour in both themes: a blue that is neither end of a diverging map.
 pub const ACCENT: Color32 = Color32::from_rgb(0x2f, 0x7f, 0xd6);
 
-/// Pressed for up to this long, a button counts as clicked.
+/// Longest press that counts as a click.
 const SLOWEST_CLICK_SECS: f64 = 10.0;
 
-/// Gives a context this look, in light and dark.
+/// Applies the style to a context, in light and dark.
 pub fn apply(ctx: &egui::Context) {
     ctx.all_styles_mut(common);
-    // A click that is held for long is a click all the same: people with slow hands press for more than a second.
+    // A long press is a click too: some users press for more than a second.
     ctx.options_mut(|options| options.input_options.max_click_duration = SLOWEST_CLICK_SECS);
     ctx.style_mut_of(Theme::Dark, dark);
     ctx.style_mut_of(Theme::Light, light);
 }
 
-/// The colour of warnings that can be read on the theme's ground.
+/// Colour of warnings, readable on the theme's background.
 pub fn warning(ui: &egui::Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_rgb(0xf2, 0xb1, 0x4b) } else { Color32::from_rgb(0x9a, 0x5b, 0x00) }
 }
 
-/// The colour of what is finished, on the theme's ground.
+/// Colour of finished items, readable on the theme's background.
 pub fn good(ui: &egui::Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_rgb(0x5c, 0xc8, 0x8a) } else { Color32::from_rgb(0x1b, 0x7f, 0x4b) }
 }
@@ -39,7 +39,7 @@ fn common(style: &mut Style) {
     style.spacing.item_spacing = vec2(6.0, 4.0);
     style.spacing.button_padding = vec2(7.0, 2.0);
     style.spacing.interact_size.y = 20.0;
-    // Workspace is kept for the scroll bar, so that it never lies over what one wants to click.
+    // Space is reserved for the scroll bar, so that it never covers a widget.
     style.spacing.scroll = ScrollStyle { floating_allocated_width: 9.0, ..ScrollStyle::floating() };
     style.spacing.combo_width = 60.0;
     for widget in [

@@ -27,7 +27,7 @@ use crate::requests::OpenBurst;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Where playing through the slopes is.
+/// Progress of playing through the slopes.
 #[derive(Default)]
 pub(super) struct Play {
     pub step: usize,
@@ -37,44 +37,44 @@ pub(super) struct Play {
 
 /// The window.
 pub struct BurstscopeApp {
-    /// What is shown.
+    /// The model: everything that is shown.
     pub model: Model,
     /// The workers.
     pub engine: Engine,
-    /// What the panes' widgets keep.
+    /// State of the panes' widgets.
     pub widgets: PaneWidgets,
-    /// What the workspace of two bursts keeps.
+    /// State of the panels of the workspace of two bursts.
     pub pair_panels: PairPanels,
     pub(super) selection: SelectionState,
     pub(super) probe: ProbePanel,
     /// The Lab's chart as a texture.
     pub(super) lab_picture: PlaneTexture,
-    /// What was computed of the rectangle that is measured.
+    /// Computed values of the measured rectangle.
     pub(super) regions: RegionCache,
     pub(super) thumbnails: Thumbnails,
     pub(super) overlays: Overlays,
     pub(super) restoring: Restoring,
     pub(super) play: Play,
-    /// Whether cursors were set on purpose, each to its own place, so that none follows another.
+    /// Whether cursors were set explicitly, each to its own place, so that none follows another.
     pub(super) cursors_set: bool,
-    /// Whether what is set was changed otherwise than by a step that can be undone.
+    /// Whether settings were changed by something other than a step that can be undone.
     pub(super) history_set: bool,
     /// The lessons, and the one that is open.
     pub lessons: Lessons,
     pub(super) captions: Captions,
     pub(super) desk: Desk,
     pub(super) recovery: Option<Recovery>,
-    /// Why the device that drew the window is lost, until it is drawn by another.
+    /// Reason why the device that drew the window was lost, until another draws it.
     pub(super) lost_device: Option<String>,
     /// Asks the window to end from outside.
     pub(super) end: EndRequest,
-    /// Whether it does.
+    /// Whether the window is ending.
     pub(super) is_ending: bool,
     settings: Settings,
 }
 
 impl BurstscopeApp {
-    /// A window in `ctx`. Float pictures need `render_state`; without it everything else works.
+    /// Creates a window in `ctx`. Float pictures need `render_state`; without it everything else works.
     pub fn new(ctx: &egui::Context, render_state: Option<&egui_wgpu::RenderState>, startup: Startup) -> Self {
         if let Some(render_state) = render_state {
             super::gpu::install(ctx, render_state);
@@ -134,7 +134,7 @@ impl BurstscopeApp {
         app
     }
 
-    /// Whether everything that is wanted is there and nothing runs.
+    /// Whether everything that is wanted is there and no work runs.
     pub fn is_settled(&self) -> bool {
         self.engine.is_idle()
             && !self.desk.is_asking()
@@ -148,7 +148,7 @@ impl BurstscopeApp {
         self.desk.is_asking()
     }
 
-    /// Draws the window and answers what happened since the last time.
+    /// Runs one pass: takes answers and input, draws the window, and requests what is missing.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.theme);
@@ -159,7 +159,7 @@ impl BurstscopeApp {
         self.take_dropped_files(&ctx);
         let before = history::Settings::of(&self.model);
         let mut queue = Queue::new();
-        // While a dialog is open, or is being opened by the system, keys are for it alone.
+        // While a dialog is open, or is being opened by the system, only the dialog gets keys.
         if !self.modal_is_open() && !self.desk.is_asking() {
             actions::take_shortcuts(&ctx, &self.model, &mut queue);
             if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
@@ -187,7 +187,7 @@ impl BurstscopeApp {
         self.keep_session(&ctx);
     }
 
-    /// Adds what a person has changed in this pass to what can be undone.
+    /// Records the user's changes of this pass in the history, for undo.
     fn keep_history(&mut self, ctx: &egui::Context, before: history::Settings) {
         if std::mem::take(&mut self.history_set) {
             return;
@@ -197,8 +197,8 @@ impl BurstscopeApp {
         self.model.history.take(before, &after, goes_on);
     }
 
-    /// Puts a burst at the top of the recent ones. One of the dataset is remembered with it, and has the name that it
-    /// has there.
+    /// Puts a burst at the top of the recent list. A burst of the open dataset is not listed, and gets its name in the
+    /// dataset.
     pub(super) fn remember(&mut self, burst: &mut OpenBurst) {
         match &self.model.datasets.open {
             Some(dataset) if dataset.place_of(Some(burst)).is_some() => dataset.name_as_here(burst),
@@ -222,22 +222,22 @@ impl BurstscopeApp {
 
 impl eframe::App for BurstscopeApp {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        // What a lost device shall draw fails; so nothing is.
+        // Drawing on a lost device fails, so nothing is drawn.
         if !self.leaves_lost_device(ui.ctx()) && !self.leaves_when_asked(ui.ctx()) {
             self.show(ui);
         }
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        // What a lesson shows is nobody's setting.
+        // Settings made by a lesson are not stored.
         self.settings.take_from(self.lessons.open.as_ref().map_or(&self.model, |open| open.before()));
         (self.settings.theme, self.settings.lessons) = (self.model.theme, self.lessons.progress.clone());
         self.settings.store(storage);
     }
 
     fn on_exit(&mut self) {
-        // With a lost device only the drawing ends; the window goes on, or its session is offered at the next start. So it
-        // is where nobody closed the window.
+        // With a lost device only the drawing ends: the window is opened again, or its session is offered at the next
+        // start. After a request from outside the session is offered too.
         if let (Some(recovery), None, false) = (&self.recovery, &self.lost_device, self.end.is_made()) {
             recovery.end();
         }

@@ -1,11 +1,11 @@
-//! Links from tooltips to the glossary: a tooltip says in a line what a thing is, its link says what the word means.
+//! Links from tooltips to the glossary: the tooltip describes an item in a line, its link explains the term.
 
 use crate::app::pane::{Content, KindOfPicture};
 use crate::app::project::cursor::ViewKind;
 use crate::teach::glossary::{Word, glossary};
 use egui::{Context, Id, Label, Response, Ui, WidgetText};
 
-/// Gives a widget a tooltip of a text and, where the glossary has a word for it, a link to that.
+/// Adds a tooltip with `text` to a widget and, if `word` is given, a link to that glossary entry.
 pub fn explained(response: Response, text: impl Into<WidgetText>, word: Option<&'static Word>) -> Response {
     response.on_hover_ui(|ui| {
         ui.add(Label::new(text).wrap());
@@ -15,24 +15,24 @@ pub fn explained(response: Response, text: impl Into<WidgetText>, word: Option<&
     })
 }
 
-/// A link to a word, for the tooltip of what it names.
+/// Draws a link to a glossary entry, for a tooltip.
 pub fn word_link_ui(ui: &mut Ui, word: &Word) {
     if ui.link(format!("Glossary: {}", word.word)).clicked() {
         ui.ctx().data_mut(|data| data.insert_temp(asked_id(), word.name.clone()));
     }
 }
 
-/// The word that a tooltip's link asked for, once.
+/// Name of the entry whose link was clicked; returned once.
 pub fn asked_for(ctx: &Context) -> Option<String> {
     ctx.data_mut(|data| data.remove_temp(asked_id()))
 }
 
-/// The word of this name.
+/// The glossary entry of this name.
 pub fn word(name: &str) -> Option<&'static Word> {
     glossary().find(name)
 }
 
-/// The word for a kind of picture.
+/// The glossary entry for a kind of picture.
 pub fn picture_word(content: Content, kind: ViewKind) -> Option<&'static Word> {
     glossary().of_picture(KindOfPicture::of_content(content, kind).word)
 }

@@ -70,7 +70,7 @@ impl Offscreen {
             return Err(OffscreenError::Size { width: size.x, height: size.y, limit, max_megapixels });
         }
         let context = egui::Context::default();
-        // Nobody watches: animations are skipped.
+        // No one sees the drawing: animations are skipped.
         context.all_styles_mut(|style| style.animation_time = 0.0);
         gpu::install(&context, &render_state);
         Ok(Self {

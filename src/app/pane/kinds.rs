@@ -10,7 +10,7 @@ use crate::teach::Shown;
 pub struct KindOfPicture {
     /// Name of its glossary entry.
     pub word: &'static str,
-    /// What exported files are called after.
+    /// Stem of the names of exported files.
     pub file_name: &'static str,
 }
 
@@ -28,7 +28,7 @@ fn content_of(shown: Shown) -> (Content, Option<ViewKind>) {
 }
 
 impl ViewKind {
-    /// Likewise among all kinds of picture.
+    /// The corresponding kind among all kinds of picture.
     pub fn shown(self) -> Shown {
         match self {
             Self::Frame => Shown::Frame,

@@ -1,24 +1,24 @@
-//! What the project wants of the engine: in each pass it takes the answers that came, and requests what is missing.
+//! Requests of the project to the engine: in each pass it takes the answers that came, and requests what is missing.
 //!
-//! Each part of the project holds a [`Wanted`](crate::engine::Wanted) for what it asks, takes its answers and asks for
-//! what is missing. [`Model::wants`] is the one list of them all.
+//! Each part of the project holds a [`Wanted`](crate::engine::Wanted) for each of its requests, takes the answers and
+//! requests what is missing. [`Model::wants`] lists them all.
 
 use super::Model;
 use super::side::Side;
 use crate::engine::{Ended, Engine, Want};
 use crate::requests::{DatasetRequest, OpenRequest, Urgency};
 
-/// A change beyond the project that an answer brings; the window makes it.
+/// A change outside the project that follows from an answer; the window makes it.
 #[derive(Debug)]
 pub enum Effect {
-    /// A burst was opened for a side, or could not be.
+    /// Opening a burst for a side ended, with or without success.
     Opened(Side, Ended<OpenRequest>),
     /// Work on a dataset ended.
     Dataset(Ended<DatasetRequest>),
 }
 
 impl Model {
-    /// All that want something of the engine, but for the pictures of panes and small pictures of datasets.
+    /// Requests of all parts to the engine, except those for panes' pictures and datasets' thumbnails.
     pub fn wants(&self) -> Vec<&dyn Want> {
         let Self { slots, pair, compare, against, explained, coherence, probe, datasets, trajectories, lab, .. } = self;
         let opening: [&dyn Want; 2] = slots.both().map(|slot| &slot.opening as _);
@@ -51,13 +51,13 @@ impl Model {
         self.wants().iter().any(|want| want.urgency() == Some(Urgency::Search))
     }
 
-    /// Cancels what is opened, detected, matched or compared. Work on datasets, the Lab's studies and the figures of the
-    /// paper each have their own way to be cancelled.
+    /// Cancels opening, detecting, matching and comparing. Work on datasets, the Lab's studies and the figures of the
+    /// paper are cancelled separately.
     pub fn cancel_searches(&self) {
         self.wants().into_iter().filter(|want| want.urgency() == Some(Urgency::Search)).for_each(Want::cancel);
     }
 
-    /// Whether everything that is shown is there, or is known to be impossible.
+    /// Whether everything to be shown is there, or is known to have failed.
     pub fn is_settled(&self) -> bool {
         self.wants().into_iter().all(Want::is_settled)
             && self.pictures_are_current()
@@ -73,7 +73,7 @@ impl Model {
             && self.missing_candidates().is_none_or(|missing| self.explained.asked_candidates.has_failed(&missing))
     }
 
-    /// Takes the answers that came since the last pass.
+    /// Takes the answers since the last pass, and returns the changes that the window has to make.
     #[must_use]
     pub(in crate::app) fn take_answers(&mut self, engine: &Engine) -> Vec<Effect> {
         engine.enforce_grace();
@@ -100,7 +100,7 @@ impl Model {
         effects
     }
 
-    /// Requests what is missing. While the pointer still drags a value, long work waits for the last one.
+    /// Requests what is missing. While the pointer drags a value, long work waits for the final value.
     pub(in crate::app) fn ask(&mut self, engine: &Engine, dragging: bool) {
         self.ask_for_pictures(engine, dragging);
         if self.auto_detect && !dragging {
@@ -196,7 +196,7 @@ mod tests {
         bench.model.open_workspace(Workspace::Pair);
         bench.settle();
         assert!(bench.model.features_are_current(Side::B) && bench.model.pair.matches.is_some());
-        // The other way round they are matched anew, and nothing is searched again.
+        // With exchanged sides they are matched again, and no features are searched.
         let found = bench.model.slots.a.found.as_ref().expect("features").detection.clone();
         bench.model.swap_sides();
         assert!(bench.model.pair.matches.is_none());

@@ -1,4 +1,4 @@
-//! Taking a newly opened burst, and keeping parameters and cursors within what the bursts have.
+//! Takes newly opened bursts, and keeps parameters and cursors valid for the bursts.
 
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
@@ -9,7 +9,7 @@ use crate::detector::{DetectorParams, Method, ParamError, Slope, SlopeGrid};
 use crate::requests::OpenBurst;
 
 impl Model {
-    /// Takes a newly opened burst in place of the one that was open.
+    /// Replaces the first burst by a newly opened one.
     pub fn take_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
         let slot = &mut self.slots.a;
@@ -25,8 +25,8 @@ impl Model {
         self.check_params();
     }
 
-    /// Puts the panes on the burst of `side` back to where a newly opened burst begins: the one that the sliders move
-    /// where `begin` says, the others as far from it as they were.
+    /// Resets the panes on the burst of `side` for a newly opened burst: the leading pane (that in focus, if it is on
+    /// `side`) gets the cursor from `begin`, the others keep their distance to it.
     pub(crate) fn start_panes(&mut self, side: Side, begin: impl Fn(&Cursor) -> Cursor) {
         let focus = self.panes.focus();
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
@@ -59,8 +59,8 @@ impl Model {
         }
     }
 
-    /// Brings cursors into range. Panes that follow the one in focus may go beyond, so that they come back to where
-    /// they were beside it.
+    /// Clamps cursors to their ranges. Those of panes that follow the one in focus may lie outside, so that they keep
+    /// their distance to it.
     fn check_cursors(&mut self) {
         let follows = self.panes.followers();
         let bursts = [
@@ -77,7 +77,7 @@ impl Model {
     }
 }
 
-/// Checks `params` against `burst`: answers why they make no sense, and keeps in `usable` the last ones that did.
+/// Checks `params` against `burst`. Returns why they are invalid, and keeps the last valid ones in `usable`.
 fn checked(
     burst: Option<&OpenBurst>,
     mut params: DetectorParams,
@@ -89,7 +89,7 @@ fn checked(
         None => params.validate(),
     };
     if slopes_are_found && check(&params).is_err() {
-        // Slopes that are still to be found cannot be wrong.
+        // Slopes that are still to be found cannot be invalid.
         params.slopes = SlopeGrid::single(Slope::default());
     }
     let error = check(&params).err();
@@ -103,7 +103,7 @@ fn checked(
     error
 }
 
-/// Parameters that make sense for any burst of `frame_count` frames whose frames are not tiny.
+/// Parameters that are valid for any burst of `frame_count` frames whose frames are not tiny.
 fn usable_for(frame_count: usize) -> DetectorParams {
     let mut params = DetectorParams::default();
     if frame_count <= 1 {

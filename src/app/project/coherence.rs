@@ -1,4 +1,4 @@
-//! How evenly the frames answer for the features of the open bursts, as far as that is known.
+//! Coherences of the features of the open bursts: how evenly the frames contribute to each feature.
 
 use crate::app::project::Model;
 use crate::app::project::side::{Side, Sides};
@@ -9,10 +9,10 @@ use crate::engine::{Engine, Wanted};
 use crate::requests::{CoherenceRequest, Coherences, JobError, Running};
 use std::sync::Arc;
 
-/// What is known.
+/// Known coherences, and the requests for missing ones.
 #[derive(Debug, Default)]
 pub struct CoherenceState {
-    /// Those of the detections of the open bursts.
+    /// Coherences of the detections of the open bursts.
     known: Vec<Coherences>,
     /// Requests for the features of each burst.
     pub wanted: Sides<Wanted<CoherenceRequest>>,
@@ -35,18 +35,18 @@ impl CoherenceState {
         self.wanted.both().into_iter().find_map(Wanted::running)
     }
 
-    /// Those of the features of `detection`, if they are known.
+    /// Coherences of the features of `detection`, if they are known.
     pub fn of(&self, detection: &Arc<Detection>) -> Option<&Arc<Vec<Option<f32>>>> {
         self.known.iter().find(|known| Arc::ptr_eq(&known.detection, detection)).map(|known| &known.values)
     }
 
-    /// Why those of `detection` are not known.
+    /// Reason why the coherences of `detection` could not be computed, if they could not.
     pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&JobError> {
         let mut failures = self.wanted.both().into_iter().filter_map(Wanted::failure);
         failures.find(|(request, _)| Arc::ptr_eq(&request.detection, detection)).map(|(_, why)| why)
     }
 
-    /// Keeps what is known of these detections alone.
+    /// Forgets the coherences of all other detections.
     fn keep_only(&mut self, detections: &[Arc<Detection>]) {
         let is_open = |detection: &Arc<Detection>| detections.iter().any(|open| Arc::ptr_eq(open, detection));
         self.known.retain(|known| is_open(&known.detection));
@@ -69,7 +69,7 @@ impl Model {
         self.coherence.of(&detection).is_none().then_some(CoherenceRequest { of, detection })
     }
 
-    /// Takes the coherences that were found, and forgets those of features that are not there any more.
+    /// Takes the coherences that were computed, and forgets those of detections that are no longer open.
     pub(in crate::app) fn take_coherences(&mut self) {
         for side in Side::BOTH {
             for ended in self.coherence.wanted[side].take() {
@@ -101,7 +101,7 @@ impl Model {
     }
 }
 
-/// A coherence in words.
+/// A coherence in words; `None` is too noisy to tell.
 pub fn coherence_words(coherence: Option<f32>) -> String {
     coherence.map_or_else(|| "too noisy to tell".to_owned(), |coherence| format!("{coherence:.2}"))
 }

@@ -1,4 +1,4 @@
-//! Where the cursor is: which picture, at which frame, slope, octave and level.
+//! The cursor of a pane: kind of picture, frame, slope, octave and level.
 
 use crate::detector::scale_space::levels::searched_octaves;
 use crate::detector::{DetectorParams, Slope, SlopeGrid};
@@ -23,7 +23,7 @@ impl ViewKind {
     /// All kinds, in the order of the switch.
     pub const ALL: [Self; 3] = [Self::Frame, Self::Stack, Self::Dog];
 
-    /// Its name in the window.
+    /// Name in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Frame => "Frame",
@@ -33,11 +33,11 @@ impl ViewKind {
     }
 }
 
-/// Where the cursor is. The slope may lie between the grid's slopes.
+/// Position of a pane's cursor. The slope may lie between the grid's slopes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Cursor {
-    /// Which kind of picture.
+    /// Kind of picture.
     pub kind: ViewKind,
     /// Frame, counted from 0.
     pub frame: usize,
@@ -50,7 +50,7 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    /// The picture to ask for.
+    /// Kind of picture at the cursor, for a request.
     pub fn picture_kind(&self) -> PictureKind {
         let slope = self.slope;
         match self.kind {
@@ -60,7 +60,7 @@ impl Cursor {
         }
     }
 
-    /// Moved by as much as another position was moved from `before` to `after`. The kind of picture stays.
+    /// The cursor moved by as much as another one moved from `before` to `after`. The kind of picture stays.
     #[must_use]
     pub fn moved_as(self, before: &Self, after: &Self) -> Self {
         let moved = |mine: f32, before: f32, after: f32| if before == after { mine } else { mine + (after - before) };
@@ -76,7 +76,8 @@ impl Cursor {
         }
     }
 
-    /// The same position with everything brought into the range that the burst and the parameters have.
+    /// The cursor with all values clamped to the range of the burst and the parameters; slopes that are not finite
+    /// become 0.
     #[must_use]
     pub fn within(self, params: &DetectorParams, frame_count: usize, size: (usize, usize)) -> Self {
         let (octaves, levels) = (octave_range(params, size), level_range(params));
@@ -104,8 +105,8 @@ pub fn level_range(params: &DetectorParams) -> RangeInclusive<i32> {
     -1..=params.levels as i32
 }
 
-/// The slope sliders reach from minus to plus this, in pixels per frame: a little beyond the grid, so that one can look
-/// past its rim.
+/// Largest magnitude on the slope sliders, pixels per frame: a little beyond the grid, so that slopes past its edge can
+/// be seen.
 pub fn slope_limit(grid: &SlopeGrid) -> f32 {
     (grid.max_magnitude() * 1.25).clamp(1.0, 1e4).ceil()
 }
@@ -123,8 +124,8 @@ pub fn snapped(grid: &SlopeGrid, slope: Slope) -> Slope {
     grid.at(i as f32, j as f32)
 }
 
-/// One step along the grid's first (`along_second` false) or second axis from `slope`: to the next slope of the grid in
-/// that direction, or by a quarter of a pixel per frame where that axis has a single slope.
+/// The slope one step from `slope` along the grid's first (`along_second` false) or second axis: the next slope of the
+/// grid in that direction, or a quarter of a pixel per frame further where that axis has a single slope.
 pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool) -> Slope {
     let sign = if forward { 1.0 } else { -1.0 };
     let axis = if along_second { &grid.v } else { &grid.u };
@@ -141,8 +142,8 @@ pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool
     }
 }
 
-/// The slope after `slope` when playing through the grid: row by row, every other row backwards, so that the picture
-/// never jumps. `step` counts from 0 and may run on for ever; the grid is played there and back.
+/// The slope at `step` when playing through the grid: row by row, every other row backwards, so that the picture never
+/// jumps. `step` counts from 0 without limit; the grid is played forwards and backwards in turn.
 pub fn played(grid: &SlopeGrid, step: usize) -> Slope {
     let count = grid.len().max(1);
     let period = (2 * count).saturating_sub(2).max(1);
@@ -153,7 +154,7 @@ pub fn played(grid: &SlopeGrid, step: usize) -> Slope {
     grid.at(i as f32, j as f32)
 }
 
-/// The step of [`played`] at which the grid's slope nearest to `slope` comes up first.
+/// First step of [`played`] that gives the grid's slope nearest to `slope`.
 pub fn play_step_of(grid: &SlopeGrid, slope: Slope) -> usize {
     let (i, j) = nearest_on_grid(grid, slope);
     let i = if j % 2 == 1 { grid.u.count.saturating_sub(1) - i } else { i };

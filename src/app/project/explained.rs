@@ -1,4 +1,4 @@
-//! What is known of the detection on show as a whole: its slopes and its candidates.
+//! Explanations of the detection on show: its slopes and its candidates.
 
 use crate::app::project::Model;
 use crate::app::project::side::Side;
@@ -11,16 +11,16 @@ use crate::inspect::spectrum::Spectrum;
 use crate::requests::{ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Request};
 use std::sync::Arc;
 
-/// The slopes of a detection that took longer than this are looked at only when a person asks: that takes nearly as
-/// long again.
+/// Detection time, seconds, above which the slopes are examined only on the user's request: that takes nearly as long
+/// again.
 const SHORT_SECS: f32 = 5.0;
 
-/// What is known, and what a person wants to know.
+/// Explanations that are known, the requests for them, and the user's choices.
 #[derive(Debug, Default)]
 pub struct ExplainedState {
-    /// The slopes, and the detection that they are of.
+    /// The slopes, with the request that they answer.
     slopes: Option<(ExplainRequest, Arc<Spectrum>)>,
-    /// The candidates, and the detection that they are of.
+    /// The candidates, with the request that they answer.
     candidates: Option<(ExplainRequest, Arc<Survey>)>,
     /// The test whose candidates are drawn over the picture.
     pub shown_test: Option<Test>,
@@ -49,7 +49,7 @@ impl ExplainedState {
         }
     }
 
-    /// Forgets everything but what a person wants: another burst is open.
+    /// Forgets everything but the chosen test: another burst is open.
     pub fn forget(&mut self) {
         *self = Self { shown_test: self.shown_test, ..Self::default() };
     }
@@ -62,13 +62,13 @@ impl Model {
         self.wanted_slopes().filter(|_| is_time && self.spectrum().is_none())
     }
 
-    /// Likewise the candidates that are to be drawn over the picture.
+    /// The candidates to be drawn over the picture, if they are not known. A running detection comes first.
     pub fn missing_candidates(&self) -> Option<ExplainRequest> {
         let is_time = self.workspace == Workspace::Inspect && !self.slots.a.detecting.is_pending();
         self.wanted_candidates().filter(|_| is_time && self.survey().is_none())
     }
 
-    /// Takes the answers.
+    /// Takes the answers about slopes and candidates; errors become messages.
     pub(in crate::app) fn take_explanations(&mut self) {
         let ended = self.explained.asked_slopes.take().into_iter().chain(self.explained.asked_candidates.take());
         for ended in ended.collect::<Vec<_>>() {
@@ -87,10 +87,10 @@ impl Model {
         self.explained.asked_candidates.want(engine, candidates);
     }
 
-    /// Sets what a piece of advice says. A range of slopes that is set so is a range that is given.
+    /// Applies the changes that a piece of advice proposes. If they concern the slopes, these count as given.
     ///
     /// # Errors
-    /// Parameters that make no sense with it; nothing is changed then.
+    /// When the changed parameters are invalid; nothing is changed then.
     pub fn apply_changes(&mut self, changes: &[ParamChange]) -> Result<(), ParamError> {
         self.params = ParamChange::all_applied(changes, &self.params)?;
         let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
@@ -100,12 +100,12 @@ impl Model {
         Ok(())
     }
 
-    /// What is asked of the detection on show.
+    /// The request that asks `question` about the detection on show; `None` without one.
     fn explain_request(&self, question: ExplainQuestion) -> Option<ExplainRequest> {
         Some(ExplainRequest { of: self.found_source(Side::A)?, question })
     }
 
-    /// The slopes of the detection on show, as far as they are known.
+    /// The slopes of the detection on show; `None` while they are not known.
     pub fn spectrum(&self) -> Option<&Arc<Spectrum>> {
         let (request, spectrum) = self.explained.slopes.as_ref()?;
         let wanted = self.explain_request(ExplainQuestion::Slopes)?;
@@ -118,7 +118,7 @@ impl Model {
         request.is_same(&self.wanted_candidates()?).then_some(survey)
     }
 
-    /// The counts of candidates of the detection on show, whichever of them are listed.
+    /// The survey of the detection on show, for its counts: of whichever test its candidates are listed.
     pub fn survey_counts(&self) -> Option<&Arc<Survey>> {
         let (request, survey) = self.explained.candidates.as_ref()?;
         let wanted = self.explain_request(request.question)?;
@@ -130,12 +130,13 @@ impl Model {
         self.survey()?.marks.get(self.explained.selected?)
     }
 
-    /// Whether the detection on show is so long that its slopes are looked at only when a person asks.
+    /// Whether the detection on show took so long that its slopes are examined only on the user's request.
     pub fn slopes_take_long(&self) -> bool {
         self.slots.a.found.as_ref().is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
     }
 
-    /// The slopes of the detection on show, if they are wanted: unless it took long, always. One frame has none.
+    /// Request for the slopes of the detection on show, if they are wanted: always, unless the detection took long. A
+    /// single frame has none.
     pub fn wanted_slopes(&self) -> Option<ExplainRequest> {
         let found = self.slots.a.found.as_ref()?;
         let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
@@ -143,7 +144,7 @@ impl Model {
         self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted && self.stale().is_none())
     }
 
-    /// The candidates that are to be drawn over the picture.
+    /// Request for the candidates that are to be drawn over the picture.
     pub fn wanted_candidates(&self) -> Option<ExplainRequest> {
         let test = self.explained.shown_test?;
         let options = SurveyOptions { test: Some(test), ..SurveyOptions::default() };

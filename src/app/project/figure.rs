@@ -1,15 +1,15 @@
-//! What figures show, and how.
+//! Contents and style of figures.
 
 use crate::export::FigureOptions;
 use serde::{Deserialize, Serialize};
 
-/// What a figure shows, and how.
+/// Contents and style of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FigureChoice {
-    /// All panes of the inspector, or the one in focus alone.
+    /// Whether all panes of the inspector are drawn, or the one in focus alone.
     pub all_panes: bool,
-    /// The whole picture, or the part of it that can be seen.
+    /// Whether the whole picture is drawn, or its visible part.
     pub whole_picture: bool,
     /// Figure pixels for each image pixel.
     pub scale: f32,
@@ -17,15 +17,15 @@ pub struct FigureChoice {
     pub stroke_width_px: f32,
     /// Height of letters, figure pixels.
     pub font_size_px: f32,
-    /// A line above each picture.
+    /// Whether a title stands above each picture.
     pub titles: bool,
-    /// (a), (b), … where there are several.
+    /// Whether several pictures are marked (a), (b), …
     pub letters: bool,
-    /// What the features' colours mean.
+    /// Whether a legend explains the features' colours.
     pub legend: bool,
-    /// What the pictures' colours mean.
+    /// Whether a colour bar explains the pictures' colours.
     pub colour_bar: bool,
-    /// A bar of known length.
+    /// Whether a bar of known length is drawn.
     pub scale_bar: bool,
 }
 
@@ -47,7 +47,7 @@ impl Default for FigureChoice {
 }
 
 impl FigureChoice {
-    /// How the figure is drawn.
+    /// Style of the figure, as its writer takes it.
     pub fn options(&self) -> FigureOptions {
         FigureOptions {
             scale: self.scale,

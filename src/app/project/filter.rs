@@ -1,16 +1,16 @@
-//! Which features are shown, and in which order the table lists them.
+//! Filter of the features, and the table's columns and order.
 
 use crate::app::project::order::Order;
 use crate::app::view::signed_number;
 use crate::detector::Feature;
 use serde::{Deserialize, Serialize};
 
-/// A closed interval; both ends included.
+/// A closed interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
-    /// Least value that passes.
+    /// Smallest value in the interval.
     pub min: f32,
-    /// Greatest value that passes.
+    /// Largest value in the interval.
     pub max: f32,
 }
 
@@ -20,7 +20,7 @@ impl Interval {
     }
 }
 
-/// What a feature must satisfy to be shown; `None` lets all pass.
+/// Conditions that a feature must satisfy to be shown; `None` lets all features pass.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Filter {
@@ -32,14 +32,14 @@ pub struct Filter {
     pub sigma: Option<Interval>,
     /// |response|, fraction of full scale.
     pub response: Option<Interval>,
-    /// Hide features whose slope is on the rim of the grid.
+    /// Whether features whose slope is on the rim of the grid are hidden.
     pub hide_slope_limit: bool,
-    /// Show only features whose slope is within this of the slope on show, pixels per frame.
+    /// Largest distance of a feature's slope from the slope on show, pixels per frame.
     pub near_slope: Option<f32>,
 }
 
 impl Filter {
-    /// Whether every feature passes.
+    /// Whether the filter has no condition.
     pub fn is_open(&self) -> bool {
         *self == Self::default()
     }
@@ -56,7 +56,7 @@ impl Filter {
     }
 }
 
-/// The columns of the table, which are those of the csv; what is looked at most comes first.
+/// Columns of the table, which are those of the CSV; the most important come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Column {
@@ -104,7 +104,7 @@ impl Column {
         Self::AtSlopeLimit,
     ];
 
-    /// Its heading.
+    /// Heading in the table.
     pub fn heading(self) -> &'static str {
         match self {
             Self::Rank => "#",
@@ -122,7 +122,7 @@ impl Column {
         }
     }
 
-    /// What the column holds, with its unit.
+    /// Description of the column's values, with their unit.
     pub fn help(self) -> &'static str {
         match self {
             Self::Rank => "Rank by strength of the response, from 1",
@@ -177,7 +177,7 @@ impl Column {
     }
 }
 
-/// Indices of the features that pass, in the table's order.
+/// Indices of the features that pass the filter at `slope`, sorted by `order`.
 pub fn listed(
     features: &[Feature],
     filter: &Filter,

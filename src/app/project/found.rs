@@ -1,4 +1,4 @@
-//! Features of a burst with what they were made from, and what stays selected when they are found again.
+//! Features of a burst with the parameters that they were found with, and the selection across detections.
 
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
@@ -10,25 +10,25 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Features of the open burst, with what they were made from.
+/// Features of a burst, with the parameters that they were found with.
 #[derive(Debug, Clone)]
 pub struct FoundFeatures {
-    /// What was asked for.
+    /// The parameters that were requested.
     pub asked: SearchParams,
-    /// The parameters they were made with: where slopes were to be found, with those that were.
+    /// The parameters that were used: with the slopes found, if slopes were to be found.
     pub params: DetectorParams,
-    /// What was found of the slopes, if they were to be found.
+    /// The search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
     /// The features, descriptors and the tally.
     pub detection: Arc<Detection>,
-    /// How long it took, by the wall clock.
+    /// Wall-clock time that the detection took.
     pub elapsed: Duration,
-    /// Why there is nothing or little, or most of it at the slope limit, and what to change.
+    /// Advice where there are few or no features, or most of them at the slope limit: the reason, and what to change.
     pub advice: Option<Advice>,
 }
 
 impl FoundFeatures {
-    /// What the engine answered after `elapsed` for `burst`.
+    /// Combines the engine's answer for `burst`, after `elapsed`, with advice.
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
         let Detected { asked, params, finding, detection, .. } = detected;
         let advice = explain(&detection, &params, burst.burst.size());
@@ -36,10 +36,10 @@ impl FoundFeatures {
     }
 }
 
-/// A feature to be selected again once it has been found again.
+/// A selected feature, to be selected again after the next detection.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SavedSelection {
-    /// Its rank when it was saved.
+    /// Index of the feature when it was saved.
     pub index: usize,
     /// Column, input pixels.
     pub u: f32,
@@ -51,18 +51,17 @@ pub struct SavedSelection {
     pub slope: Slope,
 }
 
-/// Why the features on show are not those of what is set now.
+/// Reason why the features on show are not those of the present parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stale {
-    /// The parameters changed since.
+    /// The parameters changed since the detection.
     Parameters,
-    /// The parameters make no sense now.
+    /// The present parameters are invalid.
     InvalidParameters,
 }
 
 impl Model {
-    /// Takes the features, unless they are of another burst. The selection is kept where the same feature was found
-    /// again.
+    /// Takes the features, unless they are of another burst. The selection stays if the same feature was found again.
     pub fn take_detection(&mut self, side: Side, detected: Detected, elapsed: Duration) {
         let Some(burst) = self.burst_of(side).filter(|burst| burst.id == detected.burst) else { return };
         let found = FoundFeatures::new(detected, burst, elapsed);
@@ -102,7 +101,7 @@ impl Model {
         self.features().get(self.selected?)
     }
 
-    /// Why the features on show are not those of what is set now; `None` when they are.
+    /// Reason why the features on show are not those of the present parameters; `None` when they are.
     pub fn stale(&self) -> Option<Stale> {
         let found = self.slots.a.found.as_ref()?;
         if found.asked == self.asked() {
@@ -114,14 +113,14 @@ impl Model {
         }
     }
 
-    /// The selection as it is kept in a session.
+    /// The selection as a session stores it.
     pub fn saved_selection(&self) -> Option<SavedSelection> {
         let feature = self.selected_feature()?;
         let index = self.selected?;
         Some(SavedSelection { index, u: feature.u, v: feature.v, sigma: feature.sigma, slope: feature.slope })
     }
 
-    /// The feature that `saved` was: the one nearest in place, scale and slope, if it is near enough to be the same.
+    /// Index of the feature nearest to `saved` in place, scale and slope, if it is near enough to be the same feature.
     fn find_again(&self, saved: &SavedSelection) -> Option<usize> {
         let distance = |f: &Feature| {
             let place = (f.u - saved.u).hypot(f.v - saved.v) / saved.sigma.max(0.5);
@@ -138,12 +137,12 @@ impl Model {
         (distance(&features[nearest]) < 1.0).then_some(nearest)
     }
 
-    /// Goes to the slope with most features in the burst of `side`, unless a slope was chosen since that burst was
-    /// opened.
+    /// Moves the cursor to the slope with most features in the burst of `side`, unless a slope was chosen since that
+    /// burst was opened.
     pub(crate) fn go_to_first_slope(&mut self, side: Side) {
         let (focus, own) = (self.panes.focus(), PaneId::of(side));
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { own };
-        // The pane that other workspaces show goes there too, unless it is one that follows the first on the screen.
+        // The burst's own pane, which other workspaces show, moves too if it is not on the screen.
         let alone = own != leader && !self.panes.shown().contains(&own);
         for id in [Some(leader), alone.then_some(own)].into_iter().flatten() {
             if self.panes.get(id).is_some_and(|pane| !pane.slope_chosen) {
@@ -152,8 +151,8 @@ impl Model {
         }
     }
 
-    /// Goes in pane `id` to the slope of the grid at which most features were found, not counting its rim unless there
-    /// are features nowhere else, and says so. Does nothing without features.
+    /// Moves the cursor of pane `id` to the slope of the grid with most features, and shows a note. Slopes on the
+    /// grid's rim count only if there are features nowhere else. Does nothing without features.
     pub fn go_to_busiest_slope(&mut self, id: PaneId) {
         let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
         let Some(found) = self.found_of(side) else { return };

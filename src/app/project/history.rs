@@ -1,18 +1,19 @@
-//! Undo and redo of what a person sets: the parameters of the detector and of matching, and the slopes that panes show.
+//! Undo and redo of the user's settings: the parameters of the detector and of matching, and the slopes of panes'
+//! cursors.
 //!
-//! The window tells the history what is set before and after each pass in which a person could change it. What changes
-//! by itself (slopes that were found, the slope with most features) is no step. While something goes on (a drag,
-//! typing, playing through the slopes) all of it is one step.
+//! The window gives the history the settings before and after each pass in which the user could change them. Automatic
+//! changes (slopes that were found, the slope with most features) are no steps. A continued change (a drag, typing,
+//! playing through the slopes) is one step.
 
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use crate::detector::{DetectorParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
 
-/// More steps than this are not kept.
+/// Largest number of steps that are kept.
 const MAX_STEPS: usize = 200;
 
-/// What can be undone.
+/// Settings whose changes can be undone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     params: DetectorParams,
@@ -22,11 +23,11 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// What is set now.
+    /// The present settings of `model`.
     pub fn of(model: &Model) -> Self {
         let mut params = model.params.clone();
         if model.slopes.is_auto() {
-            // Those that were found are nobody's setting.
+            // Slopes that were found are not set by the user.
             params.slopes = SlopeGrid::default();
         }
         let cursors = model.panes.iter().map(|(id, pane)| (id, pane.cursor.slope)).collect();
@@ -49,7 +50,7 @@ impl Settings {
         model.check_pair();
     }
 
-    /// Whether a person would call the change from `before` a step: panes that were opened or closed are none.
+    /// Whether the change from `before` is a step to undo. Opening or closing panes is none.
     fn is_step_from(&self, before: &Self) -> bool {
         let moved = before
             .cursors
@@ -59,17 +60,18 @@ impl Settings {
     }
 }
 
-/// The steps that were made, and those that were undone.
+/// Settings before each step that can be undone, and after each that can be redone.
 #[derive(Debug, Default)]
 pub struct History {
     past: Vec<Settings>,
     future: Vec<Settings>,
-    /// What was set before the step that goes on.
+    /// The settings before the step that is in progress.
     begun: Option<Settings>,
 }
 
 impl History {
-    /// Takes over what was set `before` and `after` a pass. `goes_on` says whether the step may go on in the next pass.
+    /// Records a change from the settings `before` a pass to those `after` it. With `goes_on` the step may continue in
+    /// the next pass, and is recorded when it ends.
     pub fn take(&mut self, before: Settings, after: &Settings, goes_on: bool) {
         if after.is_step_from(&before) {
             self.begun.get_or_insert(before);
@@ -83,17 +85,17 @@ impl History {
         }
     }
 
-    /// Whether there is something to undo.
+    /// Whether there is a step to undo.
     pub fn can_undo(&self) -> bool {
         !self.past.is_empty()
     }
 
-    /// Whether there is something to redo.
+    /// Whether there is a step to redo.
     pub fn can_redo(&self) -> bool {
         !self.future.is_empty()
     }
 
-    /// Takes the last step back.
+    /// Undoes the last step.
     pub fn undo(&mut self, model: &mut Model) {
         if let Some(before) = self.past.pop() {
             self.future.push(Settings::of(model));
@@ -101,7 +103,7 @@ impl History {
         }
     }
 
-    /// Makes the step again that was undone last.
+    /// Redoes the step that was undone last.
     pub fn redo(&mut self, model: &mut Model) {
         if let Some(after) = self.future.pop() {
             self.past.push(Settings::of(model));
@@ -139,7 +141,7 @@ mod tests {
         assert_eq!(model.pair.params, MatchParams::default());
         history.redo(&mut model);
         assert_eq!(model.cursor().slope, Slope::new(1.0, 0.0));
-        // A new step forgets what was undone.
+        // A new step removes the steps that were undone.
         pass(&mut history, &mut model, false, |m| m.params.octaves = 2);
         assert!(!history.can_redo());
         for _ in 0..5 {

@@ -1,4 +1,4 @@
-//! Which features the table lists, and walking through them.
+//! Features that the table lists, and steps through them.
 
 use crate::app::project::Model;
 use crate::app::project::filter::{self, Column, Filter};
@@ -6,7 +6,7 @@ use crate::app::project::order::Order;
 use crate::detector::Slope;
 use std::sync::Arc;
 
-/// What the list was made for.
+/// Inputs from which the list was made.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ListedFor {
     detection: usize,
@@ -16,14 +16,14 @@ pub(crate) struct ListedFor {
 }
 
 impl Model {
-    /// Brings [`Model::listed`] up to date. Cheap when nothing changed.
+    /// Updates [`Model::listed`]. Cheap when nothing changed.
     pub fn refresh_listed(&mut self) {
         let Some(found) = &self.slots.a.found else {
             self.listed.clear();
             self.listed_for = None;
             return;
         };
-        // The slope on show matters only to the filter that looks at it.
+        // The slope on show matters only to the filter by slope.
         let slope = if self.filter.near_slope.is_some() { self.cursor().slope } else { Slope::default() };
         let now = ListedFor {
             detection: Arc::as_ptr(&found.detection) as usize,
@@ -55,8 +55,8 @@ impl Model {
     }
 }
 
-/// Of the items of a list the one after (or before) the selected one: the first (or last) where none is, and the last
-/// where there is no further one.
+/// The item of a list after (or before) the selected one: the first (or last) if none is selected; the selected one at
+/// the end of the list.
 pub(crate) fn neighbour(listed: &[usize], selected: Option<usize>, forward: bool) -> Option<usize> {
     let place = selected.and_then(|s| listed.iter().position(|&i| i == s));
     let last = listed.len().saturating_sub(1);

@@ -1,8 +1,8 @@
-//! How pictures and features look: value ranges, colour maps, and what is drawn over the picture.
+//! Look of pictures and features: value ranges, colour maps, and drawings over the picture.
 //!
-//! Ranges are fixed for each class of picture, so that two slopes or two frames can be compared: frames and
-//! motion-stack images share one, DoG responses have another, symmetric about zero; so has each map. A range is set
-//! once, from the first picture of its class (of several panes: that of the one in focus); after that only by hand.
+//! Each class of picture has a fixed range, so that two slopes or two frames can be compared: frames and motion-stack
+//! images share one; DoG responses have another, symmetric about zero; so does each map. A range is set once, from the
+//! first picture of its class (with several panes: that of the pane in focus); after that only by the user.
 
 use crate::plane::colour_map::ColourMap;
 use crate::plane::display::Display;
@@ -10,7 +10,7 @@ use crate::plane::statistics::{Region, percentiles};
 use crate::requests::{MapKind, Picture, PictureKind, PictureRequest};
 use serde::{Deserialize, Serialize};
 
-/// The classes of picture that share a value range.
+/// Classes of picture, each with a shared value range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RangeClass {
     /// Frames, motion-stack images and merged frames.
@@ -33,7 +33,7 @@ impl RangeClass {
         if request.minus().is_some() { Self::Difference } else { Self::of_kind(request.kind) }
     }
 
-    /// The class of a kind of picture that is no difference.
+    /// The class of a kind of picture, for pictures that are no differences.
     pub fn of_kind(kind: PictureKind) -> Self {
         match kind {
             PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge => Self::Intensity,
@@ -44,7 +44,7 @@ impl RangeClass {
         }
     }
 
-    /// Its name within a sentence.
+    /// Name of the class within a sentence.
     pub fn label(self) -> &'static str {
         match self {
             Self::Intensity => "frames and motion stacks",
@@ -69,7 +69,7 @@ pub struct Ranges {
     pub difference: Display,
     /// For maps of the noise.
     pub noise: Display,
-    /// For maps of shares; all of them, unless changed by hand.
+    /// For maps of shares; the range 0 … 1 unless the user changes it.
     pub share: Display,
     /// Whether the range was set since the burst was opened.
     pub intensity_fixed: bool,
@@ -109,7 +109,7 @@ impl Ranges {
         }
     }
 
-    /// The display of a class, to be changed by hand.
+    /// The display of a class, for changing.
     pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {
         match class {
             RangeClass::Intensity => &mut self.intensity,
@@ -134,7 +134,7 @@ impl Ranges {
         }
     }
 
-    /// The same, but another picture may still set it otherwise.
+    /// Sets the range of the picture's class from its percentiles, but lets another picture set it again.
     pub fn propose(&mut self, picture: &Picture) {
         let class = RangeClass::of(&picture.request);
         if self.fixed_mut(class).is_none_or(|fixed| *fixed) {
@@ -146,7 +146,8 @@ impl Ranges {
         }
     }
 
-    /// Whether the range of a class was set since the burst was opened; `None` for a class whose range is known.
+    /// Whether the range of a class was set since the burst was opened; `None` for a class whose range is known
+    /// beforehand.
     fn fixed_mut(&mut self, class: RangeClass) -> Option<&mut bool> {
         match class {
             RangeClass::Intensity => Some(&mut self.intensity_fixed),
@@ -157,7 +158,7 @@ impl Ranges {
         }
     }
 
-    /// The same with displays that make sense: what comes from a file may be anything.
+    /// The ranges with all displays made valid: a file may contain any values.
     #[must_use]
     pub fn sanitised(self) -> Self {
         Self {
@@ -171,7 +172,7 @@ impl Ranges {
     }
 }
 
-/// How pictures and features look.
+/// Look of pictures and features.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Look {

@@ -1,50 +1,50 @@
-//! A line and a rectangle that were drawn on a picture, as plain values.
+//! Line and rectangle drawn on a picture, as plain values.
 
 use crate::app::pane::PaneId;
 use egui::{Pos2, Rect};
 
-/// What dragging with the first button does on a picture.
+/// Effect of dragging with the first button on a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tool {
-    /// It moves the picture.
+    /// Moves the picture.
     #[default]
     Pan,
-    /// It draws a line.
+    /// Draws a line.
     Line,
-    /// It draws a rectangle.
+    /// Draws a rectangle.
     Region,
 }
 
 /// A line on a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredLine {
-    /// On which pane it was drawn.
+    /// Pane on which it was drawn.
     pub pane: PaneId,
-    /// Its beginning, image pixels.
+    /// Start of the line, image pixels.
     pub from_image: Pos2,
-    /// Its end, image pixels.
+    /// End of the line, image pixels.
     pub to_image: Pos2,
 }
 
 /// A rectangle on a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredRegion {
-    /// On which pane it was drawn.
+    /// Pane on which it was drawn.
     pub pane: PaneId,
     /// The rectangle, image pixels.
     pub rect_image: Rect,
 }
 
-/// What was drawn, and what is being drawn.
+/// The measured line and rectangle, the tool, and the drag in progress.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Measure {
-    /// What dragging does.
+    /// The tool for dragging.
     pub tool: Tool,
     /// The line.
     pub line: Option<MeasuredLine>,
     /// The rectangle.
     pub region: Option<MeasuredRegion>,
-    /// Where the drag that goes on began: the pane, and the place in its image.
+    /// Start of the drag in progress: the pane, and the place in image pixels.
     pub drag: Option<(PaneId, Pos2)>,
 }
 

@@ -1,22 +1,22 @@
-//! What the window has to tell: errors stay until they are dismissed, notes are replaced by the next.
+//! Messages of the window: errors stay until they are dismissed, a note until the next one.
 
-/// How serious a message is.
+/// Severity of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
-    /// Something was done.
+    /// An action succeeded.
     Note,
-    /// Something could not be done, and why.
+    /// An action failed; the text gives the reason.
     Error,
 }
 
-/// One message.
+/// A message to the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// Tells it from other messages.
+    /// Unique number of the message.
     pub id: u64,
-    /// What was tried, in a few words.
+    /// The action that was tried, in a few words.
     pub title: String,
-    /// What happened and what to do.
+    /// The problem, and how to resolve it.
     pub text: String,
 }
 
@@ -28,7 +28,7 @@ pub struct Messages {
     newest: u64,
 }
 
-/// More errors than this push the oldest out.
+/// Largest number of open errors; a further one removes the oldest.
 const MOST_ERRORS: usize = 4;
 
 impl Messages {
@@ -48,7 +48,7 @@ impl Messages {
         self.note = Some(text.into());
     }
 
-    /// Takes the last note away: what it tells of is not on show any more.
+    /// Removes the last note: its subject is no longer on show.
     pub fn forget_note(&mut self) {
         self.note = None;
     }
@@ -63,12 +63,12 @@ impl Messages {
         self.note.as_deref()
     }
 
-    /// Takes an error away.
+    /// Removes an error.
     pub fn dismiss(&mut self, id: u64) {
         self.errors.retain(|m| m.id != id);
     }
 
-    /// Takes away the errors that `title` names: what they were about has worked since.
+    /// Removes the errors with this title: the action has succeeded since.
     pub fn resolved(&mut self, title: &str) {
         self.errors.retain(|m| m.title != title);
     }

@@ -1,9 +1,9 @@
-//! The methods that are compared: the same detector, each on what it makes of a burst.
+//! Methods that are compared: the same detector on different inputs made from a burst.
 
 use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
 use serde::{Deserialize, Serialize};
 
-/// A method.
+/// A method in a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Contender {
@@ -19,14 +19,14 @@ pub enum Contender {
     Gold,
 }
 
-/// Slopes of a direction where the window's own grid has none to take over.
+/// Range (±, pixels per frame) and number of slopes of an axis where the edited grid has none to take over.
 const USUAL: (f32, usize) = (3.0, 7);
 
 impl Contender {
-    /// All of them, in the order of the table.
+    /// All methods, in the order of the table.
     pub const ALL: [Self; 5] = [Self::Sift, Self::Merge, Self::Buff1d, Self::Buff2d, Self::Gold];
 
-    /// Its place in [`Contender::ALL`].
+    /// Index in [`Contender::ALL`].
     pub fn index(self) -> usize {
         Self::ALL.iter().position(|m| *m == self).unwrap_or(0)
     }
@@ -36,7 +36,7 @@ impl Contender {
         matches!(self, Self::Buff1d | Self::Buff2d)
     }
 
-    /// Its name.
+    /// Name in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Sift => "SIFT, one frame",
@@ -47,7 +47,7 @@ impl Contender {
         }
     }
 
-    /// What it does.
+    /// Description of the method in a sentence.
     pub fn help(self) -> &'static str {
         match self {
             Self::Sift => "SIFT on the middle frame only: what a burst adds nothing to",

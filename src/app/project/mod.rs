@@ -1,7 +1,7 @@
-//! What the window shows, as plain values: the bursts, the parameters, the panes, the features, the messages.
+//! The model of the window, as plain values: bursts, parameters, panes, features, messages.
 //!
-//! The [`Model`] draws nothing. Panels read and change it; in each pass it takes the engine's answers, and after it
-//! requests what is wanted and not there.
+//! The [`Model`] draws nothing. Panels read and change it; in each pass it takes the engine's answers, and then
+//! requests what is missing.
 
 pub mod against;
 mod asking;
@@ -63,7 +63,7 @@ use std::collections::HashMap;
 use trajectories::Trajectories;
 use workspace::Workspace;
 
-/// Which parts of the window are open.
+/// Parts of the window that are open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Panels {
@@ -87,42 +87,42 @@ impl Default for Panels {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BottomTab {
-    /// One row a feature.
+    /// Table with one row for each feature.
     #[default]
     Table,
-    /// How many candidates each test rejected.
+    /// Tally: number of candidates that each test rejected.
     Tally,
-    /// What is known of the noise.
+    /// The noise of the burst.
     Noise,
-    /// Which slopes the burst needs.
+    /// Slopes that the burst needs.
     Slopes,
     /// The values along a line.
     Profile,
     /// The values in a rectangle.
     Region,
-    /// The features beside others.
+    /// The features compared with others.
     Compared,
 }
 
-/// Everything the window shows.
+/// Everything that the window shows.
 #[derive(Debug, Default)]
 pub struct Model {
-    /// How bursts are opened: bias and flat frame, black and full scale, linear light.
+    /// Options with which bursts are opened: bias and flat frame, black and full scale, linear light.
     pub calibration: OpenOptions,
-    /// What the window is about.
+    /// The open workspace.
     pub workspace: Workspace,
     /// The two bursts with what was found in each.
     pub slots: Sides<Slot>,
-    /// The parameters as they are being edited; they may make no sense for the moment. Where slopes are found, theirs
-    /// are those found last.
+    /// The parameters as they are being edited; they may be invalid for the moment. If slopes are to be found, their
+    /// grid is the one found last.
     pub params: DetectorParams,
-    /// How the slopes are chosen.
+    /// Choice of the slopes: found or given.
     pub slopes: SlopeChoice,
     /// The panes that show pictures, each with its own cursor.
     pub panes: Panes,
     /// The motion-stack image at the selected feature's slope.
     pub patch: Option<Picture>,
-    /// The request for it.
+    /// The request for this image.
     pub wanted_patch: Wanted<PictureRequest>,
     /// Requests for the pictures of panes.
     pub(in crate::app) wanted_pictures: HashMap<PaneId, Wanted<PictureRequest>>,
@@ -130,9 +130,9 @@ pub struct Model {
     pub selected: Option<usize>,
     /// Index of the feature under the pointer, in the picture or in the table.
     pub hovered: Option<usize>,
-    /// To be selected when the next detection ends.
+    /// Feature to be selected when the next detection ends.
     pub reselect: Option<SavedSelection>,
-    /// Which features are shown.
+    /// Filter of the features that are shown.
     pub filter: Filter,
     /// The table's order.
     pub order: Order<Column>,
@@ -140,13 +140,13 @@ pub struct Model {
     pub listed: Vec<usize>,
     /// The ranges and maps that panes share, and what is drawn over pictures.
     pub look: Look,
-    /// By what features are coloured.
+    /// Property by which features are coloured.
     pub colour_by: ColourBy,
     /// Light, dark, or as the system.
     pub theme: egui::ThemePreference,
-    /// Whether a detection starts by itself after a change.
+    /// Whether a detection starts automatically after a change.
     pub auto_detect: bool,
-    /// Whether the slopes are being played.
+    /// Whether the cursor is playing through the slopes.
     pub playing: bool,
     /// Open parts of the window.
     pub panels: Panels,
@@ -156,27 +156,27 @@ pub struct Model {
     pub pair: PairState,
     /// Several methods on the same burst.
     pub compare: Compare,
-    /// The features of the burst beside others.
+    /// Comparison of the burst's features with others.
     pub against: against::Against,
     /// Errors and the last note.
     pub messages: Messages,
-    /// What figures show.
+    /// Contents and style of figures.
     pub figure: FigureChoice,
-    /// What was undone and can be undone.
+    /// Steps that can be undone and redone.
     pub history: History,
     /// A line and a rectangle on a picture.
     pub measure: Measure,
-    /// What is known of the detection as a whole.
+    /// Explanations of the detection on show: slopes and candidates.
     pub explained: ExplainedState,
-    /// How evenly the frames answer for each feature.
+    /// Coherences of the features: how evenly the frames contribute to each.
     pub coherence: CoherenceState,
     /// The place that is probed.
     pub probe: ProbeModel,
-    /// Whether a lesson is open, of which all of this is.
+    /// Whether a lesson is open; everything here then belongs to it.
     pub in_lesson: bool,
     /// The request for the figures of the paper.
     pub figures: Wanted<FiguresJob>,
-    /// Many bursts.
+    /// The open dataset, and the work on it.
     pub datasets: Datasets,
     /// An estimated and a true trajectory.
     pub trajectories: Trajectories,
@@ -191,22 +191,22 @@ impl Model {
         self.slots.a.burst.as_ref().map_or((0, 0), |b| b.burst.size())
     }
 
-    /// Frames of the open burst.
+    /// Number of frames of the open burst; 0 without one.
     pub fn frame_count(&self) -> usize {
         self.slots.a.burst.as_ref().map_or(0, |b| b.burst.len())
     }
 
-    /// What a detection is asked for now. Slopes that are to be found are not part of it.
+    /// Parameters for a detection now. Slopes that are to be found are not part of them.
     pub fn asked(&self) -> SearchParams {
         self.asked_of(Side::A)
     }
 
-    /// Chooses how the slopes are chosen, and for the detector all that `params` say.
+    /// Sets the detector's parameters and the choice of slopes from `params`.
     pub fn set_search(&mut self, params: SearchParams) {
         (self.params, self.slopes) = (params.detector, params.slopes);
     }
 
-    /// Whether a detection with the present parameters is missing on `side` and could be made.
+    /// Whether `side` has an open burst and valid parameters, but no detection with these parameters.
     pub fn needs_detection(&self, side: Side) -> bool {
         let slot = &self.slots[side];
         let is_made = |found: &FoundFeatures| found.asked == self.asked_of(side);

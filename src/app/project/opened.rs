@@ -1,4 +1,4 @@
-//! The files that what is open was read from: nothing is ever written over these.
+//! Files from which the open bursts and other data were read: these are never overwritten.
 
 use super::Model;
 use crate::burst;
@@ -6,8 +6,8 @@ use crate::requests::BurstSource;
 use std::path::{Path, PathBuf};
 
 impl Model {
-    /// All of them: frames of the bursts and datasets, calibration, gold standards, features of others, trajectories.
-    /// Parameter and session files are not among them, because what was loaded is changed and saved again.
+    /// All files that are open: frames of the bursts and datasets, calibration, gold standards, features of others,
+    /// trajectories. Parameter and session files are not among them, because they may be saved again after changes.
     pub fn opened_files(&self) -> Vec<PathBuf> {
         let gold = self.compare.gold.iter().flatten();
         let bursts = self.slots.a.burst.iter().chain(&self.slots.b.burst).chain(gold);

@@ -9,14 +9,14 @@ use std::path::PathBuf;
 const TITLE: &str = "Figures of the paper";
 
 impl Model {
-    /// Makes all figures into the folder `out`.
+    /// Requests all figures of the paper, written into the folder `out`.
     pub(in crate::app) fn make_figures(&mut self, out: PathBuf, engine: &Engine) {
         self.messages.resolved(TITLE);
         let job = FiguresJob { out, only: Vec::new(), size: FigureSize::Full, colmap: find_colmap() };
         self.figures.ask(engine, job);
     }
 
-    /// Says where the figures are, or why there are none.
+    /// Takes the result: a message says where the figures are, or why there are none.
     pub(in crate::app) fn take_figures(&mut self) {
         for ended in self.figures.take() {
             match ended.result {

@@ -1,4 +1,4 @@
-//! The pictures that panes show: which are wanted, which are there, and which pane the sliders move.
+//! Pictures of panes: those that are wanted, those that are there, and the pane in focus.
 
 use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
 use crate::app::project::cursor::{Cursor, ViewKind};
@@ -28,14 +28,14 @@ impl Model {
         self.panes.get(self.focus()).unwrap_or_else(|| self.panes.of(Side::A))
     }
 
-    /// The same, to be changed.
+    /// The pane that sliders and keys move, for changing.
     pub fn focused_mut(&mut self) -> &mut Pane {
         let focus = self.focus();
         let focus = if self.panes.get(focus).is_some() { focus } else { PaneId::of(Side::A) };
         self.panes.get_mut(focus).expect("A's pane is always there")
     }
 
-    /// Where the cursor is.
+    /// Cursor of the pane in focus.
     pub fn cursor(&self) -> &Cursor {
         &self.focused().cursor
     }
@@ -60,12 +60,12 @@ impl Model {
         self.slots[side].found.as_ref()
     }
 
-    /// Whether the features of `side` are those of what is set now.
+    /// Whether the features of `side` were found with the present parameters.
     pub fn features_are_current(&self, side: Side) -> bool {
         self.found_of(side).is_some_and(|found| found.asked == self.asked_of(side))
     }
 
-    /// The last parameters that made sense for the burst of `side`.
+    /// The last valid parameters for the burst of `side`.
     pub fn usable_params_of(&self, side: Side) -> &DetectorParams {
         &self.slots[side].usable_params
     }
@@ -78,13 +78,13 @@ impl Model {
         }
     }
 
-    /// The last parameters that made sense for the burst of `pane`, as its method takes them.
+    /// The last valid parameters for the burst of `pane`, as its method takes them.
     pub fn params_in(&self, pane: &Pane) -> Cow<'_, DetectorParams> {
         let usable = self.usable_params_of(pane.side);
         pane.method.map_or(Cow::Borrowed(usable), |method| Cow::Owned(method.params(usable)))
     }
 
-    /// What was found in the burst of `pane`, by its method.
+    /// Detection in the burst of `pane`, by the pane's method.
     pub fn detection_in(&self, pane: &Pane) -> Option<&Arc<Detection>> {
         match pane.method {
             Some(method) => self.method_found(method, pane.side).map(|found| &found.detection),
@@ -92,22 +92,22 @@ impl Model {
         }
     }
 
-    /// The same of the pane in focus.
+    /// The last valid parameters for the burst of the pane in focus.
     pub fn cursor_params(&self) -> &DetectorParams {
         self.usable_params_of(self.focused().side)
     }
 
-    /// Frames of the burst in focus.
+    /// Number of frames of the burst in focus; 0 without one.
     pub fn hand_frame_count(&self) -> usize {
         self.burst_of(self.focused().side).map_or(0, |open| open.burst.len())
     }
 
-    /// (columns, rows) of the burst in focus.
+    /// (columns, rows) of the burst in focus; (0, 0) without one.
     pub fn hand_size(&self) -> (usize, usize) {
         self.burst_of(self.focused().side).map_or((0, 0), |open| open.burst.size())
     }
 
-    /// The picture that `id` wants to show now; `None` without its burst.
+    /// Request for the picture that `id` is to show now; `None` without its burst.
     pub fn wanted(&self, id: PaneId) -> Option<PictureRequest> {
         let pane = self.panes.get(id)?;
         match pane.content {
@@ -132,7 +132,7 @@ impl Model {
         Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
     }
 
-    /// Whether the picture on show of `id` is the one that it wants, or it is known why that cannot be made.
+    /// Whether `id` shows the picture that it wants, or that picture is known to have failed.
     pub fn is_current(&self, id: PaneId) -> bool {
         let Some(wanted) = self.wanted(id) else { return true };
         self.panes.get(id).is_some_and(|pane| {
@@ -141,17 +141,17 @@ impl Model {
         })
     }
 
-    /// The same of the pane in focus.
+    /// Whether the picture of the pane in focus is current.
     pub fn picture_is_current(&self) -> bool {
         self.is_current(self.focus())
     }
 
-    /// The same of all panes on the screen.
+    /// Whether the pictures of all visible panes are current.
     pub fn pictures_are_current(&self) -> bool {
         self.visible_panes().into_iter().all(|id| self.is_current(id))
     }
 
-    /// Switches a link of a pane. One that no longer shares its display goes on with what it had.
+    /// Switches a link of a pane. A pane that no longer shares its display keeps the ranges that it had.
     pub fn set_link(&mut self, id: PaneId, link: Link, on: bool) {
         let shared = self.look.ranges;
         let Some(pane) = self.panes.get_mut(id) else { return };
@@ -161,7 +161,7 @@ impl Model {
         }
     }
 
-    /// The slope by which the picture of `id` was shifted; `None` for a frame and for what has no single slope.
+    /// Slope by which the frames were shifted for the picture of `id`; `None` for pictures without a single slope.
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
         let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
         if matches!(picture.request.kind, PictureKind::Map { map, .. } if !map.is_of_slope()) {
@@ -198,9 +198,9 @@ impl Model {
         }
     }
 
-    /// Requests the pictures that visible panes want and have not, that of the pane in focus first, and that of the
-    /// selected feature's patch. Pictures that take a search wait for the end of a drag, and for a running detection,
-    /// from which they may be made.
+    /// Requests the missing pictures of visible panes, that of the pane in focus first, and that of the selected
+    /// feature's patch. Pictures that need a search wait for the end of a drag, and for a running detection, from which
+    /// they may be made.
     pub(in crate::app) fn ask_for_pictures(&mut self, engine: &Engine, dragging: bool) {
         let (focus, waits) = (self.focus(), dragging || self.slots.a.detecting.is_pending());
         let mut ids = self.visible_panes();
@@ -224,7 +224,7 @@ impl Model {
         self.wanted_pictures.retain(|id, _| panes.get(*id).is_some());
     }
 
-    /// Cancels the requests for pictures: those that are still wanted are requested again.
+    /// Cancels the requests for pictures; those still wanted are requested again.
     pub(in crate::app) fn forget_asked_pictures(&mut self) {
         self.wanted_pictures.clear();
         self.wanted_patch.forget();
@@ -253,14 +253,14 @@ impl Model {
         self.settle_ranges();
     }
 
-    /// Takes over why the picture of a pane could not be made.
+    /// Stores why the picture of a pane could not be made.
     pub fn take_problem(&mut self, id: PaneId, request: PictureRequest, error: &JobError) {
         if let Some(pane) = self.panes.get_mut(id) {
             pane.problem = Some((request, error.to_string()));
         }
     }
 
-    /// Gives the focus to a pane on the burst of `side`, if the one that has it is on the other and there is one.
+    /// Moves the focus to a visible pane on the burst of `side`, if there is one and the focus is not on such a pane.
     pub fn focus_on_side(&mut self, side: Side) {
         let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
         if !is_on(&self.panes.focus())
@@ -270,7 +270,7 @@ impl Model {
         }
     }
 
-    /// Lays out a preset, made from the pane in focus.
+    /// Arranges the panes by a preset, made from the pane in focus.
     pub fn lay_out(&mut self, preset: Preset) {
         let params = self.cursor_params().clone();
         self.panes.lay_out(preset, &params);

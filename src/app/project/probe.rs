@@ -1,4 +1,4 @@
-//! The probe of the window: the place that is asked about, the trail that answers, and the answer.
+//! The probe of the window: the probed place, the trail from which answers come, and the answer.
 
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
@@ -13,7 +13,7 @@ use crate::requests::{
 use crate::synth::Example;
 use serde::{Deserialize, Serialize};
 
-/// What a session keeps of the probe.
+/// The probe as a session file stores it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedProbe {
@@ -24,16 +24,16 @@ pub struct SavedProbe {
     pub is_open: bool,
 }
 
-/// What is probed and what is known of it.
+/// The probed place, its request, and the answer.
 #[derive(Debug, Default)]
 pub struct ProbeModel {
     /// Whether the panel on the right shows the probe.
     pub is_open: bool,
     /// Whether the place follows the pointer.
     pub follows: bool,
-    /// What is asked; `None` while nothing is probed.
+    /// The question; `None` while nothing is probed.
     pub question: Option<ProbeQuestion>,
-    /// The trail that answers.
+    /// The trail from which answers come.
     pub traced: Option<Traced>,
     /// The last answer.
     pub answer: Option<Probed>,
@@ -48,7 +48,7 @@ pub struct ProbeModel {
 }
 
 impl ProbeModel {
-    /// Whether something is asked.
+    /// Whether a place is probed, or follows the pointer.
     pub fn is_on(&self) -> bool {
         self.follows || self.question.is_some()
     }
@@ -75,23 +75,24 @@ impl ProbeModel {
         }
     }
 
-    /// What is to be asked of the trail that is there.
+    /// Request for the question about the present trail; `None` without either.
     pub fn wanted(&self) -> Option<ProbeRequest> {
         Some(ProbeRequest { traced: self.traced.clone()?, question: self.question? })
     }
 
-    /// What a session keeps.
+    /// The probe for a session file; `None` while no place is known.
     pub fn saved(&self) -> Option<SavedProbe> {
         Some(SavedProbe { place: self.place()?, is_open: self.is_open })
     }
 
-    /// Whether the answer is the one to what is asked now.
+    /// Whether the answer is that to the present question.
     pub fn is_current(&self) -> bool {
         let wanted = self.wanted();
         self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request.is_same(&wanted))
     }
 
-    /// Takes a trail. What was asked of features and samples of another detection is asked of the place.
+    /// Takes a trail. A question about a feature, or about a sample on another grid of slopes, becomes one about the
+    /// best candidate at its place.
     pub fn take_trail(&mut self, traced: Traced) {
         let slopes = |traced: &Traced| traced.cache.params().used_slopes();
         let same_grid = self.traced.as_ref().is_some_and(|before| slopes(before) == slopes(&traced));
@@ -106,7 +107,7 @@ impl ProbeModel {
         (self.traced, self.problem) = (Some(traced), None);
     }
 
-    /// Takes an answer. The strongest candidate is asked for by its place from then on.
+    /// Takes an answer. The question for the strongest candidate then becomes one for its place.
     pub fn take_answer(&mut self, mut answer: Probed) {
         let is_asked = self.question == Some(answer.request.question);
         if answer.request.question == ProbeQuestion::Strongest {
@@ -119,7 +120,7 @@ impl ProbeModel {
         (self.answer, self.problem) = (Some(answer), None);
     }
 
-    /// Looks more closely at something else at the same place.
+    /// Asks about another subject at the same place.
     pub fn look_at(&mut self, wanted: Subject) {
         if let Some(place) = self.place() {
             self.question = Some(ProbeQuestion::At { place, wanted });
@@ -128,7 +129,7 @@ impl ProbeModel {
 }
 
 impl Model {
-    /// Takes the trail and the answer, or why there is none.
+    /// Takes the trail and the answer, or the reason why there is none.
     pub(in crate::app) fn take_probed(&mut self) {
         let open = self.slots.a.burst.as_ref().map(|burst| burst.id);
         for ended in self.probe.wanted_trail.take() {
@@ -175,7 +176,7 @@ impl Model {
         }
     }
 
-    /// Lets the probe follow the pointer, or not any more.
+    /// Switches whether the probe follows the pointer.
     pub(in crate::app) fn follow_with_probe(&mut self) {
         let probe = &mut self.probe;
         probe.follows ^= true;
@@ -184,14 +185,14 @@ impl Model {
         }
     }
 
-    /// Whether the question is answered, or cannot be.
+    /// Whether the question is answered or cannot be answered, or there is none.
     pub(in crate::app) fn probe_is_settled(&self) -> bool {
         let (probe, a) = (&self.probe, &self.slots.a);
         let can = a.burst.is_some() && (a.found.is_some() || self.wants_detection(Side::A));
         !probe.is_on() || !can || probe.question.is_none() || probe.problem.is_some() || probe.is_current()
     }
 
-    /// Asks, and shows the panel with the answer.
+    /// Asks a question, and shows the panel with the answer. A place outside the picture only gives a note.
     pub fn ask_probe(&mut self, question: ProbeQuestion) {
         let inside = match question {
             ProbeQuestion::At { place: [u, v], .. } => {
@@ -209,7 +210,7 @@ impl Model {
         (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
     }
 
-    /// The detection on show, where what answers the probe is not what it left behind.
+    /// The detection on show, if the present trail is not of it.
     pub fn untraced(&self) -> Option<DetectionSource> {
         let (burst, found) = (self.slots.a.burst.as_ref()?, self.slots.a.found.as_ref()?);
         let is_of = |traced: &Traced| {
@@ -232,7 +233,7 @@ impl Model {
         }
     }
 
-    /// Asks again what a session asked; without a place nothing is probed.
+    /// Restores the probe of a session; without one nothing is probed.
     pub fn restore_probe(&mut self, saved: Option<SavedProbe>) {
         self.probe.clear();
         self.probe.is_open = saved.is_some_and(|saved| saved.is_open);
@@ -243,12 +244,12 @@ impl Model {
         }
     }
 
-    /// Whether the answer of the probe is about other parameters than those that are set now.
+    /// Whether the answer was made with other parameters than the present ones.
     pub fn probe_is_stale(&self) -> bool {
         self.probe.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != self.asked())
     }
 
-    /// Makes one change of a parameter, as its row would.
+    /// Changes a parameter, as its row in the panel does; a message gives the change or the error.
     pub fn apply_change(&mut self, change: &ParamChange) {
         match change.applied(&self.params) {
             Ok(params) => {
@@ -263,8 +264,9 @@ impl Model {
         }
     }
 
-    /// Prepares the probe for the burst that was opened `after` another one: an example is probed where it shows what
-    /// it is for, at the slopes at which it does, if none were given; other bursts leave those slopes again.
+    /// Prepares the probe for a newly opened burst; `before` is the earlier one. An example gets its own grid of slopes
+    /// if none was given, and is probed at its place of interest if detections start automatically. The next burst
+    /// drops that grid again.
     pub fn start_probe(&mut self, before: Option<&BurstSource>) {
         let grid = |example: Example| {
             let (range, count) = example.slopes_u();

@@ -1,8 +1,8 @@
-//! The value ranges that pictures are shown in: their own ones or those that panes share, and which picture sets them.
+//! Value ranges of pictures: a pane's own or those that panes share, and the picture that sets them.
 //!
-//! A range that panes share is set by the pane in focus, or if that shows another class of picture by the first in
-//! reading order, once it shows what it wants to show. So it does not matter which of the pictures was made first: the
-//! same panes always come to be seen in the same range.
+//! A shared range is set by the pane in focus, or if that shows another class of picture by the first in reading order,
+//! once its wanted picture is there. So the result does not depend on the order in which the pictures are made: the
+//! same panes always get the same range.
 
 use crate::app::pane::{Pane, PaneId};
 use crate::app::project::Model;
@@ -10,19 +10,19 @@ use crate::app::project::look::{RangeClass, Ranges};
 use crate::plane::display::Display;
 
 impl Model {
-    /// The class of value range that `id` is shown in.
+    /// Class of the value range in which the picture of `id` is shown.
     pub fn range_class(&self, id: PaneId) -> RangeClass {
         let picture = self.panes.get(id).and_then(|pane| pane.picture.as_ref());
         let wanted = || self.wanted(id).map_or(RangeClass::Intensity, |wanted| RangeClass::of(&wanted));
         picture.map_or_else(wanted, |picture| RangeClass::of(&picture.request))
     }
 
-    /// The value ranges of `pane`: its own, or those that panes share.
+    /// Value ranges of `pane`: its own, or those that panes share.
     pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
         pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
     }
 
-    /// The same of the pane in focus, to be changed.
+    /// Value ranges of the pane in focus, for changing: its own, or those that panes share.
     pub fn hand_ranges_mut(&mut self) -> &mut Ranges {
         let focus = self.focus();
         match self.panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
@@ -31,15 +31,14 @@ impl Model {
         }
     }
 
-    /// How the picture of `id` is shown: range, gamma and colours.
+    /// Display of the picture of `id`: range, gamma and colours.
     pub fn display_of(&self, id: PaneId) -> Display {
         let ranges = self.panes.get(id).map_or(&self.look.ranges, |pane| self.ranges_of(pane));
         ranges.display(self.range_class(id))
     }
 
-    /// Sets the ranges that are not set yet from the pictures on show, each from the pane that it is for: a pane's own
-    /// range from its picture, one that is shared from the pane in focus or the first in reading order that shows this
-    /// class.
+    /// Sets the ranges that are not set yet: a pane's own range from its picture, a shared one from the pane in focus
+    /// or the first in reading order that shows this class.
     pub fn settle_ranges(&mut self) {
         let mut led = Vec::new();
         let focus = self.focus();

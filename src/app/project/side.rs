@@ -1,4 +1,4 @@
-//! Which of the two bursts.
+//! The two bursts, A and B.
 
 use serde::{Deserialize, Serialize};
 use std::ops::{Index, IndexMut};
@@ -15,10 +15,10 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both, from left to right.
+    /// Both sides, from left to right.
     pub const BOTH: [Self; 2] = [Self::A, Self::B];
 
-    /// Its name.
+    /// Name in the window: A or B.
     pub fn name(self) -> &'static str {
         match self {
             Self::A => "A",
@@ -26,7 +26,7 @@ impl Side {
         }
     }
 
-    /// The other one.
+    /// The other side.
     #[must_use]
     pub fn other(self) -> Self {
         match self {
@@ -39,19 +39,19 @@ impl Side {
 /// One value for each of the two bursts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sides<T> {
-    /// That of the first burst.
+    /// Value for the first burst.
     pub a: T,
-    /// That of the second burst.
+    /// Value for the second burst.
     pub b: T,
 }
 
 impl<T> Sides<T> {
-    /// Both, A's first.
+    /// Both values, A's first.
     pub fn both(&self) -> [&T; 2] {
         [&self.a, &self.b]
     }
 
-    /// Exchanges the two.
+    /// Exchanges the two values.
     pub fn swap(&mut self) {
         std::mem::swap(&mut self.a, &mut self.b);
     }

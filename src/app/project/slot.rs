@@ -1,4 +1,4 @@
-//! The place of one of the two bursts: the burst, what was found in it, and what is requested for it.
+//! Slot of one of the two bursts: the burst, its features, and the requests for it.
 
 use crate::app::project::side::Side;
 use crate::app::project::{FoundFeatures, Model};
@@ -6,14 +6,14 @@ use crate::detector::{DetectorParams, ParamError};
 use crate::engine::{Engine, Wanted};
 use crate::requests::{BurstSource, DetectRequest, JobError, JobId, OpenBurst, OpenRequest};
 
-/// The place of a burst.
+/// Slot of a burst.
 #[derive(Debug, Default)]
 pub struct Slot {
     /// The open burst, if any.
     pub burst: Option<OpenBurst>,
     /// The last parameters that were valid for the burst: pictures are made with these.
     pub usable_params: DetectorParams,
-    /// Why the edited parameters are not valid for the burst.
+    /// Reason why the edited parameters are not valid for the burst, if they are not.
     pub param_error: Option<ParamError>,
     /// The features of the burst.
     pub found: Option<FoundFeatures>,
@@ -24,7 +24,7 @@ pub struct Slot {
 }
 
 impl Side {
-    /// The name of a detection in messages.
+    /// Name of a detection in messages.
     fn detection(self) -> &'static str {
         match self {
             Self::A => "Detection",
@@ -34,13 +34,13 @@ impl Side {
 }
 
 impl Model {
-    /// Opens a burst for `side` in the background; the one that is open stays until the new one is there.
+    /// Requests to open a burst for `side`; the open burst stays until the new one is there.
     pub(in crate::app) fn open(&mut self, side: Side, source: BurstSource, engine: &Engine) -> JobId {
         let options = self.calibration.clone();
         self.slots[side].opening.ask(engine, OpenRequest { source, options })
     }
 
-    /// The detection that is set now for `side`.
+    /// Request for a detection in the burst of `side` with the present parameters.
     fn detect_request(&self, side: Side) -> Option<DetectRequest> {
         Some(DetectRequest { burst: self.burst_of(side)?.clone(), params: self.asked_of(side) })
     }
@@ -81,7 +81,7 @@ impl Model {
         }
     }
 
-    /// Says why work failed; that somebody cancelled it is a note.
+    /// Shows an error for work that failed, or a note if it was cancelled.
     pub(in crate::app) fn say_failed(&mut self, what: &str, error: &JobError) {
         match error {
             JobError::Cancelled => self.messages.note(format!("{what} cancelled")),

@@ -1,4 +1,5 @@
-//! The model's promises: stale is said, other bursts' answers are dropped, a feature found again stays selected.
+//! Guarantees of the model: stale features are marked, answers for other bursts are dropped, a feature found again
+//! stays selected.
 
 use crate::app::pane::{Content, Direction, Link, PaneId, Preset};
 use crate::app::project::*;
@@ -173,7 +174,7 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
     assert_eq!(ranges(&|_| {}), ranges(&|ids| ids.reverse()));
 }
 
-/// Makes what every pane on the screen wants, as the engine would.
+/// Makes the picture that each visible pane wants, as the engine would.
 fn make_pictures(model: &mut Model) {
     for id in model.visible_panes() {
         let wanted = model.wanted(id).expect("its burst is open");
@@ -192,7 +193,7 @@ fn each_pane_wants_its_own_picture_and_a_difference_those_of_two_others() {
     assert!(model.pictures_are_current());
     let plane = |id: PaneId| model.panes.get(id).and_then(|pane| pane.picture.clone()).expect("made").plane;
     assert_eq!(plane(c).at(20, 20), plane(a).at(20, 20) - plane(b).at(20, 20));
-    // When one of the two moves, the difference is not what is wanted any more.
+    // When one of the two moves, the difference is out of date.
     model.panes.get_mut(b).expect("there").cursor.slope = Slope::new(0.3, 0.0);
     assert!(model.is_current(a) && !model.is_current(b) && !model.is_current(c));
 }

@@ -1,4 +1,4 @@
-//! An estimated and a true trajectory, as plain values.
+//! Estimated and true trajectory, as plain values.
 
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
@@ -13,24 +13,24 @@ use std::sync::Arc;
 /// One of the two trajectories.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
-    /// What was estimated.
+    /// The estimated trajectory.
     Estimate,
-    /// What is true.
+    /// The true trajectory.
     Truth,
 }
 
 /// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.
 const PLANE_UNITS: f64 = 1000.0;
 
-/// Workspace around the cameras, as a part of the longer side.
+/// Margin around the cameras, as a fraction of the longer side.
 const MARGIN: f64 = 0.06;
 
 /// A place of a camera in the plane on show.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spot {
-    /// In plane units, down the screen positive.
+    /// Position in plane units, positive downwards.
     pub pos: egui::Pos2,
-    /// Where it is in its own trajectory.
+    /// Index in its own trajectory.
     pub index: usize,
     /// The pair of the report that it belongs to.
     pub pair: Option<usize>,
@@ -49,14 +49,14 @@ pub struct PlaneScene {
     pub scale: f64,
 }
 
-/// Everything about trajectories.
+/// The trajectories, their comparison, and their view.
 #[derive(Debug, Default)]
 pub struct Trajectories {
-    /// What was read and compared.
+    /// The trajectories that were read, and their comparison.
     pub compared: ComparedPoses,
-    /// How they are compared.
+    /// Options of the comparison.
     pub study: PoseStudy,
-    /// From which side they are seen.
+    /// Direction from which the trajectories are seen.
     pub projection: Projection,
     /// Pan and zoom of the plane.
     pub view: View,
@@ -64,7 +64,7 @@ pub struct Trajectories {
     pub hovered: Option<usize>,
     /// The pair of cameras that was clicked.
     pub selected: Option<usize>,
-    /// The label of the camera whose burst was asked for by a second click, until that is seen to.
+    /// Label of the camera whose burst a second click asked to open; `None` once that was handled.
     pub wanted: Option<String>,
     /// The request to read and compare.
     pub reading: Wanted<PosesRequest>,
@@ -72,7 +72,7 @@ pub struct Trajectories {
 }
 
 impl Trajectories {
-    /// What to ask for when `path` is to be read as `which`; the other one stays, also one that is being read.
+    /// Request to read `path` as `which`; the other trajectory stays, even while it is being read.
     pub fn request_with(&self, which: Which, path: PathBuf) -> PosesRequest {
         let mut request = self.request();
         let slot = if which == Which::Estimate { &mut request.estimate } else { &mut request.truth };
@@ -80,7 +80,7 @@ impl Trajectories {
         request
     }
 
-    /// What to ask for when the study was changed.
+    /// Request to compare the trajectories that are open or being read, with the present study.
     pub fn request(&self) -> PosesRequest {
         let source = |read: &Option<(PathBuf, Arc<Trajectory>)>| {
             read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory))
@@ -95,7 +95,7 @@ impl Trajectories {
         }
     }
 
-    /// Takes what was read and compared.
+    /// Takes an answer of the engine; other trajectories than before reset pan and zoom.
     pub fn take(&mut self, compared: ComparedPoses) {
         let same = |a: &Option<(PathBuf, Arc<Trajectory>)>, b: &Option<(PathBuf, Arc<Trajectory>)>| match (a, b) {
             (Some((_, a)), Some((_, b))) => Arc::ptr_eq(a, b),
@@ -109,28 +109,28 @@ impl Trajectories {
         (self.scene, self.hovered, self.selected) = (None, None, None);
     }
 
-    /// Forgets both.
+    /// Removes both trajectories.
     pub fn clear(&mut self) {
         self.reading.forget();
         self.take(ComparedPoses::default());
     }
 
-    /// Whether neither is there.
+    /// Whether there is neither trajectory.
     pub fn is_empty(&self) -> bool {
         self.compared.estimate.is_none() && self.compared.truth.is_none()
     }
 
-    /// The comparison.
+    /// The comparison; `None` without both trajectories, or if it failed.
     pub fn report(&self) -> Option<&Arc<PoseReport>> {
         self.compared.report.as_ref()?.as_ref().ok()
     }
 
-    /// Why there is no comparison although both are there.
+    /// Reason why there is no comparison although both trajectories are there.
     pub fn problem(&self) -> Option<&str> {
         self.compared.report.as_ref()?.as_ref().err().map(String::as_str)
     }
 
-    /// The plane as it is to be drawn; made anew after a change only.
+    /// The plane as it is to be drawn; recomputed only after a change.
     pub fn scene(&mut self) -> Arc<PlaneScene> {
         match &self.scene {
             Some((projection, scene)) if *projection == self.projection => scene.clone(),
@@ -171,7 +171,7 @@ impl Model {
         }
     }
 
-    /// Restores those of a session.
+    /// Restores the trajectories of a session.
     pub(in crate::app) fn restore_trajectories(&mut self, saved: Option<SavedTrajectories>, engine: &Engine) {
         self.trajectories.clear();
         if let Some(SavedTrajectories { estimate, truth, projection }) = saved {
@@ -184,8 +184,8 @@ impl Model {
 }
 
 impl PlaneScene {
-    /// Both trajectories seen from one side. An estimate that cannot be compared is drawn only where there is no truth:
-    /// its world is another.
+    /// Both trajectories, projected from one direction. An estimate that cannot be aligned is drawn only without a
+    /// truth, because its coordinates are different ones.
     pub fn of(compared: &ComparedPoses, projection: Projection) -> Self {
         let report = compared.report.as_ref().and_then(|r| r.as_ref().ok());
         let centres = |trajectory: &Trajectory, move_to: &dyn Fn(&nalgebra::Isometry3<f64>) -> [f64; 3]| {
@@ -214,7 +214,7 @@ impl PlaneScene {
     ) -> Self {
         let flat = |centres: &[[f64; 3]]| centres.iter().map(|c| axes.project(*c)).collect::<Vec<_>>();
         let (truth, estimate) = (flat(truth), flat(estimate));
-        // The frame is the truth's, so that an estimate that runs away does not make the truth a point.
+        // The truth determines the section shown, so that a diverging estimate does not shrink the truth to a point.
         let framed = if truth.is_empty() { &estimate } else { &truth };
         let range = |k: usize| {
             let finite = framed.iter().map(|p| p[k]).filter(|x| x.is_finite());
@@ -223,7 +223,7 @@ impl PlaneScene {
         let ((left, right), (down, up)) = (range(0), range(1));
         let extent = (right - left).max(up - down);
         let scale = if extent.is_finite() && extent > 0.0 { PLANE_UNITS / extent } else { 1.0 };
-        // Where cameras stand on a line or in one place there is still a plane around them.
+        // Cameras on a line or in one place still get a plane around them.
         let side = |extent: f64| if extent.is_finite() { (extent * scale).max(0.3 * PLANE_UNITS) } else { PLANE_UNITS };
         let margin = 2.0 * MARGIN * PLANE_UNITS;
         let (width, height) = (side(right - left) + margin, side(up - down) + margin);
@@ -292,7 +292,7 @@ mod tests {
         }
         assert_eq!(scene.truth[3].pair, None);
         assert_eq!(scene.truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
-        // Alone, each is drawn in its own world; together without a comparison only the truth.
+        // Alone, each is drawn in its own coordinates; both without a comparison: only the truth is drawn.
         let alone = ComparedPoses { truth: None, report: None, ..compared.clone() };
         assert_eq!(PlaneScene::of(&alone, Projection::Xy).estimate.len(), 3);
         let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What the window is about: each workspace has the middle of the window and the panels around it for itself.
+/// A task of the window: each workspace has its own arrangement of the middle of the window and of the panels around
+/// it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Workspace {

@@ -1,9 +1,8 @@
-//! The session that the window saves by itself, and the offer to restore that of a window which did not end in the
-//! ordinary way.
+//! Automatic saving of the window's session, and the offer to restore that of a window that did not end normally.
 //!
-//! A [`Recovery`] has a [`Record`] of its own, into which the session goes in the background: at most once in a while,
-//! and only when something has changed. It holds the records that it found left behind, and offers them, one after the
-//! other; nothing is restored unasked. One that is restored becomes the window's own, so that it is lost at no moment.
+//! A [`Recovery`] has a [`Record`] of its own, into which the session is written in the background: at a limited rate,
+//! and only after changes. It holds the records that other windows left behind, and offers them one after the other;
+//! nothing is restored unasked. A restored record becomes the window's own, so that its session is never lost.
 
 mod record;
 
@@ -19,32 +18,32 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
-/// The session is saved at most this often.
+/// Shortest time between two savings of the session.
 pub const SAVED_EVERY: Duration = Duration::from_secs(10);
 
-/// Where and how often windows save their sessions by themselves.
+/// Folder and interval of automatic saving.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KeptIn {
     /// The folder of all windows' records.
     pub folder: PathBuf,
-    /// At most this often.
+    /// Shortest time between two savings.
     pub every: Duration,
 }
 
-/// A session that is offered.
+/// Offer to restore a session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Offer {
-    /// What was open, in a few words.
+    /// The burst that was open, in a few words.
     pub label: String,
-    /// How long ago it was saved.
+    /// Time since it was saved.
     pub age: Duration,
-    /// How many more there are.
+    /// Number of further sessions that can be offered.
     pub more: usize,
     /// Whether it is being restored.
     pub is_restoring: bool,
 }
 
-/// A session that is to be written.
+/// Text of a session that is due for writing.
 #[derive(Debug)]
 pub struct DueSession {
     record: Arc<Record>,
@@ -53,40 +52,40 @@ pub struct DueSession {
 }
 
 impl DueSession {
-    /// Writes it, unless a newer one was written meanwhile.
+    /// Writes the session, unless a newer one was written meanwhile.
     ///
     /// # Errors
-    /// Why it cannot be written, as a sentence.
+    /// When it cannot be written; the message is a sentence.
     pub fn write(&self) -> Result<(), String> {
         self.record.write_in_turn(&self.text, self.turn)
     }
 }
 
-/// How the writing of a session ended.
+/// Result of writing a session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WritingEnded {
-    /// It is written.
+    /// It was written.
     Well,
-    /// It is written, which it could not be before.
+    /// It was written, after earlier failures.
     WellAgain,
     /// It could not be written.
     Failed,
-    /// It could not be written, for the reason for which the one before could not.
+    /// It could not be written, for the reason of the last failure.
     FailedAgain,
 }
 
-/// What one window keeps for the case that it does not end in the ordinary way, and what others have left so.
+/// The record of a window, and the records that other windows left behind.
 #[derive(Debug)]
 pub struct Recovery {
     own: Arc<Record>,
     every: Duration,
-    /// What was written last.
+    /// The text that was written last.
     written: Option<String>,
-    /// What is being written.
+    /// The text that is being written.
     given: Option<String>,
-    /// Why the last writing failed, if it did.
+    /// Reason why the last writing failed, if it did.
     failed: Option<String>,
-    /// When it was last looked whether something has changed.
+    /// Time of the last check for changes.
     looked: Option<Instant>,
     writing: Option<TaskId>,
     left: VecDeque<(Record, String)>,
@@ -94,13 +93,13 @@ pub struct Recovery {
 }
 
 impl Recovery {
-    /// A new window's.
+    /// Creates the record of a new window, and collects those left behind.
     ///
     /// # Errors
-    /// Why nothing can be kept there.
+    /// When no record can be created in the folder.
     pub fn new(kept: &KeptIn) -> io::Result<Self> {
         let own = Arc::new(Record::new(&kept.folder)?);
-        // One that this program cannot read, of a newer one say, is left to those who can.
+        // A session that this program cannot read, of a newer version for example, is left in place.
         let readable = |record: Record| {
             let text = read_text(record.session(), MAX_SESSION_BYTES).ok()?;
             let session = Session::from_toml(&text).ok()?;
@@ -112,8 +111,8 @@ impl Recovery {
         Ok(Self { own, every: kept.every, written, given, failed, looked, writing, left, restoring })
     }
 
-    /// What is to be written now, of what `session` says. Otherwise how long to wait before asking again, if that is
-    /// needed.
+    /// Session to be written now, from the text of `session`. The error is the time to wait before calling again, or
+    /// `None` if nothing is due.
     pub fn due(&mut self, session: impl FnOnce() -> Option<String>) -> Result<DueSession, Option<Duration>> {
         if self.writing.is_some() || self.restoring.is_some() {
             return Err(None);
@@ -134,18 +133,18 @@ impl Recovery {
     /// Writes `text` at once.
     ///
     /// # Errors
-    /// Why it cannot be written, as a sentence.
+    /// When it cannot be written; the message is a sentence.
     pub fn write_now(&self, text: &str) -> Result<(), String> {
         self.own.write(text)
     }
 
-    /// It is being written.
+    /// Notes the task that is writing the session.
     pub fn begun(&mut self, task: TaskId) {
         self.writing = Some(task);
     }
 
-    /// What became of the writing of the session, if the task that ended with `result` was that. What could not be
-    /// written is due again after a while.
+    /// Result of writing the session, if `task` was writing it. After a failure the session is due again at the next
+    /// interval.
     pub fn has_ended(&mut self, task: TaskId, result: Result<(), &str>) -> Option<WritingEnded> {
         self.writing.take_if(|writing| *writing == task)?;
         let given = self.given.take();
@@ -162,7 +161,7 @@ impl Recovery {
         }
     }
 
-    /// What is offered.
+    /// The offer to show, if there is one.
     pub fn offer(&self) -> Option<Offer> {
         let (record, label) = self.left.front()?;
         let age = record.saved().and_then(|saved| SystemTime::now().duration_since(saved).ok()).unwrap_or_default();
@@ -174,7 +173,7 @@ impl Recovery {
         self.left.front().map(|(record, _)| record.session())
     }
 
-    /// Forgets what is offered, for good.
+    /// Deletes the offered session, unless it is being restored.
     pub fn forget(&mut self) {
         if self.restoring.is_none()
             && let Some((record, _)) = self.left.pop_front()
@@ -183,13 +182,13 @@ impl Recovery {
         }
     }
 
-    /// What is offered is being restored, as this request.
+    /// Notes the request that restores the offered session.
     pub fn is_restored_by(&mut self, request: JobId) {
         self.restoring = Some(request);
     }
 
-    /// A request to restore a session has ended. If it was that of the offer and did what it should, the record is the
-    /// window's own from now on, in place of the one that it had; otherwise it is offered still.
+    /// Takes the end of a request to restore a session. If it was that of the offer and `is_done`, the offered record
+    /// replaces the window's own; otherwise it stays offered.
     pub fn restored(&mut self, request: JobId, is_done: bool) {
         if self.restoring.take_if(|restoring| *restoring == request).is_some()
             && is_done
@@ -200,7 +199,7 @@ impl Recovery {
         }
     }
 
-    /// The window ends in the ordinary way: its own record goes.
+    /// Removes the window's own record: the window ends normally.
     pub fn end(&self) {
         self.own.remove();
     }

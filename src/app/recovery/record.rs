@@ -1,4 +1,4 @@
-//! Records of running windows: the session that each keeps by itself, and who it belongs to.
+//! Records of running windows: the automatically saved session of each, and the lock that marks its owner.
 //!
 //! All windows keep theirs in one folder, two files each: `NAME.toml`, the session, and `NAME.lock`, on which the
 //! window holds a lock of the system as long as it lives. The system takes the lock back however the program ends, so a
@@ -15,34 +15,34 @@ use std::time::SystemTime;
 const SESSION: &str = "toml";
 const LOCK: &str = "lock";
 
-/// The record of one window, which nobody else takes while this value lives.
+/// The record of one window, whose lock nobody else can take while this value lives.
 #[derive(Debug)]
 pub struct Record {
     session: PathBuf,
-    /// The number of the newest text that is to be written.
+    /// Number of the newest text to be written.
     newest: AtomicU64,
-    /// Whoever writes or removes holds it.
+    /// Locked while writing or removing.
     held: Mutex<Held>,
 }
 
-/// What belongs to the record while it is there.
+/// Lock file and state of a record.
 #[derive(Debug)]
 struct Held {
-    /// `None` once it was removed.
+    /// `None` once the record was removed.
     lock: Option<File>,
-    /// The number of the text that was written last.
+    /// Number of the text that was written last.
     written: u64,
 }
 
-/// The place of a text among those that are to be written into a record.
+/// Position of a text in the order of writing into a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Turn(u64);
 
 impl Record {
-    /// A new record in `folder`, which is made if it is not there.
+    /// Creates a record in `folder`, and the folder if it does not exist.
     ///
     /// # Errors
-    /// What the system says; file systems without locks are refused.
+    /// When a file or folder cannot be created, or the file system has no locks.
     pub fn new(folder: &Path) -> io::Result<Self> {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         std::fs::create_dir_all(folder)?;
@@ -63,8 +63,7 @@ impl Record {
         Self { session, newest: AtomicU64::new(0), held: Mutex::new(Held { lock: Some(lock), written: 0 }) }
     }
 
-    /// The records in `folder` whose windows ended otherwise than in the ordinary way, the one that was written last
-    /// first. They belong to the caller from now on.
+    /// Records in `folder` whose windows did not end normally, the latest first. Takes over their locks.
     pub fn left_behind(folder: &Path) -> Vec<Self> {
         let mut found = Vec::new();
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -78,7 +77,7 @@ impl Record {
             let record = Self::of(session, lock);
             match record.saved() {
                 Some(saved) => found.push((saved, record)),
-                // Its window had kept nothing yet.
+                // Its window had not saved a session yet.
                 None => record.remove(),
             }
         }
@@ -91,25 +90,26 @@ impl Record {
         &self.session
     }
 
-    /// When it was written last; `None` while it was not.
+    /// Time of the last writing; `None` before the first.
     pub fn saved(&self) -> Option<SystemTime> {
         std::fs::metadata(&self.session).ok()?.modified().ok()
     }
 
-    /// The turn of a text that is to be written later: what gets its turn after it is newer.
+    /// Turn for a text that is to be written later. Later turns belong to newer texts.
     pub fn turn(&self) -> Turn {
         Turn(self.newest.fetch_add(1, Ordering::Relaxed) + 1)
     }
 
-    /// Writes the session, whole or not at all. Does nothing once the record was removed.
+    /// Writes the session atomically. Does nothing once the record was removed.
     ///
     /// # Errors
-    /// Why it cannot be written, as a sentence.
+    /// When the file cannot be written; the message is a sentence.
     pub fn write(&self, text: &str) -> Result<(), String> {
         self.write_in_turn(text, self.turn())
     }
 
-    /// The same for a text that has waited since its turn; where a newer one was written meanwhile, nothing is done.
+    /// Writes a text that has waited since it got its turn, atomically. Does nothing if a newer one was written
+    /// meanwhile, or the record was removed.
     ///
     /// # Errors
     /// As [`Self::write`].
@@ -123,11 +123,11 @@ impl Record {
         Ok(())
     }
 
-    /// Removes it: its window ends in the ordinary way, or nobody wants the session.
+    /// Removes the record: its window ends normally, or its session is not wanted.
     pub fn remove(&self) {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(lock) = held.lock.take() {
-            // The session first: a lock without one is no offer. What cannot be removed is offered once more.
+            // The session first: a lock without one is not offered. A session that cannot be removed is offered again.
             let _ = std::fs::remove_file(&self.session);
             let _ = std::fs::remove_file(self.session.with_extension(LOCK));
             drop(lock);
@@ -135,7 +135,7 @@ impl Record {
     }
 }
 
-/// The lock of this session, if nobody else has it.
+/// Locks `session`; `None` if the lock is held already, or its owner has just removed it.
 fn locked(session: &Path) -> io::Result<Option<File>> {
     let path = session.with_extension(LOCK);
     let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path)?;

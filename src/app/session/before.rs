@@ -1,4 +1,4 @@
-//! What sessions of before version 3 say of *Methods*, which had no panes then.
+//! Layout of *Methods* in sessions before version 3, in which it had no panes.
 
 use crate::app::pane::{MethodsPreset, Over};
 use crate::app::project::Model;
@@ -6,7 +6,7 @@ use crate::app::project::method::Contender;
 use crate::app::project::workspace::Workspace;
 use serde::Deserialize;
 
-/// How methods lay beside one another.
+/// Arrangement of the methods.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct MethodsBefore {
@@ -24,7 +24,7 @@ impl Default for MethodsBefore {
 }
 
 impl MethodsBefore {
-    /// What the text of such a session says.
+    /// Reads the arrangement from the text of such a session; the default if it has none that can be read.
     pub fn from_toml(text: &str) -> Self {
         #[derive(Deserialize, Default)]
         #[serde(default)]
@@ -34,7 +34,7 @@ impl MethodsBefore {
         toml::from_str::<Whole>(text).unwrap_or_default().methods
     }
 
-    /// Lays out the methods of `model` so, with pictures of B where it was open.
+    /// Arranges the methods of `model` accordingly; with `both`, with pictures of B too.
     pub fn apply(&self, model: &mut Model, both: bool) {
         model.panes.lay_out_methods(self.layout, &model.contenders(), both);
         let shown = model.panes.shown_in(Workspace::Methods);

@@ -1,7 +1,8 @@
-//! A session: what is needed to come back to the same view of the same burst, as a TOML file.
+//! A session: everything needed to restore a view of a burst, as a TOML file.
 //!
-//! Pixels and features are not kept: the burst is opened again from where it was, and the features are found again,
-//! which gives the same bits; so is a result that was pinned. The selected feature is then found again by its place.
+//! Pixels and features are not stored: the burst is opened again from its source, and the features, those of a pinned
+//! result included, are detected again, which gives the same bits. The selected feature is then identified by its
+//! place.
 
 mod before;
 mod pair;
@@ -34,33 +35,33 @@ use unknown::read_noting_unknown_keys;
 /// The version that this program writes; it reads this and older ones.
 const VERSION: u32 = 3;
 
-/// What a session file holds. A missing field has its default.
+/// Contents of a session file. A missing field has its default.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {
-    /// Version of the file's form.
+    /// Version of the file's format.
     version: u32,
-    /// Where the burst comes from.
+    /// Source of the burst.
     pub burst: BurstSource,
-    /// How it was opened: bias and flat frame and all that makes light of a file's values.
+    /// Options with which it was opened: bias and flat frame, and the conversion of a file's values to light.
     #[serde(default, skip_serializing_if = "OpenOptions::is_plain")]
     pub calibration: OpenOptions,
-    /// By what features are coloured.
+    /// Property by which features are coloured.
     #[serde(default)]
     pub colour_by: ColourBy,
     /// The tab below the picture.
     #[serde(default)]
     pub bottom_tab: BottomTab,
-    /// Whether features were there, so that they are to be found again.
+    /// Whether features were found, and are to be found again.
     #[serde(default)]
     pub detected: bool,
-    /// The detector's parameters, and how the slopes are chosen; older files give them.
+    /// The detector's parameters, and how the slopes are chosen; in older files they are given.
     #[serde(default)]
     pub params: SearchParams,
-    /// Where the cursor of A's own pane was.
+    /// Cursor of A's own pane.
     #[serde(default)]
     pub scrub: Cursor,
-    /// Its pan and zoom.
+    /// Pan and zoom of that pane.
     #[serde(default)]
     pub view: View,
     /// The panes of *Inspect*, since version 2.
@@ -72,13 +73,13 @@ pub struct Session {
     /// The panes of *Methods*, since version 3.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub methods_panes: Option<SavedPanes>,
-    /// How methods lay beside one another in sessions of before.
+    /// Arrangement of the methods in sessions before version 3.
     #[serde(skip)]
     methods_before: Option<MethodsBefore>,
     /// Ranges, maps and overlay.
     #[serde(default)]
     pub look: Look,
-    /// Which features were shown.
+    /// Filter of the features.
     #[serde(default)]
     pub filter: Filter,
     /// The table's order.
@@ -90,7 +91,7 @@ pub struct Session {
     /// The place that is probed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub probe: Option<SavedProbe>,
-    /// With what the features were compared.
+    /// Features with which those of the burst were compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub against: Option<SavedAgainst>,
     /// The dataset.
@@ -105,10 +106,10 @@ pub struct Session {
     /// The second burst and the matches.
     #[serde(default)]
     pub pair: PairSession,
-    /// Which methods were compared, and how.
+    /// Compared methods, and options of the comparison.
     #[serde(default)]
     pub methods: CompareLook,
-    /// Where the gold standard comes from.
+    /// Source of the gold standard.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gold: Option<BurstSource>,
 }
@@ -158,10 +159,10 @@ impl Session {
     /// Reads a session file's text.
     ///
     /// # Errors
-    /// What is wrong and where, as TOML's reader says it; the keys that no session of this version has; or that the
-    /// file is from a newer version.
+    /// When the text is no session file (with the TOML reader's message and place), has keys that no session of this
+    /// version has, or is of a newer version.
     pub fn from_toml(text: &str) -> Result<Self, String> {
-        // The version comes first: what a newer file holds besides cannot be known here.
+        // The version is checked first: the other contents of a newer file are unknown here.
         #[derive(Deserialize)]
         struct Head {
             version: u32,
@@ -175,7 +176,7 @@ impl Session {
         }
         let (mut session, unknown) =
             read_noting_unknown_keys::<Self>(text).map_err(|error| format!("this is not a session file: {error}"))?;
-        // What older programs wrote may since have gone; in a file of this version it is a mistake.
+        // Keys of older versions may have been removed since; in a file of this version an unknown key is a mistake.
         if session.version == VERSION && !unknown.is_empty() {
             return Err(format!("the session file has unknown keys: {}; remove or correct them", unknown.join(", ")));
         }
@@ -192,7 +193,7 @@ impl Session {
         SavedWorkspaces { placed: [self.panes.clone(), self.pair_panes.clone(), self.methods_panes.clone()] }
     }
 
-    /// Puts what the session holds into the model, whose burst was just opened.
+    /// Restores the session in `model`, whose burst was just opened.
     pub fn apply(&self, model: &mut Model) {
         self.apply_without_burst(model);
         let pane = model.panes.of_mut(Side::A);
@@ -211,7 +212,7 @@ impl Session {
         model.check_params();
     }
 
-    /// Puts into the model what is of no burst: parameters, calibration, and how things are shown.
+    /// Restores in `model` everything that belongs to no burst: parameters, calibration, and display.
     pub fn apply_without_burst(&self, model: &mut Model) {
         model.set_search(self.params.clone());
         model.calibration = self.calibration.clone();

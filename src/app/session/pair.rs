@@ -1,4 +1,4 @@
-//! What a session holds of the second burst and the matches.
+//! The second burst and the matches in a session.
 
 use super::sources::{absolute, gold_source};
 use crate::app::canvas::View;
@@ -13,30 +13,30 @@ use crate::matching::MatchParams;
 use crate::requests::BurstSource;
 use serde::{Deserialize, Serialize};
 
-/// What a session file holds of the second burst and the matches.
+/// The second burst and the matches as a session file stores them.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PairSession {
-    /// Where the second burst comes from, if one was open.
+    /// Source of the second burst, if one was open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub burst: Option<BurstSource>,
-    /// Where its gold standard comes from.
+    /// Source of its gold standard.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gold: Option<BurstSource>,
-    /// Whose cursor moved.
+    /// Side of the pane in focus.
     pub active: Side,
-    /// What moved together.
+    /// Links between the two bursts' panes.
     pub links: Links,
     /// The parameters of matching.
     pub params: MatchParams,
-    /// Where B's cursor was.
+    /// B's cursor.
     pub scrub: Cursor,
     /// B's pan and zoom.
     pub view: View,
     /// B's ranges and maps, where they were its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look: Option<Look>,
-    /// How matches looked.
+    /// Display of matches.
     pub match_look: MatchLook,
     /// The table's order.
     pub order: Order<MatchColumn>,
@@ -63,7 +63,7 @@ impl PairSession {
         }
     }
 
-    /// Puts what it holds into the model, whose second burst (if there was one) was just opened.
+    /// Restores it in `model`, whose second burst (if there was one) was just opened.
     pub fn apply(&self, model: &mut Model) {
         let pair = &mut model.pair;
         pair.params = self.params.clone();

@@ -1,4 +1,4 @@
-//! Where what a session holds comes from: bursts, datasets, trajectories, all by absolute paths.
+//! Sources of a session's bursts, dataset and trajectories, all by absolute paths.
 
 use crate::app::project::Model;
 use crate::app::project::datasets::Dataset;
@@ -15,9 +15,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedDataset {
-    /// Where its bursts come from.
+    /// Source of its bursts.
     pub source: DatasetSource,
-    /// Where its features are kept.
+    /// Folder in which its features are kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub folder: Option<PathBuf>,
     /// The places of the bursts that were A and B.
@@ -32,13 +32,13 @@ pub struct SavedDataset {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedTrajectories {
-    /// Where the estimate is.
+    /// File of the estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimate: Option<PathBuf>,
-    /// Where the truth is.
+    /// File of the truth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<PathBuf>,
-    /// From which side they were seen.
+    /// Direction from which they were seen.
     #[serde(default)]
     pub projection: Projection,
 }
@@ -47,7 +47,7 @@ pub(super) fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
     model.compare.gold[side as usize].as_ref().map(|gold| absolute(&gold.source))
 }
 
-/// The same source with absolute paths, so that the session can be opened from any folder.
+/// `source` with absolute paths, so that the session can be opened from any folder.
 pub(super) fn absolute(source: &BurstSource) -> BurstSource {
     match source {
         BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => source.clone(),

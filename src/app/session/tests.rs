@@ -1,4 +1,4 @@
-//! A session comes back as it was, whatever happened to its file.
+//! Tests that a session is restored unchanged, and that damaged files are reported.
 
 use super::*;
 use crate::app::project::against::With;
@@ -51,7 +51,7 @@ fn with_what_features_were_compared_comes_back_and_older_sessions_have_none() {
     session.apply(&mut restored);
     assert_eq!(restored.saved_against(), session.against);
     assert_eq!(Session::of(&restored).expect("a burst is open").against, session.against);
-    // Another session has nothing of it.
+    // A session without a comparison removes it.
     session.against = None;
     session.apply(&mut restored);
     assert!(restored.saved_against().is_none());
@@ -80,7 +80,7 @@ fn unknown_keys_are_named_wherever_they_are_and_older_files_may_have_them() {
     for table in tables {
         let misspelt = text.replacen(table, &format!("{table}\nmisspelt = 1"), 1);
         let error = Session::from_toml(&misspelt).expect_err(table);
-        // A value of several kinds is a table with its kind as the only key.
+        // A value of an enum is a table with the variant as the only key.
         let of_one_kind = error.contains("wanted exactly 1 element");
         assert!(error.contains("misspelt") || (of_one_kind && error.contains(table)), "{table}: {error}");
         of_one_kinds += usize::from(of_one_kind);
@@ -93,7 +93,7 @@ fn unknown_keys_are_named_wherever_they_are_and_older_files_may_have_them() {
     let error = Session::from_toml(&misspelt).expect_err("unknown");
     assert!(error.contains("pair.links.misspelt"), "{error}");
     assert!(Session::from_toml(&misspelt.replacen("version = 3", "version = 2", 1)).is_ok());
-    // Within a value of several kinds.
+    // Within a value of an enum.
     let inner = "version = 3\nburst = { dark_copy = { of = \"demo\", noise = 0.1, seed = 3 } }";
     let error = Session::from_toml(inner).expect_err("unknown");
     assert!(error.contains("seed"), "{error}");

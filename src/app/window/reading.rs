@@ -1,4 +1,4 @@
-//! What others read of the window: places, values under the pointer, what is remembered.
+//! Reading access to the window: places, values under the pointer, remembered settings.
 
 use super::BurstscopeApp;
 use crate::app::actions::Queue;
@@ -12,17 +12,17 @@ use crate::dataset::DatasetSource;
 use crate::requests::BurstSource;
 
 impl BurstscopeApp {
-    /// Where a place of the image (in pixels) is in the window (in points), as last drawn.
+    /// Window place (points) of an image place (pixels) in the pane in focus, as last drawn.
     pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
         self.widgets.pos_ui(self.model.focus(), pos_image)
     }
 
-    /// The same in the pane of the burst of `side`.
+    /// Window place (points) of an image place (pixels) in the pane of the burst of `side`, as last drawn.
     pub fn ui_from_image_of(&self, side: Side, pos_image: egui::Pos2) -> Option<egui::Pos2> {
         self.widgets.pos_ui(PaneId::of(side), pos_image)
     }
 
-    /// What the open workspace reads and changes.
+    /// Parts of the window that the open workspace reads and changes.
     pub(in crate::app) fn workspace_parts<'a>(&'a mut self, queue: &'a mut Queue) -> WorkspaceParts<'a> {
         WorkspaceParts {
             model: &mut self.model,
@@ -48,7 +48,7 @@ impl BurstscopeApp {
         readouts.into_iter().next().map(|readout: Readout| readout.to_string())
     }
 
-    /// What is remembered from the last time.
+    /// Settings remembered from earlier runs.
     pub fn remembered(&self) -> &Settings {
         &self.settings
     }

@@ -1,4 +1,4 @@
-//! One dataset with the states of its bursts and the matches of its pairs.
+//! A dataset with the states of its bursts and the matches of its pairs.
 
 use super::pairs::{BurstPair, PairTable, pair_of};
 use super::state::{BurstState, StateCounts};
@@ -13,21 +13,21 @@ use std::sync::Arc;
 /// A dataset that is open.
 #[derive(Debug, Clone)]
 pub struct Dataset {
-    /// Where it comes from.
+    /// Source of the dataset.
     pub source: DatasetSource,
     /// Its bursts; at least one.
     pub bursts: Bursts,
-    /// Where its features are kept.
+    /// Folder in which its features are kept.
     pub folder: Option<PathBuf>,
-    /// Why they cannot be kept there.
+    /// Reason why they cannot be kept there.
     pub folder_error: Option<String>,
-    /// The parameters that the states are about.
+    /// The parameters to which the states refer.
     pub params: SearchParams,
-    /// How its bursts are opened.
+    /// Options with which its bursts are opened.
     pub open: OpenOptions,
     /// Other parameters, with which the features in the folder were found.
     pub other_params: Option<SearchParams>,
-    /// How far each burst is.
+    /// State of each burst.
     pub states: Vec<BurstState>,
     /// The bursts chosen as A and B, by their places.
     pub pair: [Option<usize>; 2],
@@ -36,7 +36,7 @@ pub struct Dataset {
 }
 
 impl Dataset {
-    /// What was just opened.
+    /// The dataset of the engine's answer; nothing is chosen and nothing matched.
     pub fn new(open: OpenDataset) -> Self {
         let states = open.finished.into_iter().map(|f| f.map_or(BurstState::Waiting, BurstState::Done)).collect();
         Self {
@@ -53,7 +53,8 @@ impl Dataset {
         }
     }
 
-    /// Takes a newer look at the same bursts: another folder, other parameters. What was chosen stays chosen.
+    /// Replaces the dataset by a newer reading of the same bursts, with another folder or other parameters. The chosen
+    /// pair stays; the matches stay if folder, parameters and options are unchanged.
     pub fn look_again(&mut self, open: OpenDataset) {
         let (pair, matches) = (self.pair, std::mem::take(&mut self.matches));
         let same_features = self.folder == open.folder && self.params == open.params && self.open == open.open;
@@ -64,7 +65,7 @@ impl Dataset {
         }
     }
 
-    /// The place of the burst that is open in the inspector, if it is one of these.
+    /// Place of the burst that is open in the inspector, if it belongs to the dataset.
     pub fn place_of(&self, open: Option<&OpenBurst>) -> Option<usize> {
         let crate::requests::BurstSource::Paths(paths) = &open?.source else { return None };
         self.bursts.iter().position(|b| b.paths == *paths)
@@ -83,8 +84,7 @@ impl Dataset {
         self.bursts.get(place).map(|burst| crate::requests::BurstSource::Paths(burst.paths.clone()))
     }
 
-    /// Gives a burst that was opened from here the name that it has here: a cut sequence's bursts all lie in one
-    /// folder.
+    /// Gives an open burst of the dataset its name in the dataset: the bursts of a cut sequence all lie in one folder.
     pub fn name_as_here(&self, open: &mut OpenBurst) {
         if let Some(BurstSource { name, .. }) = self.place_of(Some(open)).and_then(|place| self.bursts.get(place))
             && open.burst.name != *name
@@ -93,7 +93,7 @@ impl Dataset {
         }
     }
 
-    /// Chooses what was chosen in a session, where that is there.
+    /// Chooses the bursts A and B of a session, where these places exist.
     pub fn restore_pair(&mut self, pair: [Option<usize>; 2]) {
         for (side, place) in pair.into_iter().enumerate() {
             if let Some(place) = place.filter(|p| self.pair[side] != Some(*p)) {
@@ -102,13 +102,13 @@ impl Dataset {
         }
     }
 
-    /// Where and how features are kept.
+    /// Folder, parameters and options for keeping features; `None` if they cannot be kept.
     pub fn keeping(&self) -> Option<Keeping> {
         let folder = self.folder.clone().filter(|_| self.folder_error.is_none())?;
         Some(Keeping { folder, params: self.params.clone(), open: self.open.clone() })
     }
 
-    /// How many bursts are how far.
+    /// Numbers of bursts by state.
     pub fn counts(&self) -> StateCounts {
         let mut counts = StateCounts::default();
         for state in &self.states {
@@ -132,14 +132,15 @@ impl Dataset {
         ImageCounts::of(&keypoints, &pairs).filter(|_| !pairs.is_empty())
     }
 
-    /// Whether finding features with `params` writes over features of other parameters.
+    /// Whether finding features with `params` overwrites features of other parameters.
     pub fn would_replace(&self, params: &SearchParams) -> bool {
         let others_here = self.params != *params && self.counts().done > 0;
         let others_in_folder = self.other_params.as_ref().is_some_and(|others| others != params);
         self.keeping().is_some() && (others_here || others_in_folder)
     }
 
-    /// Prepares for finding features with `params`: with other ones nothing is finished any more.
+    /// Prepares for finding features with `params`: if these differ from the present ones, all bursts wait and all
+    /// matches are forgotten; otherwise finished bursts stay so.
     pub fn begin_detection(&mut self, params: &SearchParams) {
         let others = self.params != *params;
         if others {
@@ -153,14 +154,14 @@ impl Dataset {
         }
     }
 
-    /// Takes what happened.
+    /// Updates states and matches after an event of the work.
     pub fn take_event(&mut self, event: &DatasetEvent) {
         let (index, state) = match event {
-            // One that is finished is only looked through.
+            // A finished burst is only checked.
             DatasetEvent::Begun { index } if matches!(self.states.get(*index), Some(BurstState::Done(_))) => return,
             DatasetEvent::Begun { index } => (*index, BurstState::Running),
             DatasetEvent::Done { index, finished } => {
-                // Features of other parameters are being replaced by these.
+                // These features replace those of other parameters.
                 self.other_params = None;
                 if !matches!(self.states.get(*index), Some(BurstState::Done(_))) {
                     self.matches.forget_burst(*index);
@@ -189,7 +190,7 @@ impl Dataset {
         self.pair = [Some(a), Some(b)];
     }
 
-    /// Nothing runs any more: what was begun and not finished waits.
+    /// Marks running bursts as waiting: the work has ended.
     pub fn stop(&mut self) {
         for state in &mut self.states {
             if *state == BurstState::Running {
@@ -198,7 +199,8 @@ impl Dataset {
         }
     }
 
-    /// Chooses the burst at `place` as A (0) or B (1); one that is chosen already is chosen no more. No burst is both.
+    /// Chooses the burst at `place` as A (`side` 0) or B (1), or clears the choice if it is chosen already. A burst
+    /// that was the other of the two no longer is.
     pub fn choose(&mut self, side: usize, place: usize) {
         let chosen = self.pair[side] == Some(place);
         self.pair[side] = (!chosen && place < self.bursts.len()).then_some(place);
@@ -251,7 +253,7 @@ mod tests {
         open.take_event(&DatasetEvent::Failed { index: 2, error: "x.png: empty".into() });
         assert_eq!(open.states[2].sentence(), "failed: x.png: empty");
         open.take_event(&DatasetEvent::Begun { index: 99 });
-        // What failed is tried again; with other parameters everything is.
+        // Failed bursts are tried again; with other parameters all bursts are.
         open.begin_detection(&SearchParams::default());
         assert_eq!((open.counts().done, open.counts().failed), (2, 0));
         let mut other = SearchParams::default();

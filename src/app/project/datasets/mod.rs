@@ -1,5 +1,4 @@
-//! What is known of datasets, as plain values: the bursts with their states, the matches of their pairs, what is being
-//! done.
+//! State of datasets, as plain values: the bursts with their states, the matches of their pairs, the work in progress.
 
 mod dataset;
 pub mod pairs;
@@ -12,21 +11,21 @@ use crate::engine::Wanted;
 use crate::matching::PairSelection;
 use crate::requests::DatasetRequest;
 
-/// What is being done with the dataset.
+/// Kind of work on a dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
-    /// It is being opened, or looked at again.
+    /// Opening the dataset, or reading it again.
     Opening,
-    /// Features are being found.
+    /// Finding the features of its bursts.
     Detecting,
-    /// Pairs are being matched.
+    /// Matching pairs of its bursts.
     Matching,
-    /// What COLMAP's mapper takes is being written.
+    /// Writing the input of COLMAP's mapper.
     Exporting,
 }
 
 impl Work {
-    /// What it is called in messages.
+    /// Title of the work in messages.
     pub fn title(self) -> &'static str {
         match self {
             Self::Opening => "Open dataset",
@@ -37,12 +36,12 @@ impl Work {
     }
 }
 
-/// Which pairs are matched.
+/// Choice of the pairs to match.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PairChoice {
-    /// Only each burst with the next few.
+    /// Whether each burst is matched with the next few only.
     pub neighbours: bool,
-    /// How many those are, 1 or more.
+    /// Number of these next bursts, 1 or more.
     pub overlap: usize,
 }
 
@@ -53,29 +52,29 @@ impl Default for PairChoice {
 }
 
 impl PairChoice {
-    /// The choice as the dataset's workspace knows it.
+    /// The choice as a selection for matching.
     pub fn selection(self) -> PairSelection {
         if self.neighbours { PairSelection::Sequential(self.overlap) } else { PairSelection::All }
     }
 }
 
-/// Everything about datasets.
+/// The open dataset, and the work on it.
 #[derive(Debug, Default)]
 pub struct Datasets {
     /// The dataset that is open.
     pub open: Option<Dataset>,
-    /// What is being done, as it was asked for.
+    /// The work in progress, if there is any.
     pub work: Option<Work>,
-    /// The request for it.
+    /// The request for this work.
     pub wanted: Wanted<DatasetRequest>,
-    /// Which pairs are matched.
+    /// Choice of the pairs to match.
     pub choice: PairChoice,
-    /// A and B of the session that the dataset being opened belongs to, if it belongs to one.
+    /// Places of A and B in the session to which the dataset being opened belongs, if it belongs to one.
     pub restoring: Option<[Option<usize>; 2]>,
 }
 
 impl Datasets {
-    /// Whether features of `params` can be looked for now.
+    /// Whether features can be detected now.
     pub fn can_detect(&self, params_are_valid: bool) -> bool {
         let ready = |d: &Dataset| d.folder.is_some() && d.folder_error.is_none();
         self.work.is_none() && params_are_valid && self.open.as_ref().is_some_and(ready)
@@ -86,11 +85,11 @@ impl Datasets {
         self.can_detect(params_are_valid) && self.open.as_ref().is_some_and(|d| d.counts().done > 1)
     }
 
-    /// The share of the burst being worked on that is done, from the share of the whole.
+    /// Finished share of the burst in work, 0 to 1, computed from the progress over all bursts.
     pub fn burst_fraction(&self) -> f32 {
         let bursts = self.open.as_ref().map_or(1, |d| d.bursts.len()) as f32;
         let whole = self.wanted.running().and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
-        // The last burst's end is 1, not 0.
+        // At the end of the last burst the share is almost 1, not 0.
         (bursts * whole).min(bursts - 1e-3).fract()
     }
 }

@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 /// Two bursts by their places, the earlier one first.
 pub type BurstPair = (usize, usize);
 
-/// The pair of the bursts at two different places.
+/// The pair of the bursts at two places, the lower place first; `None` if the places are equal.
 pub fn pair_of(a: usize, b: usize) -> Option<BurstPair> {
     (a != b).then_some((a.min(b), a.max(b)))
 }
 
-/// What a pair is ordered by.
+/// Column of the table of pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PairColumn {
     /// The places of its bursts.
@@ -46,7 +46,7 @@ impl PairColumn {
         }
     }
 
-    /// What the column tells.
+    /// Description of the column's values.
     pub fn help(self) -> &'static str {
         match self {
             Self::Pair => "The two bursts",
@@ -90,8 +90,7 @@ pub struct PairOrder {
 }
 
 impl PairOrder {
-    /// The order after a click on the heading of `column`: numbers begin with the largest, a second click turns it
-    /// round.
+    /// The order after a click on the heading of `column`: numbers begin with the largest; a second click reverses it.
     #[must_use]
     pub fn clicked(self, column: PairColumn) -> Self {
         let descending = if self.column == column { !self.descending } else { column != PairColumn::Pair };
@@ -109,7 +108,7 @@ pub struct PairTable {
 }
 
 impl PairTable {
-    /// Prepares for matches made with `params`: those made with other ones are forgotten.
+    /// Prepares for matches made with `params`; forgets those made with other parameters.
     pub fn begin(&mut self, params: &MatchParams) {
         if self.params != *params {
             self.counts.clear();
@@ -132,7 +131,7 @@ impl PairTable {
         &self.params
     }
 
-    /// Takes the numbers of a pair.
+    /// Stores the numbers of a pair.
     pub fn take(&mut self, pair: BurstPair, counts: MatchCounts) {
         self.counts.insert(pair, counts);
     }
@@ -142,7 +141,7 @@ impl PairTable {
         self.counts.get(&pair)
     }
 
-    /// How many pairs were matched.
+    /// Number of pairs that were matched.
     pub fn len(&self) -> usize {
         self.counts.len()
     }
@@ -152,7 +151,7 @@ impl PairTable {
         self.counts.is_empty()
     }
 
-    /// What a cell of the matrix shows: inliers, or putative matches where no geometry was asked for.
+    /// Number that a cell of the matrix shows: inliers, or putative matches where no geometry was estimated.
     pub fn strength(counts: &MatchCounts) -> usize {
         counts.inliers.unwrap_or(counts.putative)
     }
@@ -173,7 +172,7 @@ impl PairTable {
         rows.sort_by(|a, b| {
             let order = if column == PairColumn::Pair { a.0.cmp(&b.0) } else { by_value(&a.1, &b.1) };
             let order = if self.order.descending { order.reverse() } else { order };
-            // Equal ones stay in the order of the bursts.
+            // Equal pairs stay in the order of the bursts.
             order.then(if column == PairColumn::Pair { Ordering::Equal } else { a.0.cmp(&b.0) })
         });
         rows

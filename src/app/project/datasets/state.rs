@@ -1,23 +1,23 @@
-//! How far a burst of a dataset is.
+//! States of a dataset's bursts.
 
 use crate::dataset::FinishedBurst;
 use crate::inspect::words::counted;
 
-/// How far a burst is.
+/// State of a burst.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BurstState {
-    /// Its features are not there, or were found with other parameters.
+    /// Its features were not found yet, or with other parameters.
     Waiting,
     /// Its features are being found.
     Running,
     /// Its features are in the dataset's folder.
     Done(FinishedBurst),
-    /// It has no features, and why.
+    /// Finding its features failed, for this reason.
     Failed(String),
 }
 
 impl BurstState {
-    /// In a few words, as it stands below a burst's picture.
+    /// The state in a few words, for below a burst's picture.
     pub fn text(&self) -> String {
         match self {
             Self::Waiting => "waiting".to_owned(),
@@ -29,7 +29,7 @@ impl BurstState {
         }
     }
 
-    /// In a sentence, for tooltips and screen readers.
+    /// The state in a sentence, for tooltips and screen readers.
     pub fn sentence(&self) -> String {
         match self {
             Self::Waiting => "waiting: no features with these parameters yet".to_owned(),
@@ -44,13 +44,13 @@ impl BurstState {
     }
 }
 
-/// How many bursts are how far.
+/// Numbers of bursts by state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct StateCounts {
-    /// Finished.
+    /// Number of bursts that are finished.
     pub done: usize,
-    /// Failed.
+    /// Number of bursts that failed.
     pub failed: usize,
-    /// Features of all that are finished.
+    /// Number of features in all finished bursts.
     pub features: usize,
 }
