@@ -2,7 +2,7 @@
 //! the requests and computes their answers; this module decides when, and on which thread. Nothing here names a kind of
 //! request.
 //!
-//! The [`Engine`] has one [queue](JobQueue) for everything. A part of the window that shows an answer holds a
+//! The [`Engine`] has one queue for everything. A part of the window that shows an answer holds a
 //! [`Wanted`], which asks for one thing at a time: the latest request wins, so scrubbing stays live while a detection
 //! runs. Each request is an immutable snapshot with an id, and ends in exactly one answer, which is published before
 //! `on_update` is called. A panic in the work becomes an error with its place.

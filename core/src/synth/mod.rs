@@ -14,12 +14,12 @@
 //! each frame has its own random stream, and functions such as the logarithm come from `libm`, not from the system.
 //!
 //! ```
-//! use burstscope::synth::{ChartParams, synth_chart};
-//! use burstscope::Monitor;
+//! use burstscope_core::synth::{ChartParams, synth_chart};
+//! use burstscope_core::Monitor;
 //! let params = ChartParams { width: 160, height: 120, discs: 4, frames: 3, ..ChartParams::default() };
 //! let (burst, truth) = synth_chart(&params, &Monitor::default())?;
 //! assert_eq!((burst.len(), truth.features.len()), (3, 4));
-//! # Ok::<(), burstscope::synth::SynthError>(())
+//! # Ok::<(), burstscope_core::synth::SynthError>(())
 //! ```
 
 mod capture;
