@@ -220,11 +220,20 @@ fn make_folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
     for folder in missing.into_iter().rev() {
         match std::fs::create_dir(folder) {
             Ok(()) => made.insert(0, folder.to_path_buf()),
-            Err(error) if error.kind() == ErrorKind::AlreadyExists && folder.is_dir() => {}
+            // Another process created it, and may have removed it again by now, which is seen below.
+            Err(error) if error.kind() == ErrorKind::AlreadyExists && !folder.is_symlink() => {}
             Err(error) => return Err(error),
         }
     }
-    if folder.is_dir() || folder.as_os_str().is_empty() { Ok(made) } else { Err(ErrorKind::NotADirectory.into()) }
+    if folder.as_os_str().is_empty() {
+        return Ok(made);
+    }
+    match std::fs::metadata(folder) {
+        Ok(found) if found.is_dir() => Ok(made),
+        Ok(_) => Err(ErrorKind::NotADirectory.into()),
+        // [`ErrorKind::NotFound`] if another process has removed it meanwhile.
+        Err(error) => Err(error),
+    }
 }
 
 /// Removes the locks of folders in `parent` that killed runs have left.

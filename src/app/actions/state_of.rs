@@ -81,7 +81,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         }
         A::SlopeULess | A::SlopeUMore | A::SlopeVLess | A::SlopeVMore | A::SlopeZero | A::SnapSlope => has_burst,
         A::Play => has_burst && model.cursor_params().slopes.len() > 1,
-        A::FramePrevious | A::FrameNext => has_burst && model.hand_frame_count() > 1,
+        A::FramePrevious | A::FrameNext => has_burst && model.focused_frame_count() > 1,
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => has_burst,
         A::Detect => {
             has_burst

@@ -24,7 +24,7 @@ pub fn cursor_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 }
 
 fn frame_row(ui: &mut Ui, model: &mut Model) {
-    let last = model.hand_frame_count().saturating_sub(1) as f32;
+    let last = model.focused_frame_count().saturating_sub(1) as f32;
     let mut frame = model.cursor().frame as f32;
     let row = CursorRow {
         label: "Frame",
@@ -93,7 +93,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 fn scale_rows(ui: &mut Ui, model: &mut Model) {
-    let octaves = octave_range(model.cursor_params(), model.hand_size());
+    let octaves = octave_range(model.cursor_params(), model.focused_size());
     let levels = level_range(model.cursor_params());
     let (mut octave, mut level) = (model.cursor().octave as f32, model.cursor().level as f32);
     let row = |label, help, range: std::ops::RangeInclusive<i32>| CursorRow {

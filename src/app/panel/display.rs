@@ -53,7 +53,7 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
         RangeClass::Noise => &mut state.noise,
         RangeClass::Share | RangeClass::Motion => &mut state.share,
     };
-    panel.ui(ui, pictures.shown(), pictures.visible_image, model.hand_ranges_mut().display_mut(class));
+    panel.ui(ui, pictures.shown(), pictures.visible_image, model.focused_ranges_mut().display_mut(class));
 }
 
 /// Draws the switches of the overlays.

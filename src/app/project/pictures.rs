@@ -98,12 +98,12 @@ impl Model {
     }
 
     /// Number of frames of the burst in focus; 0 without one.
-    pub fn hand_frame_count(&self) -> usize {
+    pub fn focused_frame_count(&self) -> usize {
         self.burst_of(self.focused().side).map_or(0, |open| open.burst.len())
     }
 
     /// (columns, rows) of the burst in focus; (0, 0) without one.
-    pub fn hand_size(&self) -> (usize, usize) {
+    pub fn focused_size(&self) -> (usize, usize) {
         self.burst_of(self.focused().side).map_or((0, 0), |open| open.burst.size())
     }
 

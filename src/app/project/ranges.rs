@@ -23,7 +23,7 @@ impl Model {
     }
 
     /// Value ranges of the pane in focus, for changing: its own, or those that panes share.
-    pub fn hand_ranges_mut(&mut self) -> &mut Ranges {
+    pub fn focused_ranges_mut(&mut self) -> &mut Ranges {
         let focus = self.focus();
         match self.panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
             Some(own) => own,

@@ -207,7 +207,7 @@ fn a_pane_that_does_not_share_its_display_has_its_own() {
     assert_eq!(model.display_of(a), model.display_of(b));
     model.set_link(b, Link::Display, false);
     model.panes.set_focus(b);
-    model.hand_ranges_mut().intensity.max = 0.123;
+    model.focused_ranges_mut().intensity.max = 0.123;
     assert_ne!(model.display_of(a), model.display_of(b));
     model.set_link(b, Link::Display, true);
     assert_eq!(model.display_of(a), model.display_of(b));
