@@ -13,7 +13,7 @@ use crate::detector::scale_space::levels::{ScaleSpace, octave_size, searched_oct
 use crate::detector::scale_space::octave::Base;
 use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
 use crate::detector::stack::offsets::{coverage, frame_offsets, motion_stack};
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;

@@ -5,7 +5,7 @@ use crate::detector::params::slope_grid::SlopeGrid;
 use crate::detector::scale_space::levels::ScaleSpace;
 use crate::detector::scale_space::octave::Base;
 use crate::detector::stack::refined::OctaveFrames;
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::monitor::Monitor;
 
 /// Inputs for describing the keypoints of one octave.

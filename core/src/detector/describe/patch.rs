@@ -1,8 +1,7 @@
 //! The pixels around one feature, from the frames or from an octave's stored first level.
 
 use crate::detector::scale_space::octave::Base;
-use crate::kernel::patch::{Patch, PatchScratch, inside};
-use crate::kernel::stack_patch::stack_patch;
+use crate::kernel::patch::{Patch, PatchScratch, inside, stack_patch};
 use std::ops::Range;
 
 /// Pixels within `radius` of the pixel in which `place` lies.

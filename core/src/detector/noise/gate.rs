@@ -12,7 +12,7 @@
 
 use crate::detector::params::{DetectorParams, NoiseGate, SlopeExtrema};
 use crate::detector::scale_space::levels::{SIGMA_INPUT, ScaleSpace};
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 
 /// Variance of D of the mean over the frames at `offsets`, at `octave` and `level` (−1 … S), for white noise of
 /// variance 1 in each frame, where all frames cover the pixel.

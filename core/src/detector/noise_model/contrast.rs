@@ -7,7 +7,7 @@
 use super::pyramid::BoxPyramid;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::octave::stack_tiles;
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;

@@ -11,7 +11,7 @@ use super::warning::NoiseWarning;
 use crate::detector::noise::gate::dog_noise_variance;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::levels::ScaleSpace;
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::plane::Plane;
 use serde::Serialize;
 

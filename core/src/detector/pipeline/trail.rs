@@ -19,7 +19,7 @@ use crate::detector::search::groups::FirstLevels;
 use crate::detector::search::inputs::Inputs;
 use crate::detector::search::setup::Search;
 use crate::detector::stack::offsets::coverage;
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use std::collections::HashMap;

@@ -7,8 +7,7 @@
 use crate::detector::scale_space::levels::ScaleSpace;
 use crate::detector::stack::offsets::stack_row;
 use crate::kernel::gaussian_bank::{Axis, FilterBank, FilterScratch, filter_tile};
-use crate::kernel::offset::FrameOffset;
-use crate::kernel::stack_rows::RowStacker;
+use crate::kernel::stack::{FrameOffset, RowStacker};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;

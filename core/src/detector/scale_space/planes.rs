@@ -6,7 +6,7 @@
 use crate::detector::scale_space::levels::{ScaleSpace, octave_size};
 use crate::detector::scale_space::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use crate::kernel::gaussian_bank::FilterScratch;
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile, cuts, split_mut};

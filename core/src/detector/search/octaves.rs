@@ -18,7 +18,7 @@ use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
 use crate::detector::search::tile::Octave;
 use crate::kernel::gaussian_bank::FilterScratch;
 use crate::kernel::machine::{STACKED_SLOPES, TILE_COLUMNS, TILE_ROWS, WINDOW_BYTES, WINDOWS_BYTES};
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile, cuts, split_mut};

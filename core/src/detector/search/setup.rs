@@ -11,7 +11,7 @@ use crate::detector::search::inputs::Inputs;
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::offsets::{FrameTimes, frame_offsets};
 use crate::kernel::gaussian_bank::{FilterBank, FilterScratch};
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::tile::Tile;

@@ -12,7 +12,7 @@ use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema}
 use crate::detector::search::groups::{FirstLevels, SlopeGroup};
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::offsets::coverage;
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::monitor::Cancelled;
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;

@@ -9,8 +9,7 @@
 
 use crate::detector::params::Interpolation;
 use crate::detector::params::slope_grid::Slope;
-use crate::kernel::offset::FrameOffset;
-use crate::kernel::stack_rows::RowStacker;
+use crate::kernel::stack::{FrameOffset, RowStacker};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -135,7 +134,7 @@ pub fn motion_stack(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::weighted_sum::sample_clamped;
+    use crate::kernel::stack::sample_clamped;
     use proptest::prelude::*;
 
     /// The definition, pixel by pixel.

@@ -11,7 +11,7 @@ use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::levels::{SIGMA_INPUT, octave_size};
 use crate::detector::scale_space::octave::Base;
 use crate::detector::stack::offsets::{FrameTimes, interpolation_blur, shifted_offsets};
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::plane::Plane;
 use rayon::prelude::*;
 use std::borrow::Cow;
