@@ -3,7 +3,7 @@
 use crate::support::{Start, Window};
 use burstscope::app::measure::Tool;
 use burstscope::app::project::BottomTab;
-use burstscope::plane::profile::{profile, region_statistics};
+use burstscope::plane::sample::{profile, region_statistics};
 use burstscope::plane::statistics::Region;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};

@@ -17,9 +17,9 @@ use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{load, store};
 use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows};
 use crate::plane::Plane;
-use crate::plane::aligned::Aligned;
 use crate::plane::blur::GaussianKernel;
 use crate::plane::tile::Region;
+use crate::plane::vectors::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 

@@ -16,8 +16,7 @@
 
 use crate::kernel::machine::{MAX_VECTORS, in_vectors, load, store};
 use crate::plane::Plane;
-use crate::plane::aligned::Aligned;
-use crate::plane::blocks::{BlockSize, LARGE, SMALL, for_blocks};
+use crate::plane::vectors::{Aligned, BlockSize, LARGE, SMALL, for_blocks};
 use multiversion::multiversion;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;

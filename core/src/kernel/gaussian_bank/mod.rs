@@ -18,9 +18,9 @@ mod weights;
 pub use weights::Axis;
 
 use crate::kernel::machine::{BATCH_ROWS, MAX_LEVEL_ROWS};
-use crate::plane::aligned::Aligned;
 use crate::plane::blur::GaussianKernel;
 use crate::plane::tile::{Region, Tile};
+use crate::plane::vectors::Aligned;
 use passes::{
     BLOCK, Band, Blocks, Packed, Sink, convolve_row, edge_columns, edge_rows, inner_rows, packed, whole_blocks,
 };

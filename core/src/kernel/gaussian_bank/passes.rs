@@ -15,7 +15,7 @@
 pub(crate) use crate::kernel::machine::{BLOCK_COLUMNS as BLOCK, WIDEST_VECTOR as VECTOR};
 
 use crate::kernel::gaussian_bank::weights::{Axis, Dense, Weights};
-use crate::plane::aligned::Aligned;
+use crate::plane::vectors::Aligned;
 use pulp::Simd;
 use std::ops::Range;
 

@@ -5,7 +5,7 @@
 //! matrices; the rows of that product for places near the border are the weights with which the input's pixels enter.
 
 use crate::kernel::gaussian_bank::FilterBank;
-use crate::kernel::gaussian_bank::passes::VECTOR;
+use crate::kernel::machine::WIDEST_VECTOR as VECTOR;
 use crate::plane::blur::GaussianKernel;
 use std::ops::Range;
 
