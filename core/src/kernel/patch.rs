@@ -170,7 +170,7 @@ impl Patch {
 }
 
 /// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, which have one size, at their
-/// [`crate::detector::stack::offsets::frame_offsets`].
+/// [`crate::detector::stack::frame_offsets`].
 pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, sums: &mut WeightedRows) {
     let part = part_inside(patch, frames[0].size());
     stack_part(frames, offsets, &part, patch, sums);
@@ -379,8 +379,8 @@ mod tests {
     use super::*;
     use crate::detector::params::Interpolation;
     use crate::detector::params::slope_grid::Slope;
-    use crate::detector::scale_space::octave::Base;
-    use crate::detector::stack::offsets::frame_offsets;
+    use crate::detector::scale_space::Base;
+    use crate::detector::stack::frame_offsets;
     use crate::kernel::patch::PatchScratch;
     use crate::plane::blur::gaussian_blur;
 

@@ -102,7 +102,7 @@ impl<'a> Run<'a> {
 
 impl<'a> RowStacker<'a> {
     /// Stacker for `frames` of one size in time order and, for each slope, their
-    /// [`crate::detector::stack::offsets::frame_offsets`].
+    /// [`crate::detector::stack::frame_offsets`].
     pub fn new(frames: &'a [&'a Plane], slopes: Vec<&'a [FrameOffset]>) -> Self {
         let vertical = |slope: &[FrameOffset]| -> Vec<(i64, f32, i64)> {
             slope.iter().map(|o| (o.whole_v, o.part_v, o.before_v)).collect()

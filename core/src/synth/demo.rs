@@ -285,7 +285,7 @@ fn lanterns(reach: f64) -> Layer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::stack::offsets::motion_stack;
+    use crate::detector::stack::motion_stack;
     use crate::detector::{Interpolation, Slope};
 
     /// A checksum of all frames (FNV-1a over the converter's levels).

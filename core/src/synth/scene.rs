@@ -249,7 +249,7 @@ fn stripes(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::stack::offsets::motion_stack;
+    use crate::detector::stack::motion_stack;
     use crate::detector::{Interpolation, Slope};
     use crate::plane::Plane;
 

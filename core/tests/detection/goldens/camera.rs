@@ -11,8 +11,8 @@ use burstscope_core::Monitor;
 #[test]
 fn noise_of_a_real_dim_camera() {
     let burst = open(&[shared("data/slider-far")]);
-    let noise = burstscope_core::detector::noise::estimate::frame_noise(&burst, 20..29, &Monitor::default())
-        .expect("not cancelled");
+    let noise =
+        burstscope_core::detector::noise::frame_noise(&burst, 20..29, &Monitor::default()).expect("not cancelled");
     println!("slider-far: noise of a frame {:.2} grey values", 255.0 * noise);
     assert!((255.0 * noise / 2.7 - 1.0).abs() < 0.15, "{}", 255.0 * noise);
 }

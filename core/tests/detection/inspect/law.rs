@@ -1,6 +1,6 @@
 //! The law of the verdicts (they add up to the detection's tally), on small bursts with all kinds of parameters.
 
-use burstscope_core::detector::keypoint::Keypoint;
+use burstscope_core::detector::feature::Keypoint;
 use burstscope_core::detector::{
     DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Sample, SlopeExtrema, SlopeGrid,
     SlopeNeighbours, Tally, Test, Trail, detect, detect_with_trail,

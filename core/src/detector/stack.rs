@@ -65,7 +65,7 @@ pub fn frame_offsets(frame_count: usize, slope: Slope, interpolation: Interpolat
 }
 
 /// Offsets for a slope in the frames' own pixels, with every frame read `shift_px` farther along both axes.
-pub(in crate::detector) fn shifted_offsets(
+pub(super) fn shifted_offsets(
     frame_count: usize,
     slope_px_per_frame: (f64, f64),
     shift_px: f64,
