@@ -3,8 +3,8 @@
 //! Data flows through steps, each a folder or a file, in the order of the paper: frames → [`stack`] (shift by a slope
 //! and average) → [`scale_space`] (Gaussian levels and their differences D, tile by tile) → [`search`] (extrema over
 //! place and scale, at each slope for itself or jointly over slope) → [`refine`] (between the samples) → [`distinct`]
-//! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale, slope) → [`orient`]
-//! and [`describe`] (on the pixels around the feature) → [`feature`].
+//! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale,
+//! slope) → [`orient`] and [`describe`] (on the pixels around the feature) → [`feature`].
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
