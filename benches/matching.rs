@@ -12,7 +12,7 @@
 
 use burstscope::Monitor;
 use burstscope::detector::Descriptor;
-use burstscope::matching::nearest::nearest_two;
+use burstscope::matching::putative::nearest_two;
 use ndarray_npy::write_npy;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};

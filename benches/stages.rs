@@ -6,7 +6,7 @@
 
 mod common;
 
-use burstscope::detector::noise::estimate::frame_noise;
+use burstscope::detector::noise::frame_noise;
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::detector::{DetectorParams, Method, Slope, SlopeGrid};
 use burstscope::{Burst, Monitor, Plane, detect};

@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::inputs::{open_options, resolve_one};
 use super::stack::check_tiff;
 use crate::baseline::merge_burst;
-use crate::detector::noise::estimate::frame_noise;
+use crate::detector::noise::frame_noise;
 use crate::detector::{DetectorParams, Method};
 use crate::export::write_tiff;
 use crate::files::path_text;

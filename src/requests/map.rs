@@ -9,7 +9,7 @@ use crate::detector::{DetectorParams, Slope, SlopeGrid};
 use crate::inspect::candidates::{WinningSlopes, winning_slopes};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
-use crate::plane::colour_map::direction_colour;
+use crate::plane::display::direction_colour;
 use image::{Rgba, RgbaImage};
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! `stack`, `render`, and the program without a display.
 
 use super::support::{names, run_badly, run_well};
-use burstscope::detector::stack::offsets::motion_stack;
+use burstscope::detector::stack::motion_stack;
 use burstscope::detector::{Interpolation, Slope};
 use burstscope::synth::demo_burst;
 use burstscope::{Monitor, Plane};

@@ -1,11 +1,21 @@
-//! Automatically found slopes.
+//! Slopes in the window: found automatically, as bars under the slider and in the tab with its advice; and the colours
+//! by coherence, which show how evenly the frames respond along each feature's motion.
 
 use crate::support::{Start, Window};
+use burstscope::Monitor;
+use burstscope::app::project::BottomTab;
 use burstscope::app::project::cursor::slope_limit;
+use burstscope::app::project::side::Side;
 use burstscope::app::session::Session;
-use burstscope::detector::{Slope, SlopeAxis, SlopeChoice, SlopeGrid, SlopeVerdict};
+use burstscope::detector::{DetectorParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid, SlopeVerdict};
+use burstscope::inspect::ProbeCache;
+use burstscope::inspect::shares::coherences;
+use burstscope::synth::random::Stream;
 use egui::accesskit::Role;
+use egui::{Key, pos2, vec2};
 use egui_kittest::kittest::Queryable;
+use ndarray::Array3;
+use std::path::{Path, PathBuf};
 
 fn grid(window: &Window) -> SlopeGrid {
     window.app().model.params.slopes
@@ -76,4 +86,187 @@ fn sessions_keep_the_switch_and_older_ones_their_ranges() {
     assert_eq!(grid(&window).u, SlopeAxis::new(-1.0..=1.0, 5));
     assert!(window.app().model.slots.a.found.as_ref().unwrap().finding.is_none());
     assert_eq!(grid(&window).v.value(0.0), Slope::default().v);
+}
+
+fn colour_by_coherence(window: &mut Window) {
+    window.harness.get_by_role_and_label(Role::ComboBox, "Colour by").click();
+    window.harness.run_steps(4);
+    window.click("Coherence");
+}
+
+#[test]
+fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
+    window.run_action("detect");
+    window.settle();
+    colour_by_coherence(&mut window);
+    window.settle();
+    // The values are those of the library.
+    let model = &window.app().model;
+    let detection = model.slots.a.found.as_ref().unwrap().detection.clone();
+    let values = model.coherence.of(&detection).unwrap().clone();
+    let cache =
+        ProbeCache::new(&model.slots.a.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default()).unwrap();
+    assert_eq!(*values, coherences(&cache.trail, &Monitor::default()).unwrap());
+    assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not known yet"));
+    assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(Option::is_none));
+    // The selected feature and the one under the pointer show their values.
+    let index = (0..values.len()).find(|&i| values[i].is_some_and(|c| c < 0.995)).expect("one is not quite even");
+    let text = format!("{:.2}", values[index].unwrap());
+    window.app_mut().model.selected = Some(index);
+    window.harness.run_steps(2);
+    window.settle();
+    assert!(window.shows("Coherence") && window.shows(&text));
+    let feature = detection.features[index];
+    let at = window.app().ui_from_image(pos2(feature.u, feature.v)).unwrap();
+    window.harness.hover_at(at);
+    window.harness.run_steps(3);
+    assert!(window.shows("\ncoherence "), "the pointer says it");
+    window.snapshot("coherence");
+    // The figure has these colours too, with a legend.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("coherence.svg");
+    window.app_mut().model.figure.legend = true;
+    window.dialogs.will_choose(&path);
+    window.run_action("figure as svg");
+    window.settle();
+    let svg = std::fs::read_to_string(&path).unwrap();
+    let colours: std::collections::BTreeSet<&str> = svg
+        .lines()
+        .filter(|line| line.contains("<circle"))
+        .filter_map(|line| line.split("stroke=\"").nth(1)?.split('"').next())
+        .collect();
+    assert!(colours.len() > 5 && svg.contains(">0.75"), "{colours:?}");
+    // Another detection has other values; unknown ones are grey, and choosing the quantity again restarts a cancelled
+    // computation.
+    window.app_mut().model.params.octaves = 2;
+    window.run_action("detect");
+    window.settle();
+    let now = window.app().model.slots.a.found.as_ref().unwrap().detection.clone();
+    let model = &mut window.app_mut().model;
+    assert!(model.coherence.of(&detection).is_none() && model.coherence.of(&now).is_some());
+    model.coherence = Default::default();
+    let missing = model.missing_coherence(Side::A).expect("it is shown, and was forgotten");
+    let app = window.app_mut();
+    app.model.coherence.wanted.a.ask(&app.engine, missing);
+    app.model.coherence.wanted.a.cancel();
+    window.settle();
+    assert!(window.shows("Grey: cancelled"));
+    colour_by_coherence(&mut window);
+    window.settle();
+    assert!(window.app().model.coherence.of(&now).is_some() && !window.shows("Grey: cancelled"));
+}
+
+/// Writes many discs that all move by (2.5, 0), with noise, as a `.npy` stack.
+pub fn fast(folder: &Path) -> PathBuf {
+    let (frames, height, width) = (8, 150, 220);
+    let mut stream = Stream::new(11, 0);
+    let mut uniform = |n: usize| stream.uniform() as f32 * n as f32;
+    let discs: Vec<(f32, f32)> = (0..60).map(|_| (uniform(width + 40) - 20.0, uniform(height))).collect();
+    let array = Array3::from_shape_fn((frames, height, width), |(t, v, u)| {
+        let light: f32 = discs
+            .iter()
+            .map(|(cu, cv)| {
+                let d2 = (u as f32 - cu - 2.5 * t as f32).powi(2) + (v as f32 - cv).powi(2);
+                if d2 < 200.0 { (-d2 / 18.0).exp() } else { 0.0 }
+            })
+            .sum();
+        0.15 + 0.12 * light + 0.02 * stream.normal() as f32
+    });
+    let path = folder.join("fast.npy");
+    ndarray_npy::write_npy(&path, &array).unwrap();
+    path
+}
+
+/// Window on the burst, searched in a range that is too narrow.
+fn open(folder: &Path) -> Window {
+    let mut start = Start { size: [1280.0, 800.0], ..Start::of(&fast(folder)) };
+    start.startup.params =
+        DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() }.into();
+    let mut window = start.open();
+    window.run_action("detect");
+    window.settle();
+    window
+}
+
+/// Opens the tab; slopes are analysed automatically, unless the detection took long.
+fn look_at_slopes(window: &mut Window) {
+    window.app_mut().model.bottom_tab = BottomTab::Slopes;
+    window.settle();
+    if window.shows("Look at the slopes") {
+        window.click("Look at the slopes");
+        window.settle();
+    }
+}
+
+fn axis(window: &Window) -> SlopeAxis {
+    window.app().model.params.slopes.u
+}
+
+#[test]
+fn too_narrow_a_range_is_told_and_one_click_widens_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(folder.path());
+    let slope = window.app().model.cursor().slope;
+    look_at_slopes(&mut window);
+    let spectrum = window.app().model.spectrum().unwrap().clone();
+    let advice = &spectrum.advice[0];
+    assert!(!advice.changes.is_empty() && window.shows("moves faster than the range"), "{advice:?}");
+    assert!(window.shows(&advice.changes[0].label()) && window.shows("at the limit"));
+    assert_eq!(window.app().model.cursor().slope, slope, "it never moves the slope by itself");
+    window.snapshot("slopes_advice");
+    let before = axis(&window);
+    window.click("Apply");
+    let wider = axis(&window);
+    assert!(wider.max >= 2.5 && wider.count > before.count, "{wider:?}");
+    assert_eq!(window.app().model.slopes, SlopeChoice::Given);
+    window.ctrl(Key::Z);
+    assert_eq!(axis(&window), before, "it is undone as any change of a parameter");
+    window.click("Apply");
+    window.run_action("detect");
+    window.settle();
+    look_at_slopes(&mut window);
+    let spectrum = window.app().model.spectrum().unwrap().clone();
+    assert_eq!(spectrum.grid.u, wider, "the slopes are those of the new detection");
+    assert!((spectrum.most_features().unwrap().u - 2.5).abs() < 0.6);
+    let told = |spectrum: &burstscope::inspect::spectrum::Spectrum| {
+        spectrum.advice.iter().any(|a| a.subject == burstscope::inspect::spectrum::Subject::Range)
+    };
+    assert!(!told(&spectrum), "{:?}", spectrum.advice);
+    window.key(Key::B);
+    assert!((window.app().model.cursor().slope.u - 2.5).abs() < 0.6);
+}
+
+#[test]
+fn the_ends_of_the_range_are_dragged_below_the_slider() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(folder.path());
+    assert!(window.harness.query_by_label("Features and evidence below the slider").is_some());
+    let end = window.harness.get_by_role_and_label(Role::Slider, "Range end u").rect().center();
+    let start = window.harness.get_by_role_and_label(Role::Slider, "Range start u").rect().center();
+    // The distance from the middle to the end is 1 px/frame.
+    let unit = 0.5 * (end.x - start.x);
+    window.harness.hover_at(end);
+    window.harness.run_steps(1);
+    window.harness.drag_at(end);
+    window.harness.run_steps(1);
+    for part in [0.3, 0.7, 1.0] {
+        window.harness.hover_at(end + vec2(part * unit, 0.0));
+        window.harness.run_steps(1);
+    }
+    window.harness.drop_at(end + vec2(unit, 0.0));
+    window.harness.run_steps(2);
+    assert_eq!(axis(&window), SlopeAxis { min: -1.0, max: 2.0, count: 7 }, "by whole steps");
+    window.ctrl(Key::Z);
+    assert_eq!(axis(&window), SlopeAxis { min: -1.0, max: 1.0, count: 5 }, "the drag is one step");
+}
+
+#[test]
+fn a_plane_of_slopes_has_cells() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
+    look_at_slopes(&mut window);
+    assert!(window.app().model.spectrum().unwrap().grid.is_plane());
+    assert!(window.shows("Evidence by slope") && window.shows("Cost: "));
+    assert!(window.harness.query_by_label("Features and evidence below the slider").is_none());
+    window.snapshot("slopes_plane");
 }

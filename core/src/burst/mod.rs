@@ -4,30 +4,21 @@
 //! bursts that an input names, [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens
 //! one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
 
-mod calibrate;
-mod declared;
 mod decode;
-mod encoding;
 mod error;
-mod limits;
-mod luma;
 mod notes;
 mod open;
 mod options;
-mod progress;
-mod sequence;
 mod source;
 
-pub use declared::Declared;
-pub use decode::{DecodeWorker, serve_decoding};
-pub use encoding::Encoding;
+pub use decode::{DecodeWorker, LUMA_WEIGHTS, serve_decoding};
 pub use error::OpenError;
-pub use limits::Limits;
-pub use luma::LUMA_WEIGHTS;
 pub use notes::{Note, Remark, RemarkKind};
-pub use options::{OpenOptions, RawColour};
-pub use sequence::{SequenceCut, cut_sequence, name_among_several};
-pub use source::{BurstSource, Entries, find_bursts, find_entries, supported_extensions};
+pub use options::{Encoding, Limits, OpenOptions, RawColour};
+pub use source::{
+    BurstSource, Declared, Entries, SequenceCut, cut_sequence, find_bursts, find_entries, name_among_several,
+    supported_extensions,
+};
 
 use crate::plane::Plane;
 use std::path::PathBuf;

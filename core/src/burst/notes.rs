@@ -2,8 +2,7 @@
 
 use super::Burst;
 use super::decode::{FileScale, RawFrame};
-use super::encoding::Encoding;
-use super::options::OpenOptions;
+use super::options::{Encoding, OpenOptions};
 use rayon::prelude::*;
 
 /// A note on a burst's values, and the option that changes them.

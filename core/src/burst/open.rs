@@ -1,13 +1,15 @@
 //! Opening of a burst: finds the files, decodes them in parallel and calibrates the values to fractions of full scale.
+//!
+//! Calibration: a frame's value becomes (value − bias) / (full scale − black) / gain. The bias is a bias frame where
+//! there is one and the black level otherwise; the gain is the flat frame less the bias, over its own mean. Bias and
+//! flat frame are measured by the same camera, but their files may be of another kind: their values are converted to
+//! the frames' unit, or refused where the unit cannot be told.
 
 use super::Burst;
-use super::calibrate::{Calibration, Levels, check_bias, gain, mean_in_unit_of};
-use super::decode::{self, Expected, FileScale, RawFrame};
-use super::encoding::Encoding;
+use super::decode::{self, Expected, FileScale, RawFrame, Ticker, in_order};
 use super::error::OpenError;
 use super::notes::{Remark, suggested_full_scale};
-use super::options::OpenOptions;
-use super::progress::{Ticker, in_order};
+use super::options::{Encoding, OpenOptions};
 use super::source::find_bursts;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
@@ -203,4 +205,277 @@ fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result
         }
     }
     Ok(())
+}
+
+/// Float files whose largest magnitude is not above this are taken to be in [0, 1] already. Noise and calibration push
+/// single values of such files above 1; files in other units lie far above it.
+const LARGEST_UNIT_VALUE: f32 = 2.0;
+/// Fraction of the flat frame's mean; a pixel below it is dead, and is left as it is.
+const DEAD_GAIN: f32 = 0.05;
+/// Share of dead pixels (0 … 1) above which a flat frame is refused.
+const DEAD_PART: f32 = 0.01;
+
+/// File values that become 0 and 1, in the files' units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Levels {
+    /// Full scale set in the options; `None` takes each frame's own.
+    pub given: Option<f32>,
+    /// Value that becomes 1.0: the given one, or that of the files.
+    pub full_scale: f32,
+    /// Value that becomes 0.
+    pub black: f32,
+}
+
+impl Levels {
+    /// Levels of `frames`, where no others are given.
+    ///
+    /// # Errors
+    /// A full scale that is not finite and positive, or a black level that is not finite or not below the full scale.
+    pub fn of(frames: &[RawFrame], given: Option<f32>, black: Option<f32>) -> Result<Self, OpenError> {
+        if let Some(value) = given.filter(|s| !(s.is_finite() && *s > 0.0)) {
+            return Err(OpenError::FullScale { value });
+        }
+        let full_scale = given.unwrap_or_else(|| natural_full_scale(frames));
+        let black = black.unwrap_or(0.0);
+        if !(black.is_finite() && black < full_scale) {
+            return Err(OpenError::BlackLevel { value: black, full_scale });
+        }
+        Ok(Self { given, full_scale, black })
+    }
+}
+
+/// File value that becomes 1.0. Where 8-bit and 16-bit frames come together, it is the larger one; each frame is
+/// divided by its own.
+fn natural_full_scale(frames: &[RawFrame]) -> f32 {
+    let range = frames.iter().filter_map(|f| match f.scale {
+        FileScale::Range(white) | FileScale::Raw { white } => Some(white),
+        FileScale::Data { .. } => None,
+    });
+    let largest =
+        frames.iter().filter_map(|f| if let FileScale::Data { largest, .. } = f.scale { Some(largest) } else { None });
+    match range.reduce(f32::max) {
+        Some(range) => range,
+        None => largest.reduce(f32::max).filter(|&l| l > LARGEST_UNIT_VALUE).unwrap_or(1.0),
+    }
+}
+
+/// Bias and gain of each pixel: the first is subtracted from a frame, the second divides it. In the frames' unit.
+#[derive(Debug, Default)]
+pub(super) struct Calibration {
+    /// The bias frame.
+    pub bias: Option<Plane>,
+    /// The gain of each pixel, 1 on average.
+    pub gain: Option<Plane>,
+}
+
+impl Calibration {
+    /// Calibrates `frame` and converts it to fractions of full scale.
+    pub fn apply(&self, frame: RawFrame, levels: Levels) -> Plane {
+        let mut plane = frame.plane;
+        // `unit`: the plane is already divided by it; `divisor`: to divide by in the end.
+        let (unit, divisor, black) = match frame.scale {
+            FileScale::Range(range) => (range, levels.given.unwrap_or(range) - levels.black, levels.black),
+            FileScale::Data { .. } => (1.0, levels.full_scale - levels.black, levels.black),
+            // Black and white, of the file or given, have been applied already.
+            FileScale::Raw { .. } => (1.0, 1.0, 0.0),
+        };
+        if unit != divisor {
+            plane.data_mut().iter_mut().for_each(|v| *v = *v * unit / divisor);
+        }
+        match &self.bias {
+            Some(bias) => plane.data_mut().iter_mut().zip(bias.data()).for_each(|(v, b)| *v -= b / divisor),
+            None if black != 0.0 => {
+                let black = black / divisor;
+                plane.data_mut().iter_mut().for_each(|v| *v -= black);
+            }
+            None => {}
+        }
+        if let Some(gain) = &self.gain {
+            plane.data_mut().iter_mut().zip(gain.data()).for_each(|(v, g)| *v /= g);
+        }
+        plane
+    }
+}
+
+/// Factor that converts the values of calibration frames to the unit of the burst's own files.
+///
+/// # Errors
+/// The reason why the two units cannot be related, and a remedy.
+fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'static str> {
+    const ALIKE: &str = "save it with the same program and in the same format as the frames";
+    let in_fractions = |full_scale: f32| Ok(full_scale);
+    match (frames, of) {
+        (FileScale::Range(a), FileScale::Range(b)) if a == b => Ok(b),
+        (FileScale::Range(_), FileScale::Range(_)) if levels.given.is_some() => Err(
+            "it is of another depth than the frames, and with a full scale of your own nothing says how they belong together; save it with the frames' depth",
+        ),
+        // Each is a fraction of its own range, as for frames of mixed depths.
+        (FileScale::Range(a), FileScale::Range(_)) => Ok(a),
+        // Fractions of the frames' full scale, as `stack` writes.
+        (FileScale::Range(a), FileScale::Data { integer: false, largest }) if largest <= 1.0 => {
+            in_fractions(levels.given.unwrap_or(a))
+        }
+        (FileScale::Range(a), FileScale::Data { largest, .. }) if largest <= a => Ok(1.0),
+        (FileScale::Range(_), FileScale::Data { .. }) => Err(
+            "its values lie beyond the range of the frames' files; save it in their unit, or as fractions of full scale",
+        ),
+        (FileScale::Data { integer: a, largest }, FileScale::Data { integer: b, largest: own }) => {
+            let (unit, own_unit) = (!a && largest <= LARGEST_UNIT_VALUE, !b && own <= LARGEST_UNIT_VALUE);
+            match (unit, own_unit) {
+                _ if own == 0.0 => Ok(1.0),
+                (true, true) | (false, false) => Ok(1.0),
+                (false, true) if levels.given.is_some() => in_fractions(levels.full_scale),
+                _ => Err("its values are in another unit than those of the frames; save both in the same unit"),
+            }
+        }
+        // Integer calibration files: fractions of their range for frames in fractions, values in file units for others.
+        (FileScale::Data { integer: false, largest }, FileScale::Range(_)) if largest <= LARGEST_UNIT_VALUE => Ok(1.0),
+        (FileScale::Data { .. }, FileScale::Range(b)) => Ok(b),
+        (FileScale::Raw { .. }, FileScale::Raw { .. }) => Ok(1.0),
+        (FileScale::Raw { .. }, FileScale::Data { integer: false, largest }) if largest <= 1.0 => Ok(1.0),
+        (FileScale::Raw { .. }, _) | (_, FileScale::Raw { .. }) => Err(ALIKE),
+    }
+}
+
+/// The mean of calibration frames in the unit of the burst's own files; `kind` is "bias" or "flat".
+///
+/// # Errors
+/// A size or a unit that does not fit the burst's `frames`.
+pub(super) fn mean_in_unit_of(
+    frames: &[RawFrame],
+    levels: Levels,
+    of: &[RawFrame],
+    kind: &'static str,
+    path: &Path,
+) -> Result<Plane, OpenError> {
+    let (own_size, frame_size) = (of[0].plane.size(), frames[0].plane.size());
+    if own_size != frame_size {
+        return Err(OpenError::CalibrationSize { kind, path: path.into(), size: own_size, frame_size });
+    }
+    let unit = |reason: &'static str| OpenError::CalibrationUnit { kind, path: path.into(), reason };
+    // The unit of float files is that of the largest of all values.
+    let whole = |frames: &[RawFrame]| {
+        let largest = |scale| if let FileScale::Data { largest, .. } = scale { largest } else { 0.0 };
+        match frames[0].scale {
+            FileScale::Data { integer, .. } => {
+                FileScale::Data { integer, largest: frames.iter().map(|f| largest(f.scale)).fold(0.0, f32::max) }
+            }
+            scale => scale,
+        }
+    };
+    let burst = whole(frames);
+    let mut mean = Plane::zeros(frame_size.0, frame_size.1);
+    let count = of.len() as f32;
+    for frame in of {
+        let scale = if let FileScale::Data { .. } = frame.scale { whole(of) } else { frame.scale };
+        let factor = factor(burst, levels, scale).map_err(unit)?;
+        for (sum, value) in mean.data_mut().iter_mut().zip(frame.plane.data()) {
+            *sum += value * factor / count;
+        }
+    }
+    Ok(mean)
+}
+
+/// Checks that a bias whose files are `of` another kind than the frames' is, once converted, not brighter than all
+/// values of the frames.
+///
+/// # Errors
+/// A bias whose mean is above the brightest value of the frames.
+pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path: &Path) -> Result<(), OpenError> {
+    let is_alike = match (of, frames[0].scale) {
+        (FileScale::Range(a), FileScale::Range(b)) => a == b,
+        (a, b) => std::mem::discriminant(&a) == std::mem::discriminant(&b),
+    };
+    if is_alike {
+        return Ok(());
+    }
+    let unit = |frame: &RawFrame| if let FileScale::Range(range) = frame.scale { range } else { 1.0 };
+    let brightest = frames.iter().flat_map(|f| f.plane.data().iter().map(move |v| v * unit(f)));
+    let brightest = brightest.fold(f32::MIN, f32::max);
+    let mean = mean_of(bias);
+    if mean > f64::from(brightest) && mean > 0.0 {
+        let reason = "it is brighter than everything in the frames; save it in their unit";
+        return Err(OpenError::CalibrationUnit { kind: "bias", path: path.into(), reason });
+    }
+    Ok(())
+}
+
+fn mean_of(plane: &Plane) -> f64 {
+    plane.data().iter().map(|v| f64::from(*v)).sum::<f64>() / plane.data().len() as f64
+}
+
+/// Gain of each pixel from a flat frame and the bias, or black level, that it contains. Dead pixels have a gain of 1.
+///
+/// # Errors
+/// A flat frame that shows no light, or has many dead pixels.
+pub(super) fn gain(mut flat: Plane, bias: Option<&Plane>, black: f32, path: &Path) -> Result<Plane, OpenError> {
+    match bias {
+        Some(bias) => flat.data_mut().iter_mut().zip(bias.data()).for_each(|(f, b)| *f -= b),
+        None => flat.data_mut().iter_mut().for_each(|f| *f -= black),
+    }
+    let mean = mean_of(&flat) as f32;
+    let dark = |reason| OpenError::CalibrationUnit { kind: "flat", path: path.into(), reason };
+    if mean.is_nan() || mean <= 0.0 {
+        return Err(dark("there is no light in it; take a picture of an even, bright surface"));
+    }
+    let mut dead = 0;
+    for f in flat.data_mut() {
+        *f /= mean;
+        if *f < DEAD_GAIN {
+            (dead, *f) = (dead + 1, 1.0);
+        }
+    }
+    if dead as f32 > DEAD_PART * flat.data().len() as f32 {
+        return Err(dark("more than 1 % of its pixels see nothing; take a picture of an even, bright surface"));
+    }
+    Ok(flat)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LEVELS: Levels = Levels { given: None, full_scale: 65535.0, black: 0.0 };
+    const FLOAT: fn(f32) -> FileScale = |largest| FileScale::Data { integer: false, largest };
+
+    #[test]
+    fn units_are_converted_or_refused() {
+        let sixteen = FileScale::Range(65535.0);
+        let given = Levels { given: Some(4095.0), full_scale: 4095.0, black: 0.0 };
+        for (frames, of, levels, expected) in [
+            (sixteen, sixteen, LEVELS, Some(65535.0)),
+            (sixteen, FileScale::Range(255.0), LEVELS, Some(65535.0)),
+            (sixteen, FileScale::Range(255.0), given, None),
+            (sixteen, FLOAT(0.02), LEVELS, Some(65535.0)),
+            (sixteen, FLOAT(0.02), given, Some(4095.0)),
+            (sixteen, FLOAT(512.5), LEVELS, Some(1.0)),
+            (sixteen, FLOAT(1e6), LEVELS, None),
+            (FLOAT(0.9), FLOAT(0.1), LEVELS, Some(1.0)),
+            (FLOAT(0.9), FLOAT(100.0), LEVELS, None),
+            (FLOAT(900.0), FLOAT(0.1), LEVELS, None),
+            (FLOAT(900.0), FLOAT(100.0), LEVELS, Some(1.0)),
+            (FLOAT(900.0), sixteen, LEVELS, Some(65535.0)),
+            (FLOAT(0.9), sixteen, LEVELS, Some(1.0)),
+            (FileScale::Raw { white: 1023.0 }, sixteen, LEVELS, None),
+            (FileScale::Raw { white: 1023.0 }, FileScale::Raw { white: 1023.0 }, LEVELS, Some(1.0)),
+        ] {
+            assert_eq!(factor(frames, levels, of).ok(), expected, "{of:?} for {frames:?}");
+        }
+    }
+
+    #[test]
+    fn a_gain_is_one_on_average_and_dead_pixels_are_left_alone() {
+        let path = Path::new("flat.tiff");
+        let flat = Plane::from_fn(20, 10, |u, v| match (u, v) {
+            (0, 0) => 100.0,
+            (u, _) if u < 10 => 300.0,
+            _ => 500.0,
+        });
+        let gain_map = gain(flat.clone(), None, 100.0, path).expect("a flat");
+        assert_eq!(gain_map.at(0, 0), 1.0);
+        assert!((gain_map.at(19, 9) / gain_map.at(5, 5) - 2.0).abs() < 1e-6);
+        assert!(gain(flat.clone(), Some(&flat), 0.0, path).is_err());
+        let half = Plane::from_fn(20, 10, |u, _| if u < 10 { 0.0 } else { 1.0 });
+        assert!(gain(half, None, 0.0, path).expect_err("half of it is dark").to_string().contains("flat.tiff"));
+    }
 }

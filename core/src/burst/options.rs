@@ -1,8 +1,12 @@
-//! Options for opening a burst: calibration, linearisation, and the colour that is taken of raw frames.
+//! Options for opening a burst: calibration, encoding, the colour that is taken of raw frames, and the largest size.
+//!
+//! Declared sizes are checked against the [`Limits`] before any pixel is allocated, so that a damaged or hostile file
+//! cannot take the machine's memory.
 
-use super::limits::Limits;
+use super::error::OpenError;
+use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options for opening a burst.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -58,4 +62,97 @@ pub enum RawColour {
     Red,
     /// The blue pixel, which is not in the middle of its square.
     Blue,
+}
+
+/// Upper bounds for opened files. The defaults are far above any real burst and below what would stop a workstation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Limits {
+    /// Longest side of a frame, pixels. Default 32768.
+    pub max_side_px: usize,
+    /// Pixels of one frame. Default 2²⁸ (16384×16384).
+    pub max_pixels: u64,
+    /// Number of frames. Default 4096.
+    pub max_frames: usize,
+    /// Memory of all frames together as `f32`, bytes. Default 16 GiB. The memory that the process may have is a further
+    /// limit.
+    pub max_bytes: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { max_side_px: 32_768, max_pixels: 1 << 28, max_frames: 4096, max_bytes: 16 << 30 }
+    }
+}
+
+impl Limits {
+    /// Checks the declared size of one frame of the file `path`, and the memory that it needs.
+    pub(super) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<(), OpenError> {
+        if width == 0 || height == 0 {
+            return Err(OpenError::ZeroSize { path: path.into(), width, height });
+        }
+        if width.max(height) > self.max_side_px as u64 || width.saturating_mul(height) > self.max_pixels {
+            return Err(OpenError::BeyondLimit {
+                path: path.into(),
+                found: format!("its frames are {width}×{height} pixels"),
+                limit: format!("{} pixels a side and {} pixels in all", self.max_side_px, self.max_pixels),
+                remedy: "crop or shrink the frames".into(),
+            });
+        }
+        self.check_burst(path, 1, width, height)
+    }
+
+    /// Checks the number of frames, and the memory that they need together.
+    pub(super) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<(), OpenError> {
+        if frames > self.max_frames as u64 {
+            return Err(OpenError::BeyondLimit {
+                path: path.into(),
+                found: format!("it has {frames} frames"),
+                limit: format!("{} frames", self.max_frames),
+                remedy: "split it into shorter bursts".into(),
+            });
+        }
+        let bytes = frames.saturating_mul(width).saturating_mul(height).saturating_mul(4);
+        let max_bytes = machine_bytes().map_or(self.max_bytes, |bytes| bytes.min(self.max_bytes));
+        if bytes > max_bytes {
+            return Err(OpenError::BeyondLimit {
+                path: path.into(),
+                found: format!("{frames} × {width}×{height} pixels need {} MiB", bytes >> 20),
+                limit: format!("{} MiB", max_bytes >> 20),
+                remedy: "open fewer frames, or crop or shrink them".into(),
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Relation of the values of a burst's files to light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Encoding {
+    /// Proportional to light, as far as the files tell.
+    #[default]
+    Linear,
+    /// Encoded for screens (sRGB), with more codes for dark values than for bright ones. Colour pictures of 8 bit, JPEG
+    /// and WebP.
+    Srgb,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_hold_at_their_edge_and_never_overflow() {
+        let limits = Limits { max_side_px: 100, max_pixels: 5000, max_frames: 3, max_bytes: 40_000 };
+        let path = Path::new("a.png");
+        assert_eq!(limits.check_frame(path, 100, 50), Ok(()));
+        assert!(limits.check_frame(path, 101, 1).is_err());
+        assert!(limits.check_frame(path, 100, 51).is_err());
+        assert!(matches!(limits.check_frame(path, 0, 9), Err(OpenError::ZeroSize { .. })));
+        assert_eq!(limits.check_burst(path, 2, 100, 50), Ok(()));
+        assert!(limits.check_burst(path, 3, 100, 50).is_err());
+        assert!(limits.check_burst(path, 4, 1, 1).is_err());
+        assert!(limits.check_frame(path, u64::MAX, u64::MAX).is_err());
+        assert!(limits.check_burst(path, u64::MAX, u64::MAX, u64::MAX).is_err());
+    }
 }

@@ -8,8 +8,8 @@
 //! determines its slope. Two blobs that pass each other at one place both stay if the frames show two motions; the
 //! caller decides that.
 
-use super::keypoint::Keypoint;
-use crate::detector::scale_space::levels::ScaleSpace;
+use super::feature::Keypoint;
+use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 

@@ -4,19 +4,22 @@
 //! The part that grows with the search is held for every slope: the first level of each octave after the first, from
 //! which the next one is made and keypoints are described. Besides, there are the frames, cleaned by the noise model
 //! and at each octave's resolution, and the threads' windows of slopes, which have a bound of their own.
-
-mod account;
-mod plan;
+//!
+//! All searches of the process share one budget: a search plans with the memory that the running ones have left. A
+//! search that does not fit beside others is done in its smallest form (one thread, the smallest groups of slopes)
+//! rather than made to wait: another search may be waiting for the thread that started it.
 
 pub use crate::plane::memory::machine_bytes;
-pub(crate) use account::{Account, OF_PROCESS};
-pub(crate) use plan::Plan;
 
 use super::params::slope_grid::{Slope, SlopeGrid};
 use super::params::{DetectorParams, Method, ParamError, SearchParams};
-use super::scale_space::levels::{octave_size, searched_octaves};
+use super::scale_space::{octave_size, searched_octaves};
+use crate::detector::localise::slopes_around;
+use crate::detector::search::setup::SlopeGroup;
+use crate::detector::search::slope_window::OtherSlopes;
 use crate::kernel::machine::{WINDOW_BYTES, WINDOWS_BYTES};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Part of the machine's memory that searches may take by default.
 pub const DEFAULT_PART: f64 = 0.75;
@@ -98,10 +101,201 @@ fn plane_bytes((width, height): (usize, usize)) -> u64 {
     (width as u64).saturating_mul(height as u64).saturating_mul(size_of::<f32>() as u64)
 }
 
+/// Memory taken by searches that share a budget.
+#[derive(Debug, Default)]
+pub(crate) struct Account {
+    /// Sum of the shares, bytes.
+    taken: Mutex<u64>,
+}
+
+/// The account of all searches of the process.
+pub(crate) static OF_PROCESS: Account = Account::new();
+
+/// Memory of a search, released when dropped.
+#[derive(Debug)]
+pub(crate) struct Share<'account> {
+    account: &'account Account,
+    bytes: u64,
+}
+
+impl Drop for Share<'_> {
+    fn drop(&mut self) {
+        let mut taken = self.account.taken();
+        *taken = taken.saturating_sub(self.bytes);
+    }
+}
+
+impl Account {
+    pub(crate) const fn new() -> Self {
+        Self { taken: Mutex::new(0) }
+    }
+
+    fn taken(&self) -> MutexGuard<'_, u64> {
+        // A number stays valid if a thread panics while it holds the lock.
+        self.taken.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Plans as [`Plan::new`], within the part of `budget` that the other searches of this account leave.
+    ///
+    /// # Errors
+    /// As [`Plan::new`] within the whole budget.
+    pub(crate) fn plan(
+        &self,
+        params: &DetectorParams,
+        frames: usize,
+        size: (usize, usize),
+        budget: Option<u64>,
+    ) -> Result<(Plan, Share<'_>), ParamError> {
+        let mut taken = self.taken();
+        let left = budget.map(|budget| budget.saturating_sub(*taken));
+        let plan = Plan::new(params, frames, size, left).or_else(|_| Plan::smallest(params, frames, size, budget))?;
+        let share = Share { account: self, bytes: plan.bytes };
+        *taken = taken.saturating_add(share.bytes);
+        Ok((plan, share))
+    }
+}
+
+/// Groups, threads and memory of a search. Results do not depend on it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Plan {
+    /// Groups in which slopes are searched; a single one if all fit.
+    pub(crate) search: Vec<SlopeGroup>,
+    /// Groups in which keypoints are localised and described; a single one if there is one for the search.
+    pub(crate) describe: Vec<SlopeGroup>,
+    /// Number of threads. Each holds its own window of slopes, so a small budget may have room for fewer than the pool
+    /// has.
+    pub(crate) threads: usize,
+    /// Estimate of the most memory taken besides the burst, bytes.
+    pub(crate) bytes: u64,
+}
+
+impl Plan {
+    /// Plans a search with `params` of `frames` frames of `size` (columns, rows) within `budget` bytes, or without a
+    /// bound. Uses as many of the pool's threads as there is memory for.
+    ///
+    /// # Errors
+    /// The search needs more than `budget` even in its smallest form: the error gives its least memory, and a remedy.
+    pub(crate) fn new(
+        params: &DetectorParams,
+        frames: usize,
+        size: (usize, usize),
+        budget: Option<u64>,
+    ) -> Result<Self, ParamError> {
+        let several = (2..=rayon::current_num_threads()).rev();
+        let fitting = several.map(|threads| Self::on(threads, params, frames, size, budget)).find_map(Result::ok);
+        // The error for one thread gives the least memory.
+        fitting.map_or_else(|| Self::on(1, params, frames, size, budget), Ok)
+    }
+
+    /// Plan that takes the least memory, within `budget` bytes: one thread, and groups of the fewest slopes.
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub(crate) fn smallest(
+        params: &DetectorParams,
+        frames: usize,
+        size: (usize, usize),
+        budget: Option<u64>,
+    ) -> Result<Self, ParamError> {
+        let of_slopes = bytes_of_slope(params, size).saturating_mul(min_slopes(params) as u64);
+        let min = bytes_beside_slopes(1, frames, size).saturating_add(of_slopes);
+        Self::on(1, params, frames, size, Some(budget.map_or(min, |budget| budget.min(min))))
+    }
+
+    /// Plans as [`Plan::new`], on `threads` threads.
+    fn on(
+        threads: usize,
+        params: &DetectorParams,
+        frames: usize,
+        size: (usize, usize),
+        budget: Option<u64>,
+    ) -> Result<Self, ParamError> {
+        let grid = params.used_slopes();
+        let (count, of_slope) = (grid.len(), bytes_of_slope(params, size));
+        let needed = estimate_on(threads, params, frames, size);
+        let Some(budget) = budget.filter(|budget| *budget < needed) else {
+            let whole = vec![SlopeGroup::whole(count)];
+            return Ok(Self { search: whole.clone(), describe: whole, threads, bytes: needed });
+        };
+        let beside = bytes_beside_slopes(threads, frames, size);
+        let fitting = (budget.saturating_sub(beside) / of_slope.max(1)).min(count as u64) as usize;
+        let reach = OtherSlopes::of(params).reach(&grid);
+        // The whole did not fit: even without slopes the budget may be exceeded.
+        let cut = |reach| SlopeGroup::cut(count, reach, fitting).filter(|_| beside <= budget);
+        if let (Some(search), Some(describe)) = (cut(reach), cut(Some(slopes_around(params, &grid)))) {
+            let visited = search.iter().chain(&describe).map(|group| group.visited.len()).max().unwrap_or(count);
+            let bytes = beside.saturating_add(of_slope.saturating_mul(visited as u64));
+            return Ok(Self { search, describe, threads, bytes });
+        }
+        let min_slopes = min_slopes(params);
+        let min = beside.saturating_add(of_slope.saturating_mul(min_slopes as u64));
+        Err(refusal(params, (frames, size), (min, budget), (min_slopes, fitting)))
+    }
+
+    /// Runs `work` on the threads that the plan allows.
+    pub(crate) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        if self.threads >= rayon::current_num_threads() {
+            return work();
+        }
+        match rayon::ThreadPoolBuilder::new().num_threads(self.threads).build() {
+            Ok(pool) => pool.install(work),
+            // If the system gives no more threads, those of the pool are used, and the search may take more memory.
+            Err(_) => work(),
+        }
+    }
+}
+
+/// Number of slopes that must be held at once: those that one is compared with and localised between.
+fn min_slopes(params: &DetectorParams) -> usize {
+    let grid = params.used_slopes();
+    let reach = OtherSlopes::of(params).reach(&grid);
+    reach.map_or(grid.len(), |reach| (2 * reach.max(slopes_around(params, &grid)) + 1).min(grid.len()))
+}
+
+/// Error for a search that needs at least `min` bytes, for `min_slopes` slopes that must be held at once.
+fn refusal(
+    params: &DetectorParams,
+    (frames, size): (usize, (usize, usize)),
+    (min, budget): (u64, u64),
+    (min_slopes, fitting): (usize, usize),
+) -> ParamError {
+    let grid = params.used_slopes();
+    let less = match fitting {
+        0 => "a larger first octave, fewer frames or a smaller picture would take less".to_owned(),
+        count => format!("{count} slopes fit, and a larger first octave takes less"),
+    };
+    let way_out = match OtherSlopes::of(params).reach(&grid) {
+        None => format!("slope-neighbours adjacent needs only some slopes at once; {less}"),
+        Some(_) if fitting > 0 && grid.is_plane() => format!("rows of fewer slopes take less; {less}"),
+        Some(_) => less,
+    };
+    ParamError {
+        parameter: OPTION,
+        problem: format!(
+            "this search of {} slopes in {frames} frames of {}×{} needs about {} at least, with {min_slopes} slopes at \
+             once, and {} may be used",
+            grid.len(),
+            size.0,
+            size.1,
+            said(min),
+            said(budget)
+        ),
+        remedy: format!("{way_out}; or allow more"),
+    }
+}
+
+/// Text of a number of bytes, in MB or GB.
+fn said(bytes: u64) -> String {
+    match bytes as f64 {
+        b if b < 1e9 => format!("{:.0} MB", b / 1e6),
+        b => format!("{:.1} GB", b / 1e9),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::SlopeGrid;
+    use crate::detector::{SlopeExtrema, SlopeGrid, SlopeNeighbours};
 
     #[test]
     fn the_estimate_grows_with_slopes_and_the_first_octave() {
@@ -114,5 +308,96 @@ mod tests {
         assert!((32.0..45.0).contains(&of(&fine)), "{}", of(&fine));
         assert!(of(&DetectorParams::default()) < 0.5);
         assert!(estimate(&plane, usize::MAX >> 8, (1 << 30, 1 << 30)) > 1 << 60, "huge, and no overflow");
+    }
+
+    #[test]
+    fn a_search_plans_with_what_others_leave() {
+        let params =
+            DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 20, -3.0..=3.0, 20), ..DetectorParams::default() };
+        let account = Account::new();
+        let plan = |budget| account.plan(&params, 10, (1600, 1200), Some(budget));
+        let (alone, share) = plan(1 << 50).expect("it fits");
+        assert_eq!((alone.search.len(), share.bytes), (1, alone.bytes));
+        let budget = alone.bytes + alone.bytes / 2;
+        let (beside, second) = plan(budget).expect("in groups");
+        assert!(beside.search.len() > 1 && beside.bytes < alone.bytes, "{beside:?}");
+        let (third, _) = plan(budget).expect("in its smallest form");
+        assert_eq!(third, Plan::smallest(&params, 10, (1600, 1200), Some(budget)).expect("it fits"));
+        assert_eq!(third.threads, 1);
+        drop((share, second));
+        let (again, _) = plan(budget).expect("the others gave back what they had");
+        assert_eq!(again, alone);
+        assert!(plan(1000).is_err(), "a search that never fits is refused");
+    }
+
+    fn plane() -> DetectorParams {
+        DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 49, -3.0..=3.0, 49), ..DetectorParams::default() }
+    }
+
+    fn plan(params: &DetectorParams, budget: Option<u64>) -> Result<Plan, ParamError> {
+        Plan::new(params, 10, (1600, 1200), budget)
+    }
+
+    #[test]
+    fn what_fits_is_one_group_and_what_does_not_is_several_that_fit() {
+        for budget in [None, Some(1 << 40)] {
+            let plan = plan(&plane(), budget).expect("it fits");
+            assert_eq!((plan.search.len(), plan.describe.len()), (1, 1));
+        }
+        let of_slope = bytes_of_slope(&plane(), (1600, 1200));
+        let beside = bytes_beside_slopes(rayon::current_num_threads(), 10, (1600, 1200));
+        let budget = 2_000_000_000;
+        let Plan { search, describe, .. } = plan(&plane(), Some(budget)).expect("in groups");
+        assert!(search.len() > 2 && describe.len() >= search.len());
+        for group in search.iter().chain(&describe) {
+            assert!(beside + of_slope * group.visited.len() as u64 <= budget, "{group:?}");
+        }
+        // Slopes are searched each for itself, and localised between their neighbours.
+        assert_eq!(search[1].own, search[1].visited);
+        assert_eq!(describe[1].own.start - describe[1].visited.start, 50);
+    }
+
+    #[test]
+    fn a_small_budget_takes_fewer_threads_before_it_refuses() {
+        let of = |threads, budget| Plan::on(threads, &plane(), 10, (480, 360), Some(budget));
+        let one =
+            (1..).map(|step| step * 1_000_000).find(|budget| of(1, *budget).is_ok()).expect("some budget is enough");
+        let many = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("a pool");
+        let threads =
+            |budget| many.install(|| Plan::new(&plane(), 10, (480, 360), Some(budget))).map(|plan| plan.threads);
+        assert!(of(8, one).is_err(), "one thread needs less than eight");
+        assert_eq!(threads(one), Ok(1));
+        assert!(threads(one + 20_000_000).is_ok_and(|threads| (2..8).contains(&threads)));
+        assert_eq!(threads(1 << 40), Ok(8));
+        assert_eq!(
+            threads(one - 1_000_000),
+            of(1, one - 1_000_000).map(|plan| plan.threads),
+            "what is needed at least"
+        );
+        let plan = many.install(|| Plan::new(&plane(), 10, (480, 360), Some(one))).expect("it fits");
+        assert_eq!(many.install(|| plan.run(rayon::current_num_threads)), 1);
+    }
+
+    #[test]
+    fn what_does_not_fit_even_so_is_refused_with_the_number_and_the_way_out() {
+        let refused = |params: &DetectorParams, budget| plan(params, Some(budget)).expect_err("too much").to_string();
+        let all =
+            DetectorParams { slope_extrema: SlopeExtrema::Joint, slope_neighbours: SlopeNeighbours::All, ..plane() };
+        let error = refused(&all, 1_000_000_000);
+        assert!(error.contains("memory: ") && error.contains("2401 slopes at once"), "{error}");
+        assert!(error.contains("1.0 GB") && error.contains("slope-neighbours adjacent"), "{error}");
+        let fitting = error.split(' ').rev().skip_while(|word| *word != "slopes").nth(1);
+        let fitting: usize = fitting.and_then(|n| n.parse().ok()).expect("a number");
+        assert!((200..400).contains(&fitting), "{error}");
+        let fits = DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, fitting), ..all };
+        assert_eq!(plan(&fits, Some(1_000_000_000)).expect("it says so").search.len(), 1);
+
+        let error = refused(&plane(), 300_000_000);
+        assert!(error.contains("101 slopes at once") && error.contains("rows of fewer slopes"), "{error}");
+        let error = refused(&plane(), 1000);
+        assert!(error.contains("larger first octave") && error.contains("0 MB may be used"), "{error}");
+        // Without coarser octaves nothing is held for a slope: the frames alone are too much.
+        let one_octave = DetectorParams { octaves: 1, ..plane() };
+        assert!(plan(&one_octave, Some(1000)).is_err());
     }
 }

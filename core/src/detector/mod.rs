@@ -3,8 +3,8 @@
 //! Data flows through steps, each a folder or a file, in the order of the paper: frames → [`stack`] (shift by a slope
 //! and average) → [`scale_space`] (Gaussian levels and their differences D, tile by tile) → [`search`] (extrema over
 //! place and scale, at each slope for itself or jointly over slope) → [`refine`] (between the samples) → [`distinct`]
-//! (one [`keypoint`] for one blob) → [`localise`] (place on a compactly supported kernel, scale, slope) → [`orient`]
-//! and [`describe`] (on the pixels around the feature) → [`feature`].
+//! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale,
+//! slope) → [`orient`] and [`describe`] (on the pixels around the feature) → [`feature`].
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
@@ -14,9 +14,7 @@
 pub mod advice;
 pub mod describe;
 pub mod distinct;
-mod error;
 pub mod feature;
-pub mod keypoint;
 pub mod localise;
 pub mod memory;
 pub mod noise;
@@ -25,7 +23,6 @@ pub mod orient;
 pub mod params;
 pub mod pipeline;
 pub mod refine;
-pub mod revision;
 pub mod scale_space;
 pub mod search;
 pub mod slopes;
@@ -33,13 +30,11 @@ pub mod stack;
 pub mod view;
 
 pub use advice::{Advice, explain};
-pub use error::DetectError;
-pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
+pub use feature::{Descriptor, DetectError, Detection, Feature, REVISION, StageTimes, Tally, Test};
 pub use params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use params::{
     DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
     NoiseModelKind, ParamChange, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
 };
 pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, detect, detect_with_trail};
-pub use revision::REVISION;
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

@@ -122,7 +122,7 @@ fn histogram(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::scale_space::octave::Base;
+    use crate::detector::scale_space::Base;
     use crate::kernel::patch::PatchScratch;
     use crate::plane::Plane;
 

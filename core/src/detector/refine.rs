@@ -7,7 +7,7 @@
 //! the other sign): exact for a Gaussian bump, and the misfit of a plain parabola at coarse slope steps goes away.
 
 use super::feature::Test;
-use crate::detector::scale_space::octave::DogTile;
+use crate::detector::scale_space::DogTile;
 
 /// A refined extremum, in octave pixels and DoG level indices.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,19 +1,18 @@
 //! Pictures of the search's steps: the motion-stack image and the DoG response at any slope, octave and level, and the
 //! noise by place.
 
-use super::error::DetectError;
-use super::noise::gate::gate_factor;
-use super::noise_model::pyramid::sample_at;
+use super::feature::DetectError;
+use super::noise::gate_factor;
+use super::noise_model::reading::sample_at;
 use super::params::{DetectorParams, ParamError, doc};
-use super::search::inputs::{Inputs, known_noise};
-use super::search::tile::place_factor;
+use super::search::place_factor;
+use super::search::setup::{Inputs, known_noise};
 use crate::burst::Burst;
 use crate::detector::params::slope_grid::Slope;
-use crate::detector::scale_space::levels::{ScaleSpace, octave_size, searched_octaves};
-use crate::detector::scale_space::octave::Base;
 use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
-use crate::detector::stack::offsets::{coverage, frame_offsets, motion_stack};
-use crate::kernel::offset::FrameOffset;
+use crate::detector::scale_space::{Base, ScaleSpace, octave_size, searched_octaves};
+use crate::detector::stack::{coverage, frame_offsets, motion_stack};
+use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -219,7 +218,7 @@ mod tests {
             }
             let slope = Slope::new(2.0, 0.0);
             let share = coverage_view(&burst, &params, slope, &monitor).expect("a map");
-            let counts = crate::detector::stack::offsets::coverage;
+            let counts = crate::detector::stack::coverage;
             for (u, v) in [(0, 3), (80, 60), (159, 119)] {
                 let count = counts(&trail.offsets(slope), u, v, burst.size());
                 assert_eq!(share.at(u, v), count as f32 / all.len() as f32);

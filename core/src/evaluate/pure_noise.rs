@@ -9,7 +9,7 @@ use super::EvaluateError;
 use super::jobs::run_jobs;
 use crate::baseline::detect;
 use crate::burst::Burst;
-use crate::detector::noise::gate::gate_factor;
+use crate::detector::noise::gate_factor;
 use crate::detector::{DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
 use crate::plane::Plane;

@@ -2,7 +2,7 @@
 
 use super::atomic::write_whole;
 use super::error::ExportError;
-use crate::plane::profile::ProfileSample;
+use crate::plane::sample::ProfileSample;
 use std::io::Write;
 use std::path::Path;
 

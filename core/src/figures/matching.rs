@@ -12,7 +12,7 @@ use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 
-use crate::synth::trajectory::plane::nearest_point;
+use crate::synth::trajectory::world::nearest_point;
 use crate::synth::{Light, Trajectory, TrajectoryParams};
 use std::fmt::Write;
 

@@ -6,9 +6,9 @@
 //! rejected.
 
 use super::telling::margin_of;
-use crate::detector::scale_space::levels::octave_pixel;
+use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
-use crate::detector::stack::offsets::coverage;
+use crate::detector::stack::coverage;
 use crate::detector::{Neighbourhood, Sample, Slope, Tally, Test, Trail};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;

@@ -5,7 +5,7 @@
 //! that it fails is the search's own verdict. The later tests are also evaluated, because they decide what to change
 //! next.
 
-use crate::detector::keypoint::Keypoint;
+use crate::detector::feature::Keypoint;
 use crate::detector::params::doc;
 use crate::detector::{ParamChange, ParamDoc, Sample, Slope, Test};
 use serde::Serialize;

@@ -8,7 +8,7 @@ use super::shares::{Shape, Shares};
 use super::slices::direction_of;
 use super::texture::{Period, dirichlet, period_along};
 use super::words::{number, slope_text};
-use crate::detector::stack::offsets::motion_stack;
+use crate::detector::stack::motion_stack;
 use crate::detector::{Feature, ParamChange, Slope, Trail};
 use crate::inspect::Fate;
 use crate::monitor::{Cancelled, Monitor};

@@ -4,11 +4,11 @@
 //! here: the value, the limit, and the rival.
 
 use super::fate::{Fate, Outcome, Rival, Side, TestReport, apart_sigmas};
-use crate::detector::keypoint::Keypoint;
+use crate::detector::feature::Keypoint;
 use crate::detector::params::doc;
 use crate::detector::pipeline::{FIRST_PEAK_PART, strongest_around};
 use crate::detector::refine::{Limits, MAX_OFFSET};
-use crate::detector::scale_space::levels::octave_pixel;
+use crate::detector::scale_space::octave_pixel;
 use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, SlopeExtrema, SlopeNeighbours, Test, Trail};
 
 /// The fate of a judged sample; `around` holds it.

@@ -6,7 +6,7 @@
 //! place.
 
 use crate::detector::{Descriptor, Detection, Slope};
-use crate::matching::nearest::{Nearest, nearest_two};
+use crate::matching::putative::{Nearest, nearest_two};
 use crate::matching::{MatchParams, MatchResult, TwoViewModel};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;

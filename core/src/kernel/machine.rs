@@ -1,6 +1,6 @@
-//! Sizes tuned to the machine: of tiles, strips and blocks.
+//! Sizes tuned to the processor, of tiles, strips and blocks, and rows taken in vectors of its width.
 //!
-//! None of these changes a bit of any result; they decide how much fits into registers and caches. The benches named
+//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The benches named
 //! beside each measure it: the single routines in `stages`, a whole detection in `cpu_time` (one thread's CPU time, so
 //! that a busy machine matters little). Run the bench before and after changing one.
 //!
@@ -14,6 +14,8 @@
 //! | `STACKED_SLOPES` | second cache | rows of the frames that slopes share | `cpu_time` |
 //! | `STRIP_COLUMNS`, `KEYPOINTS_TOGETHER` | second cache | patches that share pixels of the frames | `cpu_time` |
 //! | `PATCH_ROWS_TOGETHER` | vector registers | rows of a patch that are read once | `stages` |
+
+use pulp::Simd;
 
 /// Vectors whose sums are held at once: enough to hide each other's latency, and two sums of each still fit into
 /// sixteen registers.
@@ -48,3 +50,52 @@ pub(crate) const STACKED_SLOPES: usize = 16;
 pub(crate) const STRIP_COLUMNS: f32 = 200.0;
 /// Keypoints that one thread describes in a row.
 pub(crate) const KEYPOINTS_TOGETHER: usize = 32;
+
+/// The vector that begins at `row[at]`.
+#[inline(always)]
+pub(crate) fn load<S: Simd>(row: &[f32], at: usize) -> S::f32s {
+    S::as_simd_f32s(&row[at..at + S::F32_LANES]).0[0]
+}
+
+/// Writes a vector to `row[at..]`.
+#[inline(always)]
+pub(crate) fn store<S: Simd>(row: &mut [f32], at: usize, value: S::f32s) {
+    S::as_mut_simd_f32s(&mut row[at..at + S::F32_LANES]).0[0] = value;
+}
+
+/// First values of `V` vectors of `lanes`, the first one at vector `first` of a row of `n` values: one after the other,
+/// but the row's last one ends where the row does, unless the row is shorter than a vector.
+#[inline(always)]
+pub(crate) fn places<const V: usize>(first: usize, lanes: usize, n: usize) -> [usize; V] {
+    std::array::from_fn(|i| ((first + i) * lanes).min(n.saturating_sub(lanes)))
+}
+
+/// Runs `$body` for groups of `$count` vectors (a constant, at most [`MAX_VECTORS`]) of the kind `$simd` that begin at
+/// `$places` and together cover `0 … $n`.
+macro_rules! in_vectors {
+    ($simd:ident, $n:expr, |$count:ident, $places:ident| $body:block) => {
+        let (n, lanes) = ($n, $simd::F32_LANES);
+        let vectors = n.div_ceil(lanes);
+        macro_rules! group {
+            ($first:expr, $size:literal) => {{
+                const $count: usize = $size;
+                let $places = $crate::kernel::machine::places::<$count>($first, lanes, n);
+                $body
+            }};
+        }
+        let mut first = 0;
+        while vectors - first >= MAX_VECTORS {
+            group!(first, 6);
+            first += MAX_VECTORS;
+        }
+        match vectors - first {
+            1 => group!(first, 1),
+            2 => group!(first, 2),
+            3 => group!(first, 3),
+            4 => group!(first, 4),
+            5 => group!(first, 5),
+            _ => {}
+        }
+    };
+}
+pub(crate) use in_vectors;

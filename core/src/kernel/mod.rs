@@ -1,21 +1,15 @@
 //! Vector code of the detector's steps.
 //!
 //! Only the most expensive routines are written here, for whole vectors: rows of frames that are weighted and summed
-//! (`stack_rows`, `weighted_rows`), all Gaussian levels of an octave in one pass ([`gaussian_bank`]), and, on the
-//! [`patch`] around one feature, its motion stack (`stack_patch`), its blur (`blur_patch`), its `gradient`s and the
-//! response of a compactly supported kernel ([`compact_kernel`]). [`crate::detector`] chooses among them and knows the
-//! meaning of the numbers. Each routine has a plain reference of a few lines, and a test that compares the two.
+//! (`stack`), all Gaussian levels of an octave in one pass ([`gaussian_bank`]), and, on the [`patch`] around one
+//! feature, its motion stack, its blur, its `gradient`s and the response of a compactly supported kernel
+//! ([`compact_kernel`]). [`crate::detector`] chooses among them and knows the meaning of the numbers. Each routine has
+//! a plain reference of a few lines, and a test that compares the two.
 
-pub(crate) mod blur_patch;
 pub mod compact_kernel;
 pub(crate) mod conjugate_products;
 pub mod gaussian_bank;
 pub(crate) mod gradient;
 pub(crate) mod machine;
-pub mod offset;
 pub mod patch;
-pub(crate) mod stack_patch;
-pub(crate) mod stack_rows;
-pub(crate) mod vectors;
-pub(crate) mod weighted_rows;
-pub(crate) mod weighted_sum;
+pub mod stack;

@@ -1,13 +1,26 @@
-//! Patches: the pixels around one feature at one slope.
+//! Patches: the pixels around one feature at one slope, their motion stack and their blur.
 //!
 //! The search stores only keypoints; localisation and description compute again the small part that they need of a
 //! feature's own motion-stack image, from the frames or from the octave's stored first level. A patch always holds the
 //! whole rectangle asked for: beyond the octave's border the nearest pixel is repeated, as everywhere, so that code
 //! that reads a patch needs no cases for borders.
+//!
+//! Motion stack: where every frame covers the whole patch, the frame pixels that belong together and their weights are
+//! the same for all of its pixels; they are computed once. At the image's sides rows are made one by one as those of
+//! whole images. A pixel has the same bits either way, unless a frame is read between its rows.
+//!
+//! Blur: one blur to a level equals the levels' chain of blurs up to the kernels' cut. A few rows are combined from the
+//! rows around them, then convolved, so that the intermediate values stay in the nearest cache.
 
+use super::machine::PATCH_ROWS_TOGETHER as TOGETHER;
 use crate::kernel::compact_kernel::PixelView;
-use crate::kernel::weighted_rows::WeightedRows;
-use crate::plane::aligned::Aligned;
+use crate::kernel::machine::{load, store};
+use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows};
+use crate::plane::Plane;
+use crate::plane::blur::GaussianKernel;
+use crate::plane::tile::Region;
+use crate::plane::vectors::Aligned;
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Number of values in a vector. Loops over a patch's rows take whole vectors; values beyond the row's end are computed
@@ -151,6 +164,276 @@ impl Patch {
             for (i, out) in self.row_mut(v).iter_mut().enumerate() {
                 let at = (i + odd) / 2;
                 *out = if (i + odd).is_multiple_of(2) { row[at] } else { 0.5 * (row[at] + row[at + 1]) };
+            }
+        }
+    }
+}
+
+/// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, which have one size, at their
+/// [`crate::detector::stack::frame_offsets`].
+pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, sums: &mut WeightedRows) {
+    let part = part_inside(patch, frames[0].size());
+    stack_part(frames, offsets, &part, patch, sums);
+}
+
+/// The part of `patch` inside an image of `size`.
+fn part_inside(patch: &Patch, size: (usize, usize)) -> Region {
+    Region { columns: inside(&patch.columns(), size.0), rows: inside(&patch.rows(), size.1) }
+}
+
+/// Fills `part` of `patch`.
+fn stack_part(frames: &[&Plane], offsets: &[FrameOffset], part: &Region, patch: &mut Patch, sums: &mut WeightedRows) {
+    let (size, Region { columns, rows }) = (frames[0].size(), part);
+    let (left, top, stride) = (columns.start as i64, rows.start as i64, patch.stride());
+    if !offsets.iter().all(|offset| reaches(offset, columns, rows, size)) {
+        let mut stacker = RowStacker::new(frames, vec![offsets]);
+        for v in rows.clone() {
+            stacker.row(v, columns.clone(), &mut [&mut patch.values_mut(left, v as i64)[..columns.len()]]);
+        }
+        return;
+    }
+    let mut taps: Vec<Tap<'_>> = Vec::with_capacity(2 * frames.len());
+    let scale = 1.0 / frames.len() as f32;
+    for (frame, offset) in frames.iter().zip(offsets) {
+        let start = (top + offset.whole_v) as usize * size.0 + (left + offset.whole_u) as usize;
+        for (below, weight) in [(0, scale * (1.0 - offset.part_v)), (size.0, scale * offset.part_v)] {
+            if weight > 0.0 {
+                taps.push(Tap::new(&frame.data()[start + below..], weight, offset.part_u));
+            }
+        }
+    }
+    let (columns, rows, out) = (columns.len(), rows.len(), patch.values_mut(left, top));
+    sums.make(&taps, size.0, columns, 0..rows, out, stride);
+}
+
+/// Whether a frame read at `offset` has pixels of its own for all of `columns` × `rows`, and one more in each row.
+fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, size: (usize, usize)) -> bool {
+    let covers = |range: &Range<usize>, whole: i64, more: bool, n: usize| {
+        range.start as i64 + whole >= 0 && range.end as i64 + whole + i64::from(more) <= n as i64
+    };
+    covers(columns, offset.whole_u, true, size.0) && covers(rows, offset.whole_v, offset.part_v > 0.0, size.1)
+}
+
+/// Buffer for the values between the passes; reused from patch to patch.
+#[derive(Debug, Default)]
+pub struct BlurScratch(Aligned);
+
+impl Patch {
+    /// Blurs columns `columns` and rows `rows` (at least four) by `kernel` into `out`. The patch must extend beyond
+    /// them by the kernel's radius.
+    ///
+    /// # Panics
+    /// When it does not, or when there are fewer rows.
+    pub fn blurred(
+        &self,
+        columns: Range<i64>,
+        rows: Range<i64>,
+        kernel: &GaussianKernel,
+        scratch: &mut BlurScratch,
+        out: &mut Self,
+    ) {
+        let radius = kernel.radius() as i64;
+        let (left, top) = (columns.start - radius, rows.start - radius);
+        assert!(self.columns().start <= left && self.columns().end >= columns.end + radius, "the patch is wide enough");
+        assert!(self.rows().start <= top && self.rows().end >= rows.end + radius, "the patch is high enough");
+        // Vectors that begin at cache lines.
+        let skipped = (left - self.columns().start) as usize % LANES;
+        let (width, count) = (columns.clone().count(), rows.clone().count());
+        assert!(count >= TOGETHER, "{count} rows are too few");
+        out.reset(columns.clone(), rows.clone());
+        let stride = out.stride();
+        let band_stride = (skipped + width + 2 * kernel.radius()).next_multiple_of(LANES);
+        scratch.0.grow(TOGETHER * band_stride + LANES);
+        Arch::new().dispatch(BlurRows {
+            from: self.values(left - skipped as i64, top),
+            from_stride: self.stride(),
+            half: kernel.half(),
+            band: &mut scratch.0,
+            band_stride,
+            skipped,
+            out: out.values_mut(columns.start, rows.start),
+            stride,
+            columns: width,
+            rows: count,
+        });
+    }
+}
+
+/// Rows blurred by the kernel whose centre and right half are `half`.
+struct BlurRows<'a> {
+    /// Begins a radius above the first pixel, and a radius and `skipped` columns to the left of it; rows `from_stride`
+    /// apart.
+    from: &'a [f32],
+    from_stride: usize,
+    half: &'a [f32],
+    /// Combined rows `band_stride` apart, beginning at the columns where `from` does.
+    band: &'a mut [f32],
+    band_stride: usize,
+    skipped: usize,
+    /// Rows `stride` apart, written in whole vectors.
+    out: &'a mut [f32],
+    stride: usize,
+    columns: usize,
+    rows: usize,
+}
+
+impl WithSimd for BlurRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for first in (0..self.rows).step_by(TOGETHER) {
+            // The last rows overlap those before them.
+            let first = first.min(self.rows - TOGETHER);
+            let from = &self.from[first * self.from_stride..];
+            for u in (0..self.band_stride).step_by(S::F32_LANES) {
+                combine(simd, self.half, &from[u..], self.from_stride, &mut self.band[u..], self.band_stride);
+            }
+            for v in 0..TOGETHER {
+                let line = &self.band[v * self.band_stride + self.skipped..];
+                let out = &mut self.out[(first + v) * self.stride..];
+                let mut u = 0;
+                while u + S::F32_LANES < self.columns {
+                    convolve::<S, 2>(simd, self.half, &line[u..], &mut out[u..]);
+                    u += 2 * S::F32_LANES;
+                }
+                if u < self.columns {
+                    convolve::<S, 1>(simd, self.half, &line[u..], &mut out[u..]);
+                }
+            }
+        }
+    }
+}
+
+/// Combines one vector of [`TOGETHER`] rows: Σ taps·values over a symmetric kernel. `from` begins at the first row that
+/// the first one reads.
+#[inline(always)]
+fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mut [f32], out_stride: usize) {
+    let radius = half.len() - 1;
+    let tap = simd.splat_f32s(half[0]);
+    let (mut above, mut sums) = ([tap; TOGETHER], [tap; TOGETHER]);
+    for i in 0..TOGETHER {
+        above[i] = load::<S>(from, (radius + i) * stride);
+        sums[i] = simd.mul_f32s(tap, above[i]);
+    }
+    let mut below = above;
+    // One tap farther, the rows needed are those already loaded, shifted by one, and a new one.
+    let mut distance = 1;
+    macro_rules! step {
+        () => {
+            let tap = simd.splat_f32s(half[distance]);
+            for i in (1..TOGETHER).rev() {
+                above[i] = above[i - 1];
+            }
+            for i in 1..TOGETHER {
+                below[i - 1] = below[i];
+            }
+            above[0] = load::<S>(from, (radius - distance) * stride);
+            below[TOGETHER - 1] = load::<S>(from, (radius + distance + TOGETHER - 1) * stride);
+            for i in 0..TOGETHER {
+                sums[i] = simd.mul_add_f32s(tap, simd.add_f32s(above[i], below[i]), sums[i]);
+            }
+            distance += 1;
+        };
+    }
+    while distance + 3 < half.len() {
+        step!();
+        step!();
+        step!();
+        step!();
+    }
+    while distance < half.len() {
+        step!();
+    }
+    for (i, &sum) in sums.iter().enumerate() {
+        store::<S>(out, i * out_stride, sum);
+    }
+}
+
+/// Convolves `V` vectors: Σ taps·values over a symmetric kernel; `line` begins at the first value under the first tap.
+#[inline(always)]
+fn convolve<S: Simd, const V: usize>(simd: S, half: &[f32], line: &[f32], out: &mut [f32]) {
+    let (radius, read) = (half.len() - 1, V * S::F32_LANES);
+    let tap = simd.splat_f32s(half[0]);
+    let mut sums = [tap; V];
+    for (i, sum) in sums.iter_mut().enumerate() {
+        *sum = simd.mul_f32s(tap, load::<S>(line, radius + i * S::F32_LANES));
+    }
+    // Iterators need no bounds checks in the loop.
+    let before = line[..radius + read - 1].windows(read).rev();
+    let after = line[radius + 1..2 * radius + read].windows(read);
+    for ((before, after), &tap) in before.zip(after).zip(&half[1..]) {
+        let tap = simd.splat_f32s(tap);
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let at = i * S::F32_LANES;
+            *sum = simd.mul_add_f32s(tap, simd.add_f32s(load::<S>(before, at), load::<S>(after, at)), *sum);
+        }
+    }
+    for (i, &sum) in sums.iter().enumerate() {
+        store::<S>(out, i * S::F32_LANES, sum);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::params::Interpolation;
+    use crate::detector::params::slope_grid::Slope;
+    use crate::detector::scale_space::Base;
+    use crate::detector::stack::frame_offsets;
+    use crate::kernel::patch::PatchScratch;
+    use crate::plane::blur::gaussian_blur;
+
+    #[test]
+    fn patches_are_cut_from_the_stacked_image_and_repeat_its_border() {
+        let frames = [0, 1, 2, 3]
+            .map(|t| Plane::from_fn(97, 61, |u, v| ((u * 31 + v * 17 + t * 7 + (u * v) % 13) % 29) as f32 / 29.0));
+        let frames: Vec<&Plane> = frames.iter().collect();
+        let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
+        for slope in [Slope::new(0.0, 0.0), Slope::new(1.3, 0.0), Slope::new(-0.6, 2.2)] {
+            let offsets = frame_offsets(4, slope, Interpolation::Linear);
+            for (octave, size) in [(0, (97, 61)), (-1, (194, 122)), (1, (48, 30))] {
+                let base = Base::Frames { frames: &frames, offsets: &offsets, octave };
+                let mut whole = Plane::zeros(size.0, size.1);
+                let mut row = Vec::new();
+                base.raw_rows(0..size.1, 0..size.0, &mut row, |v, row| whole.row_mut(v).copy_from_slice(row));
+                for (u, v, radius) in [(40, 25, 15), (20, 14, 20), (2, 1, 9), (47, 29, 12), (44, 22, 60)] {
+                    let (columns, rows) = (u - radius..u + radius + 1, v - radius..v + radius + 1);
+                    base.patch(size, columns.clone(), rows.clone(), &mut scratch, &mut patch);
+                    let nearest = |x: i64, n: usize| x.clamp(0, n as i64 - 1) as usize;
+                    let middle = whole.at(nearest(u, size.0), nearest(v, size.1));
+                    for y in rows {
+                        for (x, value) in columns.clone().zip(patch.row(y)) {
+                            let expected = whole.at(nearest(x, size.0), nearest(y, size.1)) - middle;
+                            assert!((value - expected).abs() < 1e-6, "{octave} {slope:?} ({x}, {y})");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_patch_is_blurred_as_the_whole_image_is() {
+        let plane = Plane::from_fn(130, 90, |u, v| ((u * 31 + v * 17 + (u * v) % 13) % 29) as f32 / 29.0);
+        let (mut raw, mut blurred) = (Patch::default(), Patch::default());
+        for (sigma, (left, top), (width, height)) in
+            [(0.0, (20, 20), (40, 7)), (1.2, (0, 3), (17, 30)), (2.7, (61, 50), (66, 36))]
+        {
+            let kernel = GaussianKernel::new(sigma);
+            let whole = gaussian_blur(&plane, &kernel);
+            let (columns, rows) = (left..left + width, top..top + height);
+            // A little more than is needed, on one side even more.
+            let reach = kernel.radius() as i64 + 1;
+            let (wide, tall) = (columns.start - reach - 3..columns.end + reach, rows.start - reach..rows.end + reach);
+            let middle = plane.at(((wide.start + wide.end) / 2) as usize, ((tall.start + tall.end) / 2) as usize);
+            Base::Level(&plane).patch((130, 90), wide, tall, &mut PatchScratch::default(), &mut raw);
+            raw.blurred(columns.clone(), rows.clone(), &kernel, &mut BlurScratch::default(), &mut blurred);
+            for v in rows {
+                for (u, value) in columns.clone().zip(blurred.row(v)) {
+                    let expected = whole.at((u as usize).min(129), (v as usize).min(89)) - middle;
+                    assert!(u > 129 || v > 89 || (value - expected).abs() < 1e-5, "({u}, {v}): {value} {expected}");
+                }
             }
         }
     }

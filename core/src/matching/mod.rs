@@ -6,28 +6,32 @@
 //!
 //! An *inlier* is a putative match that agrees with a geometry of the two views on which most others agree too.
 //!
-//! The data flow: descriptors → [`nearest`] (exact nearest neighbours) → [`putative`] (ratio test, mutual check) →
-//! [`geometry`] (robust estimation, inliers) → [`counts`] (the numbers of the paper). [`match_detections`] is the
-//! composition, [`params`] holds all parameters of its result, [`camera`] the intrinsics where they are known,
-//! [`pairs`] selects the pairs of images to match.
+//! The data flow: descriptors → [`putative`] (exact nearest neighbours, ratio test, mutual check) → [`geometry`]
+//! (robust estimation, inliers) → [`MatchCounts`] (the numbers of the paper). [`match_detections`] is the composition,
+//! [`params`] holds all parameters of its result, [`camera`] the intrinsics where they are known, [`PairSelection`] the
+//! pairs of images to match.
+//!
+//! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
+//! match, and precision the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler and
+//! Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features", CVPR 2017). The first two are taken
+//! for each image with its own keypoints and averaged over the images, here A and B. Against many other images, as in
+//! the paper's Table 1, an image's matches with all of them are added up, so that these shares may pass 1.
 
 pub mod camera;
-pub mod counts;
 pub mod geometry;
-pub mod nearest;
-pub mod pairs;
 pub mod params;
 pub mod putative;
 
 pub use camera::{Camera, CameraModel};
-pub use counts::{ImageCounts, MatchCounts};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
-pub use pairs::PairSelection;
 pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};
 
 use crate::detector::{Descriptor, Detection, Feature, ParamError};
 use crate::monitor::{Cancelled, Monitor};
+use serde::Serialize;
+use std::fmt;
+use std::str::FromStr;
 
 /// Reason why matching failed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -106,4 +110,204 @@ pub fn match_features(
         inliers: verification.as_ref().map(Verification::inlier_count),
     };
     Ok(MatchResult { matches, verification, counts })
+}
+
+/// Counts of one pair of images, A and B.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct MatchCounts {
+    /// Features of A.
+    pub keypoints_a: usize,
+    /// Features of B.
+    pub keypoints_b: usize,
+    /// Number of matches by descriptors alone.
+    pub putative: usize,
+    /// Number of matches consistent with a common geometry; `None` where none was requested.
+    pub inliers: Option<usize>,
+}
+
+impl MatchCounts {
+    /// Mean number of features of an image.
+    pub fn keypoints_per_image(&self) -> f64 {
+        (self.keypoints_a + self.keypoints_b) as f64 / 2.0
+    }
+
+    /// Putative matches over keypoints, mean of A and B; 0 where there are no matches.
+    pub fn match_ratio(&self) -> f64 {
+        self.share_of_keypoints(self.putative)
+    }
+
+    /// Inliers over keypoints, mean of A and B; `None` where the geometry was not verified.
+    pub fn match_score(&self) -> Option<f64> {
+        self.inliers.map(|inliers| self.share_of_keypoints(inliers))
+    }
+
+    /// Inliers over putative matches; `None` where the geometry was not verified or there are no matches.
+    pub fn precision(&self) -> Option<f64> {
+        let inliers = self.inliers?;
+        (self.putative > 0).then(|| inliers as f64 / self.putative as f64)
+    }
+
+    fn share_of_keypoints(&self, matches: usize) -> f64 {
+        let share = |keypoints: usize| if keypoints > 0 { matches as f64 / keypoints as f64 } else { 0.0 };
+        (share(self.keypoints_a) + share(self.keypoints_b)) / 2.0
+    }
+}
+
+/// Statistics of many images that were matched with one another, as in the paper's table: of each image, with all
+/// others that it was paired with, and then the mean over the images.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ImageCounts {
+    /// Mean number of features of an image.
+    pub keypoints_per_image: f64,
+    /// Mean number of putative matches of an image.
+    pub putative_per_image: f64,
+    /// Mean number of inliers of an image.
+    pub inliers_per_image: f64,
+    /// Putative matches over keypoints, mean over the images.
+    pub match_ratio: f64,
+    /// Inliers over keypoints, mean over the images.
+    pub match_score: f64,
+    /// Inliers over putative matches, of all pairs together; `None` without matches.
+    pub precision: Option<f64>,
+    /// Number of pairs with inliers.
+    pub verified_pairs: usize,
+}
+
+impl ImageCounts {
+    /// Computes the statistics of images with `keypoints` features each, and of the matched pairs of them (by index).
+    /// Pairs that were not verified count as pairs without inliers. `None` without images.
+    ///
+    /// # Panics
+    /// When a pair has an index outside `keypoints`: a mistake of the caller.
+    pub fn of(keypoints: &[usize], pairs: &[((usize, usize), MatchCounts)]) -> Option<Self> {
+        if keypoints.is_empty() {
+            return None;
+        }
+        let images = keypoints.len() as f64;
+        // Each match counts for both images.
+        let of_images = |count: &dyn Fn(&MatchCounts) -> usize| {
+            let mut sums = vec![0; keypoints.len()];
+            for ((a, b), counts) in pairs {
+                sums[*a] += count(counts);
+                sums[*b] += count(counts);
+            }
+            sums
+        };
+        let putative = of_images(&|c| c.putative);
+        let inliers = of_images(&|c| c.inliers.unwrap_or(0));
+        let mean = |sums: &[usize]| sums.iter().sum::<usize>() as f64 / images;
+        let share = |sums: &[usize]| {
+            let of_one = |(&sum, &all): (&usize, &usize)| if all > 0 { sum as f64 / all as f64 } else { 0.0 };
+            sums.iter().zip(keypoints).map(of_one).sum::<f64>() / images
+        };
+        let all_putative = putative.iter().sum::<usize>();
+        Some(Self {
+            keypoints_per_image: mean(keypoints),
+            putative_per_image: mean(&putative),
+            inliers_per_image: mean(&inliers),
+            match_ratio: share(&putative),
+            match_score: share(&inliers),
+            precision: (all_putative > 0).then(|| inliers.iter().sum::<usize>() as f64 / all_putative as f64),
+            verified_pairs: pairs.iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count(),
+        })
+    }
+}
+
+/// A choice of pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PairSelection {
+    /// Each image with every other one: N·(N − 1)/2 pairs.
+    #[default]
+    All,
+    /// Each image with the next few after it, for a camera path that does not return: about N times as many pairs.
+    Sequential(usize),
+}
+
+impl PairSelection {
+    /// The pairs of `count` images, the earlier one first, in order.
+    pub fn pairs(self, count: usize) -> Vec<(usize, usize)> {
+        let reach = match self {
+            Self::All => count,
+            Self::Sequential(reach) => reach,
+        };
+        (0..count)
+            .flat_map(|a| (a + 1..count.min(a.saturating_add(reach).saturating_add(1))).map(move |b| (a, b)))
+            .collect()
+    }
+}
+
+impl fmt::Display for PairSelection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All => f.write_str("all"),
+            Self::Sequential(reach) => write!(f, "sequential:{reach}"),
+        }
+    }
+}
+
+impl FromStr for PairSelection {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let reach = text.strip_prefix("sequential:").and_then(|reach| reach.parse().ok());
+        match (text, reach) {
+            ("all", _) => Ok(Self::All),
+            (_, Some(reach)) if reach > 0 => Ok(Self::Sequential(reach)),
+            _ => Err(format!("'{text}' is neither 'all' nor 'sequential:K' with K of 1 or more, such as sequential:5")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_are_of_each_images_own_keypoints() {
+        let counts = MatchCounts { keypoints_a: 100, keypoints_b: 200, putative: 40, inliers: Some(30) };
+        assert_eq!(counts.keypoints_per_image(), 150.0);
+        assert!((counts.match_ratio() - (0.4 + 0.2) / 2.0).abs() < 1e-12);
+        assert!((counts.match_score().expect("verified") - (0.3 + 0.15) / 2.0).abs() < 1e-12);
+        assert_eq!(counts.precision(), Some(0.75));
+    }
+
+    #[test]
+    fn an_images_matches_with_all_others_are_added_up() {
+        let counts = |putative, inliers| MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() };
+        let pairs = [((0, 1), counts(4, 3)), ((0, 2), counts(6, 0))];
+        let all = ImageCounts::of(&[10, 8, 0], &pairs).expect("three images");
+        // Image 0 has 10 putative matches, image 1 has 4, image 2 has 6 (and no keypoint to divide them by).
+        assert_eq!((all.keypoints_per_image, all.putative_per_image, all.inliers_per_image), (6.0, 20.0 / 3.0, 2.0));
+        assert!((all.match_ratio - (1.0 + 0.5) / 3.0).abs() < 1e-12);
+        assert!((all.match_score - (0.3 + 0.375) / 3.0).abs() < 1e-12);
+        assert_eq!((all.precision, all.verified_pairs), (Some(0.3), 1));
+        assert_eq!(ImageCounts::of(&[], &[]), None);
+        assert_eq!(ImageCounts::of(&[5], &[]).expect("one image").precision, None);
+    }
+
+    #[test]
+    fn nothing_found_is_no_division_by_zero() {
+        let none = MatchCounts { inliers: Some(0), ..MatchCounts::default() };
+        assert_eq!((none.match_ratio(), none.match_score(), none.precision()), (0.0, Some(0.0), None));
+        let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None };
+        assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.precision()), (1.0, None, None));
+    }
+
+    #[test]
+    fn pairs_are_in_order_and_each_is_there_once() {
+        assert_eq!(PairSelection::All.pairs(4), [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]);
+        assert_eq!(PairSelection::Sequential(2).pairs(4), [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)]);
+        assert_eq!(PairSelection::Sequential(usize::MAX).pairs(3).len(), 3);
+        assert!(PairSelection::All.pairs(1).is_empty() && PairSelection::Sequential(3).pairs(0).is_empty());
+    }
+
+    #[test]
+    fn choices_are_read_as_they_are_shown() {
+        for choice in [PairSelection::All, PairSelection::Sequential(7)] {
+            assert_eq!(choice.to_string().parse(), Ok(choice));
+        }
+        for bad in ["", "some", "sequential", "sequential:0", "sequential:-1", "sequential:x"] {
+            assert!(bad.parse::<PairSelection>().is_err(), "{bad}");
+        }
+    }
 }

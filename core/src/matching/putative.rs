@@ -1,11 +1,23 @@
 //! Putative matches: nearest neighbours that pass the ratio test and the mutual check.
+//!
+//! The two nearest neighbours of each descriptor are exact. The squared distance of two descriptors is |a|² + |b|² −
+//! 2·a·b. All of these are whole numbers of at most 128·255² = 8 323 200, and twice that is below 2²⁴, so `f32` holds
+//! every sum and every partial sum exactly: the result is that of integer arithmetic, whatever the order of the
+//! additions, at the speed of floating-point lanes.
+//!
+//! Layout. The searched descriptors are transposed into blocks of `LANES`, element by element, so that one lane is one
+//! descriptor and no sum is taken across lanes. Queries go in groups that stay in the nearest cache together with one
+//! block, and `TILE` of them share each load of the block. Groups run in parallel; each query is searched by one thread
+//! alone, and ties go to the lowest index, so the result does not depend on threads.
 
 use super::MatchError;
-use super::nearest::nearest_two;
 use super::params::MatchParams;
 use crate::detector::Descriptor;
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor, Stage};
+use multiversion::multiversion;
+use rayon::prelude::*;
 use serde::Serialize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A pair of features whose descriptors match.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -54,6 +66,182 @@ pub fn match_descriptors(
         Some(Match { a: index, b: nearest.index, distance, ratio })
     });
     Ok(candidates.filter(|m| m.ratio <= params.ratio).collect())
+}
+
+/// Descriptors in a block: one AVX-512 register of `f32`, two of AVX2, four of NEON.
+const LANES: usize = 16;
+/// Queries that share the loads of a block: as many sums as fit into registers.
+const TILE: usize = 4;
+/// Queries of a group: 16 KiB, so that they stay in the nearest cache beside a block of 8 KiB.
+const GROUP: usize = 32;
+/// Elements of a descriptor.
+const LENGTH: usize = 128;
+
+/// Nearest of the searched descriptors, and the distance of the second nearest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Nearest {
+    /// Index of the nearest; the lowest of several equally near ones.
+    pub index: usize,
+    /// Squared Euclidean distance of the nearest, a whole number of at most 128·255².
+    pub distance_squared: u32,
+    /// Squared distance of the second nearest, which may equal that of the nearest; `None` where only one descriptor
+    /// was searched.
+    pub second_distance_squared: Option<u32>,
+}
+
+impl Nearest {
+    /// Distance of the nearest over that of the second nearest, 0 … 1. It is 1 where both are 0 (they are
+    /// indistinguishable), and 0 where there is no second.
+    pub fn ratio(&self) -> f32 {
+        match self.second_distance_squared {
+            None => 0.0,
+            Some(0) => 1.0,
+            Some(second) => (f64::from(self.distance_squared) / f64::from(second)).sqrt() as f32,
+        }
+    }
+}
+
+/// Finds, for each of `queries` in order, the nearest and second nearest of `searched` by Euclidean distance. Empty
+/// when `searched` is empty.
+///
+/// Progress is reported as [`Stage::Match`].
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn nearest_two(
+    queries: &[Descriptor],
+    searched: &[Descriptor],
+    monitor: &Monitor,
+) -> Result<Vec<Nearest>, Cancelled> {
+    monitor.check()?;
+    if searched.is_empty() {
+        return Ok(Vec::new());
+    }
+    let blocks: Vec<Block> = searched.par_chunks(LANES).map(Block::new).collect();
+    let finished = AtomicUsize::new(0);
+    let groups: Vec<Vec<Nearest>> = queries
+        .par_chunks(GROUP)
+        .map(|group| {
+            monitor.check()?;
+            let mut states = [State::START; GROUP];
+            let elements = floats_of(group);
+            for (number, block) in blocks.iter().enumerate() {
+                // With a large set each group of queries takes a while.
+                if number % 1024 == 1023 {
+                    monitor.check()?;
+                }
+                search_block(&elements[..group.len().div_ceil(TILE)], block, number as u32, &mut states);
+            }
+            let done = group.len() + finished.fetch_add(group.len(), Ordering::Relaxed);
+            monitor.report(Stage::Match, done as f32 / queries.len() as f32);
+            Ok(group.iter().zip(&states).map(|(query, state)| state.nearest(squared_length(query))).collect())
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    Ok(groups.concat())
+}
+
+/// |d|².
+fn squared_length(descriptor: &Descriptor) -> u32 {
+    descriptor.iter().map(|&x| u32::from(x) * u32::from(x)).sum()
+}
+
+/// Descriptors side by side, one for each lane.
+struct Block {
+    elements: [[f32; LANES]; LENGTH],
+    /// |d|² of each; infinite in lanes without a descriptor, which then are never the nearest.
+    squared_lengths: [f32; LANES],
+}
+
+impl Block {
+    fn new(descriptors: &[Descriptor]) -> Self {
+        let mut block = Self { elements: [[0.0; LANES]; LENGTH], squared_lengths: [f32::INFINITY; LANES] };
+        for (lane, descriptor) in descriptors.iter().enumerate() {
+            block.squared_lengths[lane] = squared_length(descriptor) as f32;
+            for (row, &element) in block.elements.iter_mut().zip(descriptor) {
+                row[lane] = f32::from(element);
+            }
+        }
+        block
+    }
+}
+
+/// The elements of up to [`GROUP`] queries, `TILE` side by side; missing queries are 0.
+fn floats_of(group: &[Descriptor]) -> [[[f32; TILE]; LENGTH]; GROUP / TILE] {
+    let mut tiles = [[[0.0; TILE]; LENGTH]; GROUP / TILE];
+    for (index, query) in group.iter().enumerate() {
+        for (row, &element) in tiles[index / TILE].iter_mut().zip(query) {
+            row[index % TILE] = f32::from(element);
+        }
+    }
+    tiles
+}
+
+/// Best results so far for one query, in each lane by itself. Scores are 2·a·b − |b|²: the larger, the nearer.
+#[derive(Clone, Copy)]
+struct State {
+    best: [f32; LANES],
+    second: [f32; LANES],
+    block: [u32; LANES],
+}
+
+impl State {
+    const START: Self =
+        Self { best: [f32::NEG_INFINITY; LANES], second: [f32::NEG_INFINITY; LANES], block: [0; LANES] };
+
+    #[inline(always)]
+    fn update(&mut self, products: &[f32; LANES], squared_lengths: &[f32; LANES], number: u32) {
+        // Local copies tell the compiler that nothing overlaps, so that all of this stays in registers.
+        let Self { mut best, mut second, mut block } = *self;
+        for l in 0..LANES {
+            let score = 2.0 * products[l] - squared_lengths[l];
+            // Only a strictly nearer descriptor replaces an earlier one: the lowest index wins.
+            let nearer = score > best[l];
+            let loser = if nearer { best[l] } else { score };
+            second[l] = if loser > second[l] { loser } else { second[l] };
+            block[l] = if nearer { number } else { block[l] };
+            best[l] = if nearer { score } else { best[l] };
+        }
+        *self = Self { best, second, block };
+    }
+
+    /// The nearest of all lanes, for a query of squared length `squared_length`.
+    fn nearest(&self, squared_length: u32) -> Nearest {
+        let index = |lane: usize| self.block[lane] as usize * LANES + lane;
+        let mut winner = 0;
+        for lane in 1..LANES {
+            let nearer = self.best[lane] > self.best[winner];
+            if nearer || (self.best[lane] == self.best[winner] && index(lane) < index(winner)) {
+                winner = lane;
+            }
+        }
+        let others = (0..LANES).filter(|&lane| lane != winner).map(|lane| self.best[lane]);
+        let second = others.fold(self.second[winner], f32::max);
+        // Scores are whole numbers of less than 2²⁴ in magnitude, so these are exact.
+        let distance_squared = |score: f32| (i64::from(squared_length) - score as i64) as u32;
+        Nearest {
+            index: index(winner),
+            distance_squared: distance_squared(self.best[winner]),
+            second_distance_squared: second.is_finite().then(|| distance_squared(second)),
+        }
+    }
+}
+
+/// Compares a group of queries with the descriptors of one block.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn search_block(tiles: &[[[f32; TILE]; LENGTH]], block: &Block, number: u32, states: &mut [State; GROUP]) {
+    for (tile, states) in tiles.iter().zip(states.chunks_exact_mut(TILE)) {
+        let mut products = [[0.0f32; LANES]; TILE];
+        for (queries, row) in tile.iter().zip(&block.elements) {
+            for q in 0..TILE {
+                for l in 0..LANES {
+                    products[q][l] += queries[q] * row[l];
+                }
+            }
+        }
+        for (products, state) in products.iter().zip(states) {
+            state.update(products, &block.squared_lengths, number);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -151,5 +339,94 @@ mod tests {
             expected.sort_by_key(|m| m.a);
             prop_assert_eq!(matches(&turned_a, &turned_b, &params), expected);
         }
+    }
+
+    /// The nearest two by comparing one pair at a time, in whole numbers.
+    fn brute_force(queries: &[Descriptor], searched: &[Descriptor]) -> Vec<Nearest> {
+        let distance_squared = |a: &Descriptor, b: &Descriptor| {
+            a.iter().zip(b).map(|(&x, &y)| u32::from(x.abs_diff(y)).pow(2)).sum::<u32>()
+        };
+        let nearest = |query: &Descriptor| {
+            let mut order: Vec<(u32, usize)> =
+                searched.iter().enumerate().map(|(i, b)| (distance_squared(query, b), i)).collect();
+            order.sort_unstable();
+            let (distance_squared, index) = *order.first()?;
+            Some(Nearest { index, distance_squared, second_distance_squared: order.get(1).map(|x| x.0) })
+        };
+        queries.iter().filter_map(nearest).collect()
+    }
+
+    /// Descriptors with few different elements, so that ties are common.
+    fn coarse(count: impl Into<prop::collection::SizeRange>) -> impl Strategy<Value = Vec<Descriptor>> {
+        let element = prop::sample::select(vec![0u8, 1, 255]);
+        let one = (prop::collection::vec(element, 4), any::<u8>()).prop_map(|(few, shift)| {
+            let mut descriptor = [0u8; 128];
+            few.iter().enumerate().for_each(|(i, &x)| descriptor[(i * 31 + usize::from(shift % 2)) % 128] = x);
+            descriptor
+        });
+        prop::collection::vec(one, count)
+    }
+
+    fn any_descriptors(count: impl Into<prop::collection::SizeRange>) -> impl Strategy<Value = Vec<Descriptor>> {
+        prop::collection::vec(prop::array::uniform32(any::<u32>()), count).prop_map(|all| {
+            let bytes = |words: &[u32; 32]| std::array::from_fn(|i| words[i / 4].to_le_bytes()[i % 4]);
+            all.iter().map(bytes).collect()
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn it_is_brute_force(queries in any_descriptors(0..70), searched in any_descriptors(0..70)) {
+            let found = nearest_two(&queries, &searched, &Monitor::default()).expect("not cancelled");
+            prop_assert_eq!(found, brute_force(&queries, &searched));
+        }
+
+        #[test]
+        fn ties_go_to_the_lowest_index(queries in coarse(0..40), searched in coarse(1..90)) {
+            let found = nearest_two(&queries, &searched, &Monitor::default()).expect("not cancelled");
+            prop_assert_eq!(found, brute_force(&queries, &searched));
+        }
+    }
+
+    #[test]
+    fn the_extremes_are_exact() {
+        let (black, white) = ([0u8; 128], [255u8; 128]);
+        let mut nearly = white;
+        nearly[127] = 254;
+        for searched in [vec![black], vec![white], vec![black, nearly], vec![nearly, white], vec![black; 33]] {
+            let found = nearest_two(&[black, white, nearly], &searched, &Monitor::default()).expect("not cancelled");
+            assert_eq!(found, brute_force(&[black, white, nearly], &searched));
+        }
+        let far = nearest_two(&[black], &[white], &Monitor::default()).expect("not cancelled");
+        assert_eq!(far, [Nearest { index: 0, distance_squared: 8_323_200, second_distance_squared: None }]);
+    }
+
+    #[test]
+    fn ratios_of_the_odd_cases() {
+        let with = |distance_squared, second| Nearest { index: 0, distance_squared, second_distance_squared: second };
+        assert_eq!(with(9, Some(16)).ratio(), 0.75);
+        assert_eq!(with(9, None).ratio(), 0.0);
+        assert_eq!(with(0, Some(9)).ratio(), 0.0);
+        assert_eq!(with(0, Some(0)).ratio(), 1.0);
+    }
+
+    #[test]
+    fn cancelling_leaves_no_result() {
+        let monitor = Monitor::default();
+        monitor.cancel();
+        assert_eq!(nearest_two(&[[0; 128]], &[[1; 128]], &monitor), Err(Cancelled));
+    }
+
+    #[test]
+    fn threads_change_nothing() {
+        let descriptor = |seed: usize| std::array::from_fn(|i| ((seed * 7919 + i * 104_729) % 251) as u8);
+        let (a, b): (Vec<Descriptor>, Vec<Descriptor>) =
+            ((0..300).map(descriptor).collect(), (150..500).map(descriptor).collect());
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| nearest_two(&a, &b, &Monitor::default()))
+        };
+        assert_eq!(with(1), with(2));
     }
 }

@@ -3,16 +3,13 @@
 //! A [`Plane`] is a rectangle of `f32` in row-major order without padding: the value at column `u` and row `v` is
 //! `data[v·width + u]`. Frames, motion-stack images, Gaussian levels and DoG responses are all planes.
 
-pub(crate) mod aligned;
-pub mod blocks;
 pub mod blur;
-pub mod colour_map;
 pub mod display;
 pub mod memory;
-pub mod profile;
 pub mod sample;
 pub mod statistics;
 pub mod tile;
+pub mod vectors;
 
 /// A float image, row-major, without padding between rows.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@
 //! which columns and rows of the image it holds; its buffer is reused from slope to slope.
 
 use super::Plane;
-use super::aligned::Aligned;
+use super::vectors::Aligned;
 use std::ops::Range;
 
 /// A part of an image: columns × rows, each at least one pixel.

@@ -10,7 +10,7 @@
 //! | sign | (−2.1, 0) | a sign of lamps on a post, a bus stop, a fence |
 //! | lanterns | (1.6, −1.2) | paper lanterns that rise |
 
-use super::capture::capture_burst;
+use super::capture_burst;
 use super::layer::{Layer, draw_layers, visible_landmarks};
 use super::noise::Camera;
 use super::paint::{Area, fractal_relief};
@@ -285,7 +285,7 @@ fn lanterns(reach: f64) -> Layer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::stack::offsets::motion_stack;
+    use crate::detector::stack::motion_stack;
     use crate::detector::{Interpolation, Slope};
 
     /// A checksum of all frames (FNV-1a over the converter's levels).

@@ -22,39 +22,36 @@
 //! # Ok::<(), burstscope_core::synth::SynthError>(())
 //! ```
 
-mod capture;
 pub mod chart;
 pub mod demo;
 pub mod examples;
-mod folder;
 pub mod layer;
-mod leaves;
 pub mod noise;
-pub mod noise_case;
 pub mod noisy;
 pub mod paint;
-mod radius;
 pub mod random;
 pub mod scene;
 pub mod trajectory;
 pub mod truth;
 pub mod write;
 
-pub use chart::{ChartParams, synth_chart};
+pub use chart::{ChartParams, RadiusLaw, synth_chart};
 pub use demo::{demo_burst, demo_truth, later_demo_burst};
 pub use examples::Example;
-pub use folder::WriteBurstError;
-pub use noise::Camera;
-pub use noise_case::NoiseCase;
+pub use noise::{Camera, NoiseCase};
 pub use noisy::{FrameLevels, NoisyExposure, NoisyParams, NoisyTruth, write_noisy};
-pub use radius::RadiusLaw;
 pub use scene::{SceneParams, synth_scene};
 pub use trajectory::{Light, Trajectory, TrajectoryParams, write_trajectory};
 pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
-pub use write::write_burst;
+pub use write::{WriteBurstError, write_burst};
 
-use crate::monitor::Cancelled;
+use crate::burst::Burst;
+use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::plane::Plane;
+use random::Stream;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Directions of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -142,4 +139,35 @@ fn check_camera(read_noise: f64, bits: u32) -> Result<(), SynthError> {
         return Err(SynthError::param("bits", format!("{bits} bits"), "give 4 to 16"));
     }
     Ok(())
+}
+
+/// Draws and captures `frames` frames. Frame t takes its noise from stream t + 1 of the seed (stream 0 lays out the
+/// scene), so the result does not depend on the threads.
+fn capture_burst(
+    name: &str,
+    frames: usize,
+    seed: u64,
+    camera: &Camera,
+    monitor: &Monitor,
+    signal_at: impl Fn(f64) -> Result<Plane, Cancelled> + Sync,
+) -> Result<Burst, Cancelled> {
+    let t0 = (frames as f64 - 1.0) / 2.0;
+    let done = AtomicUsize::new(0);
+    monitor.report(Stage::Synth, 0.0);
+    let planes: Vec<Plane> = (0..frames)
+        .into_par_iter()
+        .map(|t| {
+            monitor.check()?;
+            let signal = signal_at(t as f64 - t0)?;
+            let frame = camera.capture(&signal, &mut Stream::new(seed, t as u64 + 1), monitor)?;
+            let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+            monitor.report(Stage::Synth, count as f32 / frames as f32);
+            Ok(frame)
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    monitor.check()?;
+    let mut burst = Burst::from_planes(name, planes);
+    burst.full_scale = 65535.0;
+    burst.quantisation_step = camera.quantisation_step() as f32;
+    Ok(burst)
 }

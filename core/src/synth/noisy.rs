@@ -10,12 +10,10 @@
 //! pixels below and above the mean. So the ratio is that of the pixels' standard deviation to the noise's at their
 //! mean.
 
-use super::folder::WriteBurstError;
-use super::folder::{io, write_folder};
 use super::noise::Camera;
 use super::random::Stream;
 use super::truth::NoiseTruth;
-use super::write::write_frame;
+use super::write::{WriteBurstError, io, write_folder, write_frame};
 use super::{SynthError, check_camera};
 use crate::burst::Burst;
 use crate::files::{MAX_TABLE_BYTES, read_text};

@@ -4,13 +4,12 @@
 //! rows of strokes like writing, patterns of dots, stripes. Dots are the landmarks of the truth. All of it follows from
 //! the seed.
 
-use super::capture::capture_burst;
 use super::layer::{Layer, draw_layers, visible_landmarks};
 use super::noise::Camera;
 use super::paint::{Area, fractal_relief};
 use super::random::Stream;
 use super::truth::{NoiseTruth, Truth, TruthKind};
-use super::{Motion, SynthError, check_common};
+use super::{Motion, SynthError, capture_burst, check_common};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
 
@@ -250,7 +249,7 @@ fn stripes(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::stack::offsets::motion_stack;
+    use crate::detector::stack::motion_stack;
     use crate::detector::{Interpolation, Slope};
     use crate::plane::Plane;
 

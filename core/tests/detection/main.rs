@@ -6,7 +6,6 @@ mod shared;
 
 mod accuracy;
 mod evaluate;
-mod extremes;
 mod goldens;
 mod inspect;
 mod laws;

@@ -8,7 +8,7 @@ use burstscope_core::Monitor;
 use burstscope_core::baseline::detect;
 use burstscope_core::detector::{Detection, DetectorParams, Method, SlopeGrid};
 use burstscope_core::matching::{Camera, CameraModel, Geometry, MatchParams, match_detections};
-use burstscope_core::synth::trajectory::plane::nearest_point;
+use burstscope_core::synth::trajectory::world::nearest_point;
 use burstscope_core::synth::{Light, Motion, Trajectory, TrajectoryParams};
 
 /// Largest distance of a right match from the true position of its point of the world, pixels.

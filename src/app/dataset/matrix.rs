@@ -6,7 +6,7 @@ use crate::app::panel::widgets::middle_elided;
 use crate::app::project::datasets::pairs::{BurstPair, PairTable, pair_of};
 use crate::app::project::datasets::{BurstState, Dataset};
 use crate::app::style;
-use crate::plane::colour_map::ColourMap;
+use crate::plane::display::ColourMap;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
 /// Range of a cell's side, in points: below the smallest the matrix scrolls.

@@ -2,7 +2,7 @@
 //! colour maps.
 
 use super::uniforms::Uniforms;
-use crate::plane::colour_map::ColourMap;
+use crate::plane::display::ColourMap;
 use std::num::NonZeroU64;
 
 pub(super) fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {

@@ -8,7 +8,7 @@ use super::pipeline::{bind_group, bind_group_layout, lut_texture, pipeline};
 use super::texture::PictureTexture;
 use super::uniforms::Uniforms;
 use crate::plane::Plane;
-use crate::plane::colour_map::ColourMap;
+use crate::plane::display::ColourMap;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 

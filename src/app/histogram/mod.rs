@@ -9,8 +9,7 @@ mod plot;
 
 use crate::app::canvas::{Picture, number};
 use crate::app::gpu::PictureId;
-use crate::plane::colour_map::ColourMap;
-use crate::plane::display::{Display, GAMMA_RANGE};
+use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
 use axis::{axis_fits, axis_for};
 use drag::{Drag, dragged, grip_at, nearest_end};

@@ -7,7 +7,7 @@ use crate::app::gpu::PictureId;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
-use crate::plane::profile::{RegionStatistics, region_statistics};
+use crate::plane::sample::{RegionStatistics, region_statistics};
 use crate::plane::statistics::{Histogram, Region, histogram};
 use egui::{RichText, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, Plot};

@@ -5,7 +5,7 @@ use crate::app::canvas::Picture;
 use crate::app::inspector::{PaneWidgets, compact_description, same_place};
 use crate::app::pane::{Link, PaneId};
 use crate::app::project::Model;
-use crate::plane::profile::{ProfileSample, profile};
+use crate::plane::sample::{ProfileSample, profile};
 use crate::plane::statistics::Region;
 use egui::{Pos2, Rect};
 

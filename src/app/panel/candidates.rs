@@ -9,7 +9,7 @@ use crate::app::project::pair::Side;
 use crate::detector::Slope;
 use crate::inspect::candidates::{CandidateMark, Survey};
 use crate::inspect::probe::Wanted;
-use crate::plane::colour_map::ColourMap;
+use crate::plane::display::ColourMap;
 use crate::requests::ProbeQuestion;
 use egui::{Align2, Color32, Frame, Label, Margin, Pos2, RichText, Sense, Ui, pos2, vec2};
 use std::sync::Arc;

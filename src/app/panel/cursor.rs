@@ -6,8 +6,8 @@ use crate::app::panel::slopes::strip_ui;
 use crate::app::panel::widgets::{CursorRow, section_ui};
 use crate::app::project::Model;
 use crate::app::project::cursor::{ViewKind, level_range, octave_range, slope_limit};
-use crate::detector::localise::place::rim_radius;
-use crate::detector::scale_space::levels::ScaleSpace;
+use crate::detector::localise::rim_radius;
+use crate::detector::scale_space::ScaleSpace;
 use egui::Ui;
 
 /// Draws the section.

@@ -5,7 +5,7 @@ use crate::app::canvas::number as in_digits;
 use crate::app::pane::Content;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::noise_model::NoiseModel;
-use crate::plane::colour_map::ColourMap;
+use crate::plane::display::ColourMap;
 use crate::requests::MapKind;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 

@@ -1,6 +1,6 @@
 //! The cursor of a pane: kind of picture, frame, slope, octave and level.
 
-use crate::detector::scale_space::levels::searched_octaves;
+use crate::detector::scale_space::searched_octaves;
 use crate::detector::{DetectorParams, Slope, SlopeGrid};
 use crate::requests::PictureKind;
 use serde::{Deserialize, Serialize};

@@ -4,8 +4,7 @@
 //! images share one; DoG responses have another, symmetric about zero; so does each map. A range is set once, from the
 //! first picture of its class (with several panes: that of the pane in focus); after that only by the user.
 
-use crate::plane::colour_map::ColourMap;
-use crate::plane::display::Display;
+use crate::plane::display::{ColourMap, Display};
 use crate::plane::statistics::{Region, percentiles};
 use crate::requests::{MapKind, Picture, PictureKind, PictureRequest};
 use serde::{Deserialize, Serialize};

@@ -19,7 +19,7 @@ mod tests;
 mod tiles;
 
 use crate::burst::Burst;
-use crate::detector::noise::estimate::frame_noise;
+use crate::detector::noise::frame_noise;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use std::ops::Range;

@@ -2,22 +2,21 @@
 
 use super::child::{self, Budget};
 use super::jpeg::{Soundness, soundness};
-use super::png::PngPicture;
-use super::turned::{turned, turned_size};
+use super::pixels::{turned, turned_size};
 use super::wire::Part;
 use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_from_data};
-use crate::burst::encoding::Encoding;
+use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved};
 use crate::burst::error::OpenError;
-use crate::burst::limits::Limits;
-use crate::burst::luma::{Curve, Sample, grey_from_interleaved};
-use crate::burst::options::OpenOptions;
+use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::files::read_bytes;
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
+use image::error::{DecodingError, ImageFormatHint, LimitError, LimitErrorKind};
 use image::metadata::Orientation;
-use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader};
+use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
+use png::{BitDepth, DecodeOptions, Decoder, Reader, Transformations};
 use std::fs::File;
-use std::io::{BufReader, Cursor};
+use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
 /// Memory that a decoder may take beyond the pixels, bytes.
@@ -182,5 +181,82 @@ fn failure(path: &Path, format: ImageFormat, error: ImageError) -> OpenError {
 }
 
 fn name(format: ImageFormat) -> &'static str {
-    super::kind::Kind::Picture(format).name()
+    super::look::Kind::Picture(format).name()
+}
+
+/// A PNG whose header is read. Colour profiles and texts are skipped: a few bytes of them can unpack to gigabytes.
+pub(super) struct PngPicture<R: BufRead + Seek> {
+    reader: Reader<R>,
+    color: ColorType,
+}
+
+impl<R: BufRead + Seek> PngPicture<R> {
+    /// Reads the file up to the pixels. The decoder may take `max_bytes` besides them.
+    pub(super) fn new(file: R, max_bytes: u64) -> ImageResult<Self> {
+        let mut options = DecodeOptions::default();
+        options.set_ignore_iccp_chunk(true);
+        options.set_ignore_text_chunk(true);
+        let mut decoder = Decoder::new_with_options(file, options);
+        decoder.set_limits(png::Limits { bytes: usize::try_from(max_bytes).unwrap_or(usize::MAX) });
+        // Palettes become colours, and fewer than eight bits become eight.
+        decoder.set_transformations(Transformations::EXPAND);
+        let reader = decoder.read_info().map_err(png_failure)?;
+        use png::ColorType::{Grayscale, GrayscaleAlpha, Rgb, Rgba};
+        let color = match reader.output_color_type() {
+            (Grayscale, BitDepth::Eight) => ColorType::L8,
+            (Grayscale, BitDepth::Sixteen) => ColorType::L16,
+            (GrayscaleAlpha, BitDepth::Eight) => ColorType::La8,
+            (GrayscaleAlpha, BitDepth::Sixteen) => ColorType::La16,
+            (Rgb, BitDepth::Eight) => ColorType::Rgb8,
+            (Rgb, BitDepth::Sixteen) => ColorType::Rgb16,
+            (Rgba, BitDepth::Eight) => ColorType::Rgba8,
+            (Rgba, BitDepth::Sixteen) => ColorType::Rgba16,
+            (color, depth) => return Err(decoding(format!("pixels of {color:?} and {depth:?} were not expanded"))),
+        };
+        Ok(Self { reader, color })
+    }
+}
+
+impl<R: BufRead + Seek> ImageDecoder for PngPicture<R> {
+    fn dimensions(&self) -> (u32, u32) {
+        self.reader.info().size()
+    }
+
+    fn color_type(&self) -> ColorType {
+        self.color
+    }
+
+    fn exif_metadata(&mut self) -> ImageResult<Option<Vec<u8>>> {
+        Ok(self.reader.info().exif_metadata.as_ref().map(|exif| exif.to_vec()))
+    }
+
+    fn read_image(mut self, buffer: &mut [u8]) -> ImageResult<()> {
+        self.reader.next_frame(buffer).map_err(png_failure)?;
+        // The file's end must follow the pixels.
+        self.reader.finish().map_err(png_failure)?;
+        if self.color.bytes_per_pixel() == 2 * self.color.channel_count() {
+            for bytes in buffer.as_chunks_mut::<2>().0 {
+                *bytes = u16::from_be_bytes(*bytes).to_ne_bytes();
+            }
+        }
+        Ok(())
+    }
+
+    fn read_image_boxed(self: Box<Self>, buffer: &mut [u8]) -> ImageResult<()> {
+        (*self).read_image(buffer)
+    }
+}
+
+fn png_failure(error: png::DecodingError) -> ImageError {
+    match error {
+        png::DecodingError::IoError(error) => ImageError::IoError(error),
+        png::DecodingError::LimitsExceeded => {
+            ImageError::Limits(LimitError::from_kind(LimitErrorKind::InsufficientMemory))
+        }
+        error @ (png::DecodingError::Format(_) | png::DecodingError::Parameter(_)) => decoding(error),
+    }
+}
+
+fn decoding(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ImageError {
+    ImageError::Decoding(DecodingError::new(ImageFormatHint::Exact(ImageFormat::Png), error))
 }

@@ -1,4 +1,5 @@
-//! Decoding of one file to float frames. The kind of a file is told by its first bytes, not by its name.
+//! Decoding of files to float frames: one file, or many at once with progress by frame and the first failure in their
+//! order. The kind of a file is told by its first bytes, not by its name.
 //!
 //! Before any decoder runs, the sizes that the file declares are checked ([`look`]). Third-party decoders run in a
 //! child process ([`child`]) where they could take much memory, and always for raw files.
@@ -6,36 +7,29 @@
 mod child;
 mod image;
 mod jpeg;
-mod kind;
 mod look;
 mod npy;
 mod npy_header;
-mod png;
+mod pixels;
 #[cfg(feature = "raw")]
 mod raw;
-#[cfg(feature = "raw")]
-mod raw_levels;
-mod serve;
 mod tiff;
-mod tiff_tiles;
-mod turned;
 mod wire;
 
-pub use child::DecodeWorker;
-pub(super) use kind::RAW_EXTENSIONS;
-pub use serve::serve_decoding;
+pub use child::{DecodeWorker, serve_decoding};
+pub(super) use look::RAW_EXTENSIONS;
+pub use pixels::LUMA_WEIGHTS;
 
-use super::encoding::Encoding;
 use super::error::OpenError;
-use super::options::OpenOptions;
-use super::progress::Ticker;
-use crate::monitor::Monitor;
+use super::options::{Encoding, OpenOptions};
+use crate::monitor::{Monitor, Stage};
 use crate::plane::{Plane, memory};
-use kind::{Kind, has_raw_extension, is_video, kind_of, named_kind};
-use look::{Directories, Refusal, check_picture};
+use look::{Directories, Kind, Refusal, check_picture, has_raw_extension, is_video, kind_of, named_kind};
+use rayon::prelude::*;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Unit of a file's values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -281,7 +275,7 @@ impl InputFile {
             None if is_raw => Kind::Raw,
             Some(Kind::Tiff) if is_raw => Kind::Raw,
             Some(kind) => kind,
-            None => return Err(kind::unknown(path, &start)),
+            None => return Err(look::unknown(path, &start)),
         };
         let mut reader = BufReader::with_capacity(512, &mut file);
         let mut directories = None;
@@ -346,4 +340,82 @@ fn frame_from_data(
         return Err(OpenError::NotFinite { path: path.into(), frame, u, v, value: values[index] });
     }
     Ok(RawFrame::linear(Plane::from_vec(size.0, size.1, values), FileScale::Data { integer, largest }))
+}
+
+/// Counter of finished frames, for use from any thread.
+pub(super) struct Ticker<'a> {
+    monitor: &'a Monitor,
+    done: AtomicUsize,
+    total: usize,
+    quiet: bool,
+}
+
+impl<'a> Ticker<'a> {
+    /// Counter that reports the finished fraction of `total` frames to `monitor`.
+    pub(super) fn new(monitor: &'a Monitor, total: usize) -> Self {
+        Self { monitor, done: AtomicUsize::new(0), total, quiet: false }
+    }
+
+    /// Counter that checks for cancellation, but reports nothing.
+    pub(super) fn quiet(monitor: &'a Monitor) -> Self {
+        Self { quiet: true, ..Self::new(monitor, 0) }
+    }
+
+    /// The monitor for cancellation and reports.
+    pub(super) fn monitor(&self) -> &'a Monitor {
+        self.monitor
+    }
+
+    /// Fails once the user has cancelled.
+    pub(super) fn check(&self) -> Result<(), OpenError> {
+        Ok(self.monitor.check()?)
+    }
+
+    /// Counts one more finished frame.
+    pub(super) fn tick(&self) {
+        let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
+        if !self.quiet {
+            self.monitor.report(Stage::Open, done as f32 / self.total.max(1) as f32);
+        }
+    }
+}
+
+/// Computes `f(0) … f(count − 1)` in parallel. When several fail, the error is that of the lowest index, whatever the
+/// number of threads, so that a user who mends one file after the other sees them in order.
+pub(super) fn in_order<T: Send>(
+    count: usize,
+    f: impl Fn(usize) -> Result<T, OpenError> + Sync,
+) -> Result<Vec<T>, OpenError> {
+    let first_failure = AtomicUsize::new(usize::MAX);
+    let answers: Vec<Option<Result<T, OpenError>>> = (0..count)
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|i| {
+            if i > first_failure.load(Ordering::Relaxed) {
+                return None; // an earlier one failed: this one is not needed
+            }
+            let answer = f(i);
+            if answer.is_err() {
+                first_failure.fetch_min(i, Ordering::Relaxed);
+            }
+            Some(answer)
+        })
+        .collect();
+    // Skipped items come after a failure, so `flatten` never drops one before the first error.
+    answers.into_iter().flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_failure_in_order_is_the_answer() {
+        let fail = |path: usize| OpenError::EmptyFile { path: path.to_string().into() };
+        for _ in 0..50 {
+            let answer = in_order(100, |i| if i % 7 == 5 { Err(fail(i)) } else { Ok(i) });
+            assert_eq!(answer, Err(fail(5)));
+        }
+        assert_eq!(in_order(100, Ok), Ok((0..100).collect()));
+    }
 }

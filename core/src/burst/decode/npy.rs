@@ -3,9 +3,9 @@
 
 use super::npy_header::{self, Dtype, NpyHeader};
 use super::{Expected, FileScale, RawFrame, frame_from_data};
+use crate::burst::decode::{Ticker, in_order};
 use crate::burst::error::OpenError;
-use crate::burst::limits::Limits;
-use crate::burst::progress::{Ticker, in_order};
+use crate::burst::options::Limits;
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use std::fs::File;

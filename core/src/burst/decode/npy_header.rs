@@ -6,7 +6,7 @@
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use crate::burst::error::OpenError;
-use crate::burst::limits::Limits;
+use crate::burst::options::Limits;
 use std::io::{Read, Seek};
 use std::path::Path;
 

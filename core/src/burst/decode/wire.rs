@@ -2,10 +2,8 @@
 //! they are in memory, because both processes are of one program on one machine.
 
 use super::{FileScale, RawFrame};
-use crate::burst::encoding::Encoding;
 use crate::burst::error::OpenError;
-use crate::burst::limits::Limits;
-use crate::burst::options::OpenOptions;
+use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::plane::memory::NoMemory;
 use crate::plane::{Plane, memory};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};

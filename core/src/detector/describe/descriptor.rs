@@ -7,19 +7,12 @@
 //! Of each row only the pixels inside the turned square are visited. Their weights and directions are computed in
 //! vector lanes; then each pixel adds its eight directions, most of them zero, to four cells, a vector each.
 
-mod bytes;
-mod cells;
-
 use crate::detector::feature::Descriptor;
-use crate::kernel::gradient::{GradientRow, max, min, reach, vector_of, whole, window};
+use crate::kernel::gradient::{GradientRow, Lane, max, min, reach, vector_of, whole, window};
 use crate::kernel::patch::{LANES, Patch};
-use bytes::quantise;
-use cells::{BINS, CELLS, DIRECTIONS, PAIRS, PairedCells, Samples};
 use multiversion::multiversion;
 use std::f32::consts::TAU;
 use std::ops::Range;
-
-pub use bytes::to_vlfeat_order;
 
 /// Side of a cell, in σ.
 const MAGNIFICATION: f32 = 3.0;
@@ -160,10 +153,202 @@ const BATCH: usize = 256;
 /// Index of the last direction.
 const LAST_DIRECTION: f32 = (DIRECTIONS - 1) as f32;
 
+/// Sum of `f` over the bins, in as many partial sums as a vector has lanes.
+#[inline(always)]
+fn sum_of(bins: &[f32; BINS], f: impl Fn(f32) -> f32) -> f32 {
+    let mut sums = [0.0f32; LANES];
+    for vector in bins.chunks_exact(LANES) {
+        for i in 0..LANES {
+            sums[i] += f(vector[i]);
+        }
+    }
+    sums.iter().sum()
+}
+
+/// Scales the bins to a Euclidean length of 1, unless all are 0.
+#[inline(always)]
+fn normalise(bins: &mut [f32; BINS]) {
+    let norm = sum_of(bins, |x| x * x).sqrt();
+    if norm > 0.0 {
+        bins.iter_mut().for_each(|x| *x /= norm);
+    }
+}
+
+/// Converts the 128 sums to bytes, in UBC/COLMAP's order: within each cell the directions run the other way round than
+/// VLFeat's, the first stays.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn quantise(mut bins: [f32; BINS]) -> Descriptor {
+    normalise(&mut bins);
+    bins.iter_mut().for_each(|x| *x = x.min(0.2));
+    normalise(&mut bins);
+    let sum = sum_of(&bins, |x| x);
+    if sum <= 0.0 {
+        return [0; BINS];
+    }
+    let scaled = bins.map(|x| ((x / sum).sqrt() * 512.0 + 0.5).min(255.0) as i32 as u8);
+    to_vlfeat_order(&scaled)
+}
+
+/// Converts a descriptor to VLFeat's order; its own inverse.
+pub fn to_vlfeat_order(descriptor: &Descriptor) -> Descriptor {
+    let mut out = [0; BINS];
+    for (out, cell) in out.chunks_exact_mut(DIRECTIONS).zip(descriptor.chunks_exact(DIRECTIONS)) {
+        for (direction, out) in out.iter_mut().enumerate() {
+            *out = cell[(DIRECTIONS - direction) % DIRECTIONS];
+        }
+    }
+    out
+}
+
+/// Number of cells along a side.
+const CELLS: usize = 4;
+/// Number of directions in a cell.
+const DIRECTIONS: usize = 8;
+/// Number of sums of a descriptor.
+const BINS: usize = CELLS * CELLS * DIRECTIONS;
+/// Number of cells along a side with one more at each end for pixels outside, so that no weight needs a test.
+const PADDED: usize = CELLS + 2;
+/// Number of independent accumulators, so that an addition need not wait for the one before it.
+const TURNS: usize = 4;
+
+/// Number of pairs in a row of cells.
+const PAIRS: usize = PADDED - 1;
+
+/// Values that some pixels add, in the order of the pixels. Cells and directions are counted from the first padded
+/// ones.
+#[derive(Debug, Default)]
+struct Samples {
+    /// Pair of cells above the pixel, between which it lies.
+    cell: Vec<u32>,
+    /// Direction before the pixel's, and the pixel's distance from it, in steps of directions.
+    direction: Vec<u32>,
+    past_direction: Vec<f32>,
+    /// Distance of the pixel from the pair's left cell, as a fraction of the way to the right one.
+    past_column: Vec<f32>,
+    /// Weights in the pair and in the one below it.
+    upper: Vec<f32>,
+    lower: Vec<f32>,
+}
+
+/// [`Samples`] of one vector, to be written.
+struct SampleVector<'a> {
+    cell: &'a mut [u32; LANES],
+    direction: &'a mut [u32; LANES],
+    past_direction: &'a mut Lane,
+    past_column: &'a mut Lane,
+    upper: &'a mut Lane,
+    lower: &'a mut Lane,
+}
+
+impl Samples {
+    /// Makes room for `count` samples and a partly used vector.
+    fn room(&mut self, count: usize) {
+        let count = count + LANES;
+        if self.cell.len() < count {
+            self.cell.resize(count, 0);
+            self.direction.resize(count, 0);
+            for values in [&mut self.past_direction, &mut self.past_column, &mut self.upper, &mut self.lower] {
+                values.resize(count, 0.0);
+            }
+        }
+    }
+
+    /// Samples of one vector from `at` on.
+    #[inline(always)]
+    fn vector(&mut self, at: usize) -> SampleVector<'_> {
+        fn part<T>(values: &mut [T], at: usize) -> &mut [T; LANES] {
+            (&mut values[at..at + LANES]).try_into().expect("a vector")
+        }
+        SampleVector {
+            cell: part(&mut self.cell, at),
+            direction: part(&mut self.direction, at),
+            past_direction: part(&mut self.past_direction, at),
+            past_column: part(&mut self.past_column, at),
+            upper: part(&mut self.upper, at),
+            lower: part(&mut self.lower, at),
+        }
+    }
+}
+
+/// Sums for each pair of neighbouring cells of a row: the parts of samples between the two for the left one, then for
+/// the right one. A sample adds to one pair and to the one below it; kept apart, pairs never overlap.
+#[repr(C, align(64))]
+struct PairedCells([[[f32; 2 * DIRECTIONS]; PADDED * PAIRS]; TURNS]);
+
+/// For each direction, its share in each of a pair's directions, and the change of that towards the next direction.
+#[repr(C, align(64))]
+struct Shares([[[f32; 2 * DIRECTIONS]; 2]; DIRECTIONS]);
+
+static SHARES: Shares = {
+    let mut shares = [[[0.0; 2 * DIRECTIONS]; 2]; DIRECTIONS];
+    let mut direction = 0;
+    while direction < DIRECTIONS {
+        let next = (direction + 1) % DIRECTIONS;
+        let [at, change] = &mut shares[direction];
+        (at[direction], at[DIRECTIONS + direction]) = (1.0, 1.0);
+        (change[direction], change[DIRECTIONS + direction]) = (-1.0, -1.0);
+        (change[next], change[DIRECTIONS + next]) = (1.0, 1.0);
+        direction += 1;
+    }
+    Shares(shares)
+};
+
+impl PairedCells {
+    #[inline(always)]
+    fn new() -> Self {
+        Self([[[0.0; 2 * DIRECTIONS]; PADDED * PAIRS]; TURNS])
+    }
+
+    /// Adds the first `count` samples.
+    #[inline(always)]
+    fn add(&mut self, samples: &mut Samples, count: usize) {
+        // Unused samples of the last turn add nothing.
+        samples.upper[count..count + TURNS].fill(0.0);
+        samples.lower[count..count + TURNS].fill(0.0);
+        let count = count.next_multiple_of(TURNS);
+        let Samples { cell, direction, past_direction, past_column, upper, lower } = &*samples;
+        let (cell, direction, past_direction) = (&cell[..count], &direction[..count], &past_direction[..count]);
+        let (past_column, upper, lower) = (&past_column[..count], &upper[..count], &lower[..count]);
+        for first in (0..count).step_by(TURNS) {
+            for (turn, pairs) in self.0.iter_mut().enumerate() {
+                let i = first + turn;
+                let [at, change] = &SHARES.0[direction[i] as usize % DIRECTIONS];
+                let mut share = [0.0f32; 2 * DIRECTIONS];
+                for (j, share) in share.iter_mut().enumerate() {
+                    // 1 − past for the left cell, past for the right one.
+                    let (start, slope) = if j < DIRECTIONS { (1.0, -1.0) } else { (0.0, 1.0) };
+                    let column = past_column[i].mul_add(slope, start);
+                    *share = past_direction[i].mul_add(change[j], at[j]) * column;
+                }
+                let pair = (cell[i] as usize).min((CELLS + 1) * PAIRS - 1);
+                for (weight, pair) in [(upper[i], pair), (lower[i], pair + PAIRS)] {
+                    for (sum, share) in pairs[pair].iter_mut().zip(&share) {
+                        *sum = weight.mul_add(*share, *sum);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sums of the cells that are not padding.
+    fn sums(&self) -> [f32; BINS] {
+        let mut out = [0.0; BINS];
+        for (cell, out) in out.chunks_exact_mut(DIRECTIONS).enumerate() {
+            let right = (cell / CELLS + 1) * PAIRS + cell % CELLS;
+            for pairs in &self.0 {
+                for (direction, out) in out.iter_mut().enumerate() {
+                    *out += pairs[right][DIRECTIONS + direction] + pairs[right + 1][direction];
+                }
+            }
+        }
+        out
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::scale_space::octave::Base;
+    use crate::detector::scale_space::Base;
     use crate::kernel::patch::PatchScratch;
     use crate::plane::Plane;
 

@@ -1,31 +1,24 @@
 //! Localisation and description of the keypoints of an octave, in parallel.
 
 pub mod descriptor;
-pub(super) mod octave_inputs;
 pub(super) mod patch;
-pub(super) mod point_response;
-pub(super) mod two_motions;
 
 use crate::detector::describe::descriptor::{DescriptorScratch, descriptor, descriptor_radius};
-use crate::detector::describe::octave_inputs::Describing;
 use crate::detector::describe::patch::around;
-use crate::detector::feature::{Descriptor, Feature};
-use crate::detector::keypoint::Keypoint;
-use crate::detector::localise::LocateScratch;
-use crate::detector::localise::place::{FARTHEST_MOVE_PX, kernel_reach, rim_radius};
+use crate::detector::feature::{Descriptor, Feature, Keypoint};
 use crate::detector::localise::scale;
+use crate::detector::localise::{FARTHEST_MOVE_PX, LocateScratch, kernel_reach, rim_radius};
 use crate::detector::orient::{OrientationScratch, orientations};
 use crate::detector::params::SlopeExtrema;
 use crate::detector::params::slope_grid::Slope;
-use crate::detector::scale_space::levels::octave_pixel;
-use crate::detector::stack::refined::OctaveFrames;
-use crate::kernel::blur_patch::BlurScratch;
+use crate::detector::scale_space::octave_pixel;
 use crate::kernel::machine::{KEYPOINTS_TOGETHER as TOGETHER, STRIP_COLUMNS};
-use crate::kernel::offset::FrameOffset;
-use crate::kernel::patch::{Patch, PatchScratch};
+use crate::kernel::patch::{BlurScratch, Patch, PatchScratch};
+use crate::kernel::stack::FrameOffset;
 use crate::monitor::Cancelled;
 use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
+use patch::{Describing, OctaveFrames};
 use rayon::prelude::*;
 
 /// A feature is described at its own slope where the grid's slope misplaces the outermost frame by more than this many

@@ -5,7 +5,7 @@
 //! the parabola through the logarithms until that converges. The scales are the pyramid's: VLFeat's convention, in
 //! which the pixels already have a σ of their own.
 
-use crate::detector::localise::place::rim_radius;
+use crate::detector::localise::rim_radius;
 use crate::kernel::compact_kernel::{PixelView, RIM};
 use multiversion::multiversion;
 

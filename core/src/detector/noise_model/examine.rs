@@ -3,22 +3,18 @@
 //! Useless frames are left out, flicker and the sensor's pattern are removed; then the noise of the rest is measured.
 //! Where nothing is found, the frames are unchanged.
 
-use super::contrast::looked_at;
+use super::contrast::{SceneMotion, looked_at};
 use super::fixed_pattern::FixedPattern;
 use super::frames::FrameSurvey;
 use super::high_pass::{FREE_VALUES, HighPass, SQUARE_PIXELS, quiet_variance};
-use super::level_tiles::Sources;
-use super::model::{FRAMES_SAMPLED, NoiseModel};
-use super::photon_transfer::PhotonTransfer;
-use super::place::{ExcessMap, Square};
-use super::pyramid::BoxPyramid;
-use super::reading::Reading;
-use super::scene_motion::SceneMotion;
-use super::spectrum::measure;
+use super::reading::{BoxPyramid, Reading};
+use super::spectrum::{Sources, measure};
+use super::variance::{ExcessMap, PhotonTransfer, Square};
 use super::warning::{cut_off, of_frames, of_pattern, of_places, of_spectrum};
+use super::{FRAMES_SAMPLED, NoiseModel};
 use crate::detector::params::Flicker;
 use crate::detector::params::slope_grid::Slope;
-use crate::detector::scale_space::levels::ScaleSpace;
+use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::tile::Region;

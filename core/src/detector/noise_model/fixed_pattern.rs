@@ -1,15 +1,12 @@
-//! Fixed pattern of a sensor: [hot pixels](super::hot_pixels), and [columns and rows](super::stripes) with an offset of
-//! their own.
+//! Fixed pattern of a sensor: hot pixels, which stay far brighter or darker than all pixels around them in every frame,
+//! and stripes, columns and rows with an offset of their own, as from converters that serve one column each.
 //!
 //! A fixed pattern stays where it is while the scene moves, and it is sharper than any image through a lens. So it is
 //! detected in the mean of the frames at slope 0, separately in the first and the second half of the burst, and must be
 //! in both. On a tripod the scene stays as well; then the two cannot be told apart, and nothing is changed.
 
 use super::high_pass::{FREE_VALUES, HighPass, quiet_variance};
-use super::hot_pixels;
-use super::pyramid::BoxPyramid;
-use super::reading::Reading;
-use super::stripes::{REACH, Stripes};
+use super::reading::{BoxPyramid, Reading};
 use crate::plane::Plane;
 use serde::Serialize;
 
@@ -36,7 +33,7 @@ impl FixedPattern {
     /// than four frames, in tiny ones, or without noise.
     pub fn stands_out(frames: usize, (width, height): (usize, usize), variance: f32) -> Option<f32> {
         let can_be_found = frames >= 4 && width >= 2 * REACH && height >= 2 * REACH && variance > 0.0;
-        can_be_found.then(|| hot_pixels::limit_of_first_look(frames, variance))
+        can_be_found.then(|| limit_of_first_look(frames, variance))
     }
 
     /// Whether there is nothing to remove.
@@ -51,7 +48,7 @@ impl FixedPattern {
             return Self::default();
         }
         let (width, height) = frames[0].size();
-        let mut hot_pixels = hot_pixels::find(&reading.standing_out, frames, variance);
+        let mut hot_pixels = find(&reading.standing_out, frames, variance);
         let mut inseparable = 0;
         let are_texture = hot_pixels.len() as f32 > MAX_HOT * (width * height) as f32;
         if !hot_pixels.is_empty() && (are_texture || stays(&reading.pyramids, &hot_pixels)) {
@@ -65,7 +62,7 @@ impl FixedPattern {
 
     /// Removes the pattern from a frame.
     pub fn remove_from(&self, frame: &mut Plane) {
-        hot_pixels::mask(frame, &self.hot_pixels);
+        mask(frame, &self.hot_pixels);
         let rows = self.rows.as_ref().map(|rows| &rows.offsets);
         for v in 0..frame.height() {
             let of_row = rows.map_or(0.0, |rows| rows[v]);
@@ -92,12 +89,169 @@ fn stays(pyramids: &[BoxPyramid], hot: &[(usize, usize)]) -> bool {
         }
         let (width, height) = sum.size();
         let halved = hot.iter().map(|&(u, v)| (u / 2, v / 2)).filter(|&(u, v)| u < width && v < height);
-        hot_pixels::mask(&mut sum, &halved.collect::<Vec<_>>());
+        mask(&mut sum, &halved.collect::<Vec<_>>());
         sum
     };
     let squares = HighPass::new(&[&mean(first), &mean(second)]);
     let of = |sign: f32| quiet_variance(squares.variances(&[(0, 1.0), (1, sign)]), FREE_VALUES);
     !squares.places.is_empty() && of(1.0) > 1.5 * of(-1.0)
+}
+
+/// Distance of a hot pixel from every neighbour, in standard deviations of the frames' mean.
+const HOT: f32 = 6.0;
+
+/// Difference from both neighbours in its row above which a pixel is examined, in the mean of `frames` frames whose
+/// noise has the variance `variance` each.
+pub fn limit_of_first_look(frames: usize, variance: f32) -> f32 {
+    HOT * (variance / frames as f32).sqrt()
+}
+
+/// Hot pixels among those that stand out of their row and their neighbours, from the first row to the last.
+pub fn find(standing_out: &[(usize, usize)], frames: &[&Plane], variance: f32) -> Vec<(usize, usize)> {
+    let is_hot = |at: &(usize, usize), known: &[(usize, usize)]| is_hot(frames, variance, *at, known);
+    let mut found: Vec<(usize, usize)> = standing_out.iter().copied().filter(|at| is_hot(at, &[])).collect();
+    // Where two hot pixels touch, the brighter one hides the other.
+    let (width, height) = frames[0].size();
+    let around = |&(u, v): &(usize, usize)| {
+        (v.saturating_sub(1)..(v + 2).min(height))
+            .flat_map(move |y| (u.saturating_sub(1)..(u + 2).min(width)).map(move |x| (x, y)))
+    };
+    let mut beside: Vec<(usize, usize)> = found.iter().flat_map(around).collect();
+    beside.sort_unstable();
+    beside.dedup();
+    beside.retain(|at| !found.contains(at) && is_hot(at, &found));
+    found.extend(beside);
+    found.sort_by_key(|&(u, v)| (v, u));
+    found
+}
+
+/// Replaces pixels by the median of the eight around them.
+pub fn mask(plane: &mut Plane, pixels: &[(usize, usize)]) {
+    for &(u, v) in pixels {
+        plane.row_mut(v)[u] = median(neighbours(u, v, plane.size()).map(|(x, y)| plane.at(x, y)));
+    }
+}
+
+fn median(mut around: [f32; 8]) -> f32 {
+    around.sort_by(f32::total_cmp);
+    0.5 * (around[3] + around[4])
+}
+
+/// The eight pixels around one; beyond the border of an image of `size` they are mirrored.
+fn neighbours(u: usize, v: usize, (width, height): (usize, usize)) -> [(usize, usize); 8] {
+    let inside = |x: i64, n: usize| {
+        if x < 0 {
+            1
+        } else if x >= n as i64 {
+            n - 2
+        } else {
+            x as usize
+        }
+    };
+    let at = |(du, dv): (i64, i64)| (inside(u as i64 + du, width), inside(v as i64 + dv, height));
+    [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)].map(at)
+}
+
+/// Signed distance of a value from the range of `around`; 0 inside it.
+fn beyond(value: f32, around: &[f32; 8]) -> f32 {
+    let (min, max) = around.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+    (value - max).max(0.0) + (value - min).min(0.0)
+}
+
+/// Whether the pixel is beyond all its neighbours except the hot ones `known`, in the mean of the frames and in nearly
+/// every frame.
+fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(usize, usize)]) -> bool {
+    let places = neighbours(u, v, frames[0].size());
+    let masked = places.map(|at| known.contains(&at));
+    let around_in = |frame: &Plane| {
+        let mut around = places.map(|(x, y)| frame.at(x, y));
+        if masked.contains(&true) {
+            let instead = median(around);
+            around.iter_mut().zip(masked).filter(|(_, masked)| *masked).for_each(|(x, _)| *x = instead);
+        }
+        around
+    };
+    // The local noise, which may be larger than usual: the change of the pixels around from frame to frame. Objects
+    // that cross the pixel make it larger too.
+    let n = frames.len() as f32;
+    let (mut sums, mut squares) = ([0.0f32; 8], [0.0f32; 8]);
+    let (mut value, mut mean, mut own, mut above) = (0.0, 0.0, 0.0, 0usize);
+    for frame in frames {
+        let around = around_in(frame);
+        let here = frame.at(u, v) - around.iter().sum::<f32>() / 8.0;
+        (value, mean, own) = (value + frame.at(u, v) / n, mean + here / n, own + here * here);
+        above += usize::from(here > 0.0);
+        for ((sum, square), x) in sums.iter_mut().zip(&mut squares).zip(around) {
+            (*sum, *square) = (*sum + x, *square + x * x);
+        }
+    }
+    let off = beyond(value, &sums.map(|sum| sum / n));
+    if off.abs() < HOT * (variance / n).sqrt() {
+        return false;
+    }
+    let around = squares.iter().zip(sums).map(|(square, sum)| square - sum * sum / n).sum::<f32>() / (8.0 * (n - 1.0));
+    let own = (own - n * mean * mean) / (n - 1.0);
+    let in_nearly_all = above.min(frames.len() - above) * 10 <= frames.len();
+    let error = (around.max(variance) / n).sqrt();
+    in_nearly_all && off.abs() > HOT * error && mean.abs() > HOT * error.max(0.5 * (own.max(0.0) / n).sqrt())
+}
+
+/// Offsets of columns or rows, as far as they change within [`REACH`] of them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stripes {
+    /// Offset of each column or row, fraction of full scale.
+    pub offsets: Vec<f32>,
+    /// Standard deviation of the offsets.
+    pub deviation: f32,
+}
+
+/// Number of columns to each side from whose mean an offset is measured: slower changes may be the scene.
+pub const REACH: usize = 16;
+/// Number of standard errors above which the stripes that both halves share are significant.
+const STRIPES: f32 = 6.0;
+
+impl Stripes {
+    /// Finds the stripes that the means over [bands](super::reading::BANDS) of both halves of a burst share; `None` if
+    /// there are none, or they are smooth as a scene is.
+    pub fn find(halves: &[Vec<Vec<f32>>; 2]) -> Option<Self> {
+        let [first, second] = halves.each_ref().map(|bands| offsets(bands));
+        let n = first.len() as f32;
+        let product = |shift: usize| first.iter().zip(&second[shift..]).map(|(a, b)| a * b).sum::<f32>() / n;
+        let power = |x: &[f32]| x.iter().map(|x| x * x).sum::<f32>() / n;
+        let common = product(0);
+        let error = (power(&first) * power(&second) / n).sqrt();
+        if common <= STRIPES * error || product(1) > 0.4 * common || product(2) > 0.4 * common {
+            return None;
+        }
+        let both: Vec<f32> = first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect();
+        Some(Self { offsets: both, deviation: common.sqrt() })
+    }
+}
+
+/// Difference of each column from those around it: the median over the bands.
+fn offsets(bands: &[Vec<f32>]) -> Vec<f32> {
+    let sharp: Vec<Vec<f32>> = bands.iter().map(|band| less_local_mean(band)).collect();
+    (0..bands[0].len())
+        .map(|u| {
+            let mut values: Vec<f32> = sharp.iter().map(|band| band[u]).collect();
+            values.sort_by(f32::total_cmp);
+            0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
+        })
+        .collect()
+}
+
+/// Subtracts from each value the mean of those within [`REACH`].
+fn less_local_mean(values: &[f32]) -> Vec<f32> {
+    let mut sums = vec![0.0f64];
+    for x in values {
+        sums.push(sums[sums.len() - 1] + f64::from(*x));
+    }
+    (0..values.len())
+        .map(|u| {
+            let (start, end) = (u.saturating_sub(REACH), (u + REACH + 1).min(values.len()));
+            values[u] - ((sums[end] - sums[start]) / (end - start) as f64) as f32
+        })
+        .collect()
 }
 
 #[cfg(test)]
@@ -194,5 +348,26 @@ mod tests {
             .collect();
         let still = find(&with_hot(still), 0.01);
         assert!(still.hot_pixels.is_empty() && still.inseparable >= 30, "{still:?}");
+    }
+
+    #[test]
+    fn neighbours_of_each_other_are_both_found() {
+        let frame = |t: u64| {
+            let mut stream = Stream::new(5, t);
+            let mut frame = Plane::from_fn(60, 50, |_, _| 0.5 + 0.01 * stream.normal() as f32);
+            [(20, 20, 0.4), (21, 20, 0.2), (0, 0, 0.3), (59, 30, -0.3)]
+                .iter()
+                .for_each(|&(u, v, by)| frame.row_mut(v)[u] += by);
+            frame
+        };
+        let frames = [0, 1, 2, 3, 4, 5].map(frame);
+        let frames: Vec<&Plane> = frames.iter().collect();
+        assert_eq!(
+            super::find(&[(20, 20), (30, 30), (0, 0), (59, 30)], &frames, 1e-4),
+            [(0, 0), (20, 20), (21, 20), (59, 30)]
+        );
+        let mut clean = frames[0].clone();
+        mask(&mut clean, &[(20, 20), (21, 20)]);
+        assert!((clean.at(20, 20) - 0.5).abs() < 0.05 && clean.at(59, 30) < 0.3);
     }
 }

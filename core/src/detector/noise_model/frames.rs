@@ -4,13 +4,10 @@
 //! A frame that repeats another brings no new noise, so it does not count; a frame that is much noisier than the others
 //! makes their mean worse. Both are left out, and frames whose exposure differs are scaled to the same brightness.
 
-mod measures;
-
 use super::high_pass::HighPass;
-use measures::{Looks, bright_ratio, correlation, spread_without_trend};
+use crate::detector::noise_model::high_pass::{FREE_VALUES, quiet_variance};
+use rayon::prelude::*;
 use serde::Serialize;
-
-pub(super) use measures::median;
 
 /// Reason why a frame takes no part.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -229,5 +226,214 @@ impl FrameSurvey {
     }
 }
 
+/// Correlation of consecutive frames below which it is taken for none.
+const LEAST_CORRELATION: f32 = 0.15;
+
+/// Variances in the squares of single frames and of differences of neighbours.
+struct Looks {
+    /// For each frame, the variance in each square.
+    frames: Vec<Vec<f32>>,
+    /// For each frame, the variance of the quiet squares.
+    noise: Vec<f32>,
+    /// For each frame but the last, the variance of its difference to the next in each square.
+    pairs: Vec<Vec<f32>>,
+    /// For each of these differences, the variance of the quiet squares.
+    in_pairs: Vec<f32>,
+}
+
+impl Looks {
+    fn new(squares: &HighPass) -> Self {
+        let count = squares.frames();
+        let quiet = |all: &Vec<Vec<f32>>| all.par_iter().map(|v| quiet_variance(v.clone(), FREE_VALUES)).collect();
+        let frames: Vec<Vec<f32>> = (0..count).into_par_iter().map(|t| squares.variances(&[(t, 1.0)])).collect();
+        let pairs = (1..count).into_par_iter().map(|t| squares.variances(&[(t - 1, 1.0), (t, -1.0)])).collect();
+        Self { noise: quiet(&frames), in_pairs: quiet(&pairs), frames, pairs }
+    }
+
+    /// Variance of the noise of one frame, measured in the difference of two.
+    fn in_pair(&self, squares: &HighPass, a: usize, b: usize) -> f32 {
+        if a + 1 == b {
+            self.in_pairs[a]
+        } else {
+            quiet_variance(squares.variances(&[(a, 1.0), (b, -1.0)]), FREE_VALUES)
+        }
+    }
+}
+
+/// Ratio of brightnesses: the median over the squares, weighted by the reference's brightness.
+fn bright_ratio(squares: &[f32], reference: &[f32]) -> f32 {
+    let mut ratios: Vec<(f32, f32)> =
+        squares.iter().zip(reference).filter(|(_, r)| **r > 0.0).map(|(x, r)| (x / r, *r)).collect();
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * ratios.iter().map(|(_, weight)| weight).sum::<f32>();
+    let mut so_far = 0.0;
+    for (ratio, weight) in ratios {
+        so_far += weight;
+        if so_far >= half {
+            return ratio;
+        }
+    }
+    1.0
+}
+
+/// Standard deviation of values around their straight line over time; 0 for fewer than three.
+fn spread_without_trend(points: &[(f32, f32)]) -> f32 {
+    let n = points.len() as f32;
+    if points.len() < 3 {
+        return 0.0;
+    }
+    let mean = |value: fn(&(f32, f32)) -> f32| points.iter().map(value).sum::<f32>() / n;
+    let (t, x) = (mean(|p| p.0), mean(|p| p.1));
+    let along = points.iter().map(|p| (p.0 - t) * (p.1 - x)).sum::<f32>();
+    let slope = along / points.iter().map(|p| (p.0 - t).powi(2)).sum::<f32>();
+    (points.iter().map(|p| (p.1 - x - slope * (p.0 - t)).powi(2)).sum::<f32>() / (n - 2.0)).sqrt()
+}
+
+/// Correlation of the noise of consecutive frames, from the flattest squares; 0 where shared texture may explain it.
+fn correlation(squares: &HighPass, looks: &Looks, kept: &[usize]) -> f32 {
+    if kept.len() < 5 {
+        return 0.0;
+    }
+    // The squares are chosen by the first frames and measured in the others, so that the choice does not bias the
+    // measurement.
+    let (choosing, measuring) = kept.split_at(2);
+    let mean = |variances: &[&[f32]]| -> Vec<f32> {
+        let n = variances.len() as f32;
+        (0..squares.places.len()).map(|i| variances.iter().map(|v| v[i]).sum::<f32>() / n).collect()
+    };
+    let own =
+        |frames: &[usize]| -> Vec<f32> { mean(&frames.iter().map(|&t| &looks.frames[t][..]).collect::<Vec<_>>()) };
+    let chosen_by = own(choosing);
+    let mut order: Vec<usize> = (0..squares.places.len()).collect();
+    order.sort_by(|&a, &b| chosen_by[a].total_cmp(&chosen_by[b]));
+    let flat = &order[..order.len().div_ceil(3)];
+    let of_frames = own(measuring);
+    let neighbours = measuring.windows(2).filter(|w| w[0] + 1 == w[1]);
+    let of_pairs = mean(&neighbours.map(|w| &looks.pairs[w[0]][..]).collect::<Vec<_>>());
+    let mut frames: Vec<f32> = flat.iter().map(|&i| of_frames[i]).collect();
+    let pairs: f32 = flat.iter().map(|&i| of_pairs[i]).sum();
+    let own: f32 = frames.iter().sum();
+    if own <= 0.0 || pairs.is_nan() {
+        return 0.0;
+    }
+    let shared = 1.0 - pairs / own;
+    // Noise varies little from square to square; texture does.
+    frames.sort_by(f32::total_cmp);
+    let spread = frames[frames.len() * 8 / 10] / frames[frames.len() * 2 / 10].max(f32::MIN_POSITIVE);
+    if shared > LEAST_CORRELATION && spread < 1.6 { shared.min(0.95) } else { 0.0 }
+}
+
+/// Median of `values` (the upper one of two); 0 where there are none.
+pub(super) fn median(mut values: Vec<f32>) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+    use crate::monitor::Monitor;
+    use crate::plane::Plane;
+    use crate::plane::blur::{GaussianKernel, gaussian_blur};
+    use crate::synth::random::Stream;
+    use crate::synth::{NoiseCase, SceneParams, synth_scene};
+
+    fn survey_of(frames: &[&Plane]) -> FrameSurvey {
+        FrameSurvey::new(&HighPass::new(frames))
+    }
+
+    fn survey(case: NoiseCase) -> FrameSurvey {
+        let burst = case.burst((320, 240), 10, 0.02, 5, &Monitor::default()).expect("not cancelled");
+        survey_of(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn good_frames_all_take_part_unchanged() {
+        for case in
+            [NoiseCase::White, NoiseCase::Correlated, NoiseCase::Jpeg(60), NoiseCase::NoisyHalf, NoiseCase::Constant]
+        {
+            let survey = survey(case);
+            assert_eq!(survey.kept().len(), 10, "{case:?} {survey:?}");
+            assert!(survey.frames.iter().all(|f| f.gain == 1.0 && f.relative_variance == 1.0), "{case:?} {survey:?}");
+            assert_eq!((survey.flicker, survey.correlation), (0.0, 0.0), "{case:?}");
+        }
+    }
+
+    #[test]
+    fn a_frame_that_repeats_another_does_not_count() {
+        let survey = survey(NoiseCase::Doubled);
+        assert_eq!(survey.kept(), [0, 2, 4, 6, 8]);
+        assert_eq!(survey.frames[7].left_out, Some(LeftOut::Duplicate(6)));
+    }
+
+    #[test]
+    fn black_empty_and_noisy_frames_are_left_out() {
+        let without_5 = [0, 1, 2, 3, 4, 6, 7, 8, 9];
+        let black = survey(NoiseCase::BlackFrame);
+        assert_eq!(black.kept(), without_5);
+        assert!(matches!(black.frames[5].left_out, Some(LeftOut::Black | LeftOut::Empty)), "{:?}", black.frames[5]);
+        let empty = survey(NoiseCase::ConstantFrame);
+        assert_eq!((empty.kept(), empty.frames[5].left_out), (without_5.to_vec(), Some(LeftOut::Empty)));
+        let noisy = survey(NoiseCase::NoisyFrame);
+        assert_eq!(noisy.kept(), without_5);
+        match noisy.frames[5].left_out {
+            Some(LeftOut::Noisy(times)) => assert!((times / 25.0 - 1.0).abs() < 0.1, "{times}"),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn flicker_is_measured_and_a_steady_change_is_none() {
+        let burst = NoiseCase::GainFlicker.burst((320, 240), 10, 0.02, 5, &Monitor::default()).expect("not cancelled");
+        let survey = survey(NoiseCase::GainFlicker);
+        assert!((0.04..0.2).contains(&survey.flicker), "{}", survey.flicker);
+        let mean = |t: usize| burst.frames[t].data().iter().sum::<f32>() / burst.frames[t].data().len() as f32;
+        for t in 1..10 {
+            let ratio = survey.frames[t].gain / survey.frames[0].gain;
+            assert!((ratio / (mean(t) / mean(0)) - 1.0).abs() < 2e-3, "{t}: {ratio}");
+        }
+        let steady: Vec<Plane> = (0..6).map(|t| Plane::from_fn(100, 100, |_, _| 0.5 + 0.02 * t as f32)).collect();
+        assert_eq!(survey_of(&steady.iter().collect::<Vec<_>>()).flicker, 0.0);
+    }
+
+    #[test]
+    fn smoothing_over_time_shows_as_correlation() {
+        let burst = NoiseCase::White.burst((320, 240), 12, 0.02, 5, &Monitor::default()).expect("not cancelled");
+        let mut smooth: Vec<Plane> = vec![(*burst.frames[0]).clone()];
+        for frame in &burst.frames[1..] {
+            let before = smooth.last().expect("one").data();
+            let values = frame.data().iter().zip(before).map(|(x, y)| 0.5 * x + 0.5 * y).collect();
+            smooth.push(Plane::from_vec(320, 240, values));
+        }
+        let survey = survey_of(&smooth.iter().skip(3).collect::<Vec<_>>());
+        assert!((survey.correlation - 0.5).abs() < 0.05, "{}", survey.correlation);
+    }
+
+    #[test]
+    fn a_blurred_frame_is_left_out_where_its_texture_can_be_seen() {
+        let scene = SceneParams { width: 320, height: 240, frames: 8, snr: f64::INFINITY, ..SceneParams::default() };
+        let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
+        let mut frames: Vec<Plane> = burst.frames.iter().map(|f| (**f).clone()).collect();
+        frames[3] = gaussian_blur(&frames[3], &GaussianKernel::new(2.0));
+        for (sigma, is_seen) in [(0.01, true), (0.5, false)] {
+            let mut stream = Stream::new(3, 0);
+            let mut noisy = |f: &Plane| Plane::from_fn(320, 240, |u, v| f.at(u, v) + sigma * stream.normal() as f32);
+            let noisy: Vec<Plane> = frames.iter().map(&mut noisy).collect();
+            let survey = survey_of(&noisy.iter().collect::<Vec<_>>());
+            let left_out: Vec<usize> = (0..8).filter(|&t| survey.frames[t].left_out.is_some()).collect();
+            assert_eq!(left_out, if is_seen { vec![3] } else { vec![] }, "{survey:?}");
+            assert!(!is_seen || matches!(survey.frames[3].left_out, Some(LeftOut::Blurred(share)) if share < 0.4));
+        }
+    }
+
+    #[test]
+    fn a_moving_scene_has_nothing_to_be_left_out() {
+        let scene = SceneParams { width: 240, height: 180, frames: 6, layers: 1, ..SceneParams::default() };
+        let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
+        let survey = survey_of(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>());
+        assert_eq!((survey.kept().len(), survey.flicker, survey.correlation), (6, 0.0, 0.0), "{survey:?}");
+    }
+}

@@ -1,29 +1,280 @@
 //! Noise model of a burst as cameras and files make it, for a noise gate that is right at every place.
 //!
-//! The gate of [`crate::detector::noise::gate`] propagates white noise of one strength through the filters. Real noise
-//! grows with brightness ([`photon_transfer`]), differs by place ([`place`]), is correlated between neighbouring pixels
-//! and has long tails where files were compressed ([`spectrum`]); frames repeat others, are black or too noisy
-//! ([`frames`]), and a sensor has a pattern of its own ([`fixed_pattern`]). [`examine()`] finds all of it from the
-//! burst alone and gives a [`NoiseModel`], which computes σ of D for an octave, a level, a slope and a place, with a
-//! [`NoiseWarning`] for each assumption that fails.
+//! The gate of [`crate::detector::noise`] propagates white noise of one strength through the filters. Real noise grows
+//! with brightness and differs by place ([`variance`]), is correlated between neighbouring pixels and has long tails
+//! where files were compressed ([`spectrum`]); frames repeat others, are black or too noisy ([`frames`]), and a sensor
+//! has a pattern of its own ([`fixed_pattern`]). [`examine()`] finds all of it from the burst alone and gives a
+//! [`NoiseModel`], which computes σ of D for an octave, a level, a slope and a place, with a [`NoiseWarning`] for each
+//! assumption that fails.
 
 pub mod contrast;
 pub mod examine;
 pub mod fixed_pattern;
 pub mod frames;
 pub mod high_pass;
-pub mod hot_pixels;
-pub mod level_tiles;
-pub mod model;
-pub mod photon_transfer;
-pub mod place;
-pub mod pyramid;
 pub mod reading;
-pub mod scene_motion;
 pub mod spectrum;
-pub mod stripes;
+pub mod variance;
 pub mod warning;
 
 pub use examine::{Examined, ForSearch, examine};
-pub use model::NoiseModel;
 pub use warning::{NoiseWarning, WarningKind};
+
+use crate::detector::noise::dog_noise_variance;
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::scale_space::ScaleSpace;
+use crate::kernel::stack::FrameOffset;
+use crate::plane::Plane;
+use fixed_pattern::{FixedPattern, REACH, Stripes};
+use frames::FrameFacts;
+use reading::{BoxPyramid, sample_at};
+use serde::Serialize;
+use spectrum::LevelNoise;
+use variance::{ExcessMap, PhotonTransfer};
+
+/// Noise of a burst.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct NoiseModel {
+    /// Standard deviation of the noise of one frame at its middle brightness, fraction of full scale.
+    pub frame_noise: f32,
+    /// Whether the noise may differ from white noise of that one standard deviation.
+    pub is_local: bool,
+    /// Variance over brightness.
+    pub transfer: PhotonTransfer,
+    /// Variance relative to that predicted by the brightness, by place; `None` where it is 1 everywhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub excess: Option<ExcessMap>,
+    /// Noise by octave, from the first one that is searched, and by level.
+    pub levels: Vec<Vec<LevelNoise>>,
+    /// Facts on the used frames.
+    pub frames: Vec<FrameFacts>,
+    /// Correlation of the noise of consecutive frames.
+    pub correlation: f32,
+    /// Fixed pattern of the sensor, which has been removed.
+    pub pattern: FixedPattern,
+    /// Assumptions that do not hold.
+    pub warnings: Vec<NoiseWarning>,
+    #[serde(skip)]
+    brightness: Brightness,
+}
+
+/// Brightness of the frames by place, and values derived from it for the search.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Brightness {
+    /// Pyramids of some of the frames, from the first to the last, with their indices among those that take part; empty
+    /// where the noise is uniform.
+    pyramids: Vec<(usize, BoxPyramid)>,
+    /// Smallest variance of one frame's noise, for each octave.
+    min_variance: Vec<f32>,
+    /// Share of pixels that are cut off at black or white.
+    cut_off: f32,
+    /// Brightest value, fraction of full scale.
+    brightest: f32,
+    /// Mean of the frames' relative variances.
+    relative_variance: f32,
+    /// First octave of the search.
+    first_octave: i32,
+}
+
+/// Relative growth of the gate where all noise is cut off on one side. The rest of the noise is skewed, and so, a
+/// little, is D: the measured excess of false features where half of the pixels are cut off requires six percent.
+const SKEWED: f32 = 0.12;
+/// Relative growth of the gate for each unit by which the logarithm of the noise, relative to white noise, rises over
+/// an octave. White noise falls fast with scale, so that few of its extremes in place beat the finer level too;
+/// correlated noise falls more slowly, and more do. With exact standard deviations it gave four times as many false
+/// features; this compensates for it.
+const RISING: f32 = 0.12;
+/// Number of frames from which a stack's brightness is computed.
+const FRAMES_SAMPLED: usize = 4;
+/// Rounding error of D relative to the brightest value: two steps of `f32`.
+const ROUNDING: f32 = 2.4e-7;
+
+impl NoiseModel {
+    /// White noise of standard deviation `frame_noise` everywhere.
+    pub fn white(frame_noise: f32) -> Self {
+        Self { frame_noise, ..Self::default() }
+    }
+
+    /// σ of D at `octave` and `level` (0 … S−1) for the slope whose frames are read at `offsets`, at the place of least
+    /// noise and where all frames cover. `gate` is the factor that it will be multiplied with: noise with long tails
+    /// counts as the normal noise that exceeds it as rarely.
+    pub fn sigma_d(
+        &self,
+        space: &ScaleSpace,
+        (octave, level): (i32, i32),
+        (slope, offsets): (Slope, &[FrameOffset]),
+        gate: f32,
+    ) -> f32 {
+        let white = dog_noise_variance(space, octave, f64::from(level), offsets);
+        if !self.is_local {
+            return self.frame_noise * white.sqrt() as f32;
+        }
+        let noise = self.level(octave, level);
+        let frame = self.brightness.min_variance[self.octave_index(octave)] * self.brightness.relative_variance;
+        let sigma_px = space.sigma_image(octave, f64::from(level)) as f32;
+        let over_time = repeated_over_time(self.correlation, offsets.len(), slope.magnitude() / sigma_px);
+        let of_frames = white as f32 * noise.over_white * frame * over_time;
+        let tails = noise.excess_kurtosis / offsets.len() as f32 / 24.0 * (gate * gate - 3.0).max(0.0);
+        let sigma = (of_frames + self.stripes_left(space, octave, level)).sqrt()
+            * (1.0 + tails + SKEWED * self.brightness.cut_off + RISING * self.rise(octave));
+        sigma.max(ROUNDING * self.brightness.brightest)
+    }
+
+    /// Ratio of σ of D at the image's pixel (u, v), in the stack whose frames are read at `offsets`, to its smallest
+    /// value: from the mean over some of the frames that cover it. At least 1.
+    pub fn place_factor(
+        &self,
+        octave: i32,
+        offsets: &[FrameOffset],
+        (u, v): (usize, usize),
+        size: (usize, usize),
+    ) -> f32 {
+        let Brightness { pyramids, min_variance, .. } = &self.brightness;
+        if pyramids.is_empty() {
+            return 1.0;
+        }
+        let min = min_variance[self.octave_index(octave)];
+        let (mut sum, mut count) = (0.0, 0usize);
+        let some = pyramids.iter().map(|(frame, pyramid)| (pyramid, &offsets[*frame]));
+        for (pyramid, offset) in some.filter(|(_, offset)| offset.covers(u, v, size)) {
+            let at = (
+                (u as i64 + offset.whole_u) as f32 + offset.part_u,
+                (v as i64 + offset.whole_v) as f32 + offset.part_v,
+            );
+            sum += self.variance_at(pyramid, octave, at);
+            count += 1;
+        }
+        if count == 0 || min <= 0.0 { 1.0 } else { (sum / (count as f32 * min)).sqrt().max(1.0) }
+    }
+
+    /// Variance of the noise of the frame with `pyramid` around its place (u, v), at the resolution of `octave`.
+    fn variance_at(&self, pyramid: &BoxPyramid, octave: i32, (u, v): (f32, f32)) -> f32 {
+        let level = Self::brightness_level(octave).min(pyramid.len());
+        let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
+        self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.at(u, v))
+    }
+
+    /// σ of the noise of one frame by place, as the finest octave uses it, for an image of `size` in cells of `cell_px`
+    /// pixels a side, from the mean variance of the frames that take part.
+    pub fn sigma_map(&self, size: (usize, usize), cell_px: f32) -> Plane {
+        let cells = |n: usize| ((n as f32 / cell_px).ceil() as usize).max(1);
+        let pyramids = &self.brightness.pyramids;
+        Plane::from_fn(cells(size.0), cells(size.1), |x, y| {
+            let at = ((x as f32 + 0.5) * cell_px, (y as f32 + 0.5) * cell_px);
+            if pyramids.is_empty() {
+                return self.frame_noise;
+            }
+            let sum: f32 = pyramids.iter().map(|(_, p)| self.variance_at(p, self.brightness.first_octave, at)).sum();
+            (sum / pyramids.len() as f32).sqrt()
+        })
+    }
+
+    /// Variance of the noise of the frame with `pyramid` at its place (u, v), without raising it at borders between
+    /// parts of different noise.
+    fn measured_variance_at(&self, pyramid: &BoxPyramid, (u, v): (f32, f32)) -> f32 {
+        let level = Self::brightness_level(1).min(pyramid.len());
+        let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
+        self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.measured_at(u, v))
+    }
+
+    /// Pyramid level at which brightness is read for an octave: squares a few times as large as its σ.
+    fn brightness_level(octave: i32) -> usize {
+        (octave + 2).max(3) as usize
+    }
+
+    /// Noise of a level; white where none was measured.
+    fn level(&self, octave: i32, level: i32) -> LevelNoise {
+        let of_octave = self.levels.get(self.octave_index(octave));
+        of_octave
+            .and_then(|levels| levels.get(level.max(0) as usize).or(levels.last()))
+            .copied()
+            .unwrap_or(LevelNoise::WHITE)
+    }
+
+    /// Rise, over an octave, of the logarithm of the variance relative to white noise, clamped to 0 … 1.
+    fn rise(&self, octave: i32) -> f32 {
+        let levels = self.levels.get(self.octave_index(octave)).map_or(&[][..], Vec::as_slice);
+        let (Some(first), Some(last)) = (levels.first(), levels.last()) else { return 0.0 };
+        if levels.len() < 2 || first.over_white <= 0.0 {
+            return 0.0;
+        }
+        let whole = levels.len() as f32 / (levels.len() as f32 - 1.0);
+        (whole * (last.over_white / first.over_white).ln()).clamp(0.0, 1.0)
+    }
+
+    fn octave_index(&self, octave: i32) -> usize {
+        let last = self.brightness.min_variance.len().saturating_sub(1);
+        ((octave - self.brightness.first_octave).max(0) as usize).min(last)
+    }
+
+    /// Variance that the smooth part of stripes leaves in D: that of white stripes after the mean over the columns
+    /// around, for a filter along one axis.
+    fn stripes_left(&self, space: &ScaleSpace, octave: i32, level: i32) -> f32 {
+        let of = |stripes: &Option<Stripes>| stripes.as_ref().map_or(0.0, |s| s.deviation.powi(2));
+        let variance = of(&self.pattern.columns) + of(&self.pattern.rows);
+        if variance == 0.0 {
+            return 0.0;
+        }
+        let [low, high] = [0, 1].map(|up| space.sigma_image(octave, f64::from(level + up)));
+        let window = (2 * REACH + 1) as f64;
+        const STEPS: usize = 512;
+        let step = std::f64::consts::PI / STEPS as f64;
+        let energy: f64 = (0..STEPS)
+            .map(|i| {
+                let w = (i as f64 + 0.5) * step;
+                let dog = (-0.5 * (w * low).powi(2)).exp() - (-0.5 * (w * high).powi(2)).exp();
+                let mean = (0.5 * w * window).sin() / (window * (0.5 * w).sin());
+                (dog * mean).powi(2)
+            })
+            .sum::<f64>()
+            / STEPS as f64;
+        variance * energy as f32
+    }
+}
+
+/// Variance of the mean of `frames` frames relative to that of independent ones, when consecutive frames' noise is
+/// correlated by `correlation`, falling by that factor from frame to frame, and a step from frame to frame shifts it by
+/// `shift` in units of the filter's σ.
+fn repeated_over_time(correlation: f32, frames: usize, shift: f32) -> f32 {
+    if correlation <= 0.0 {
+        return 1.0;
+    }
+    let n = frames as f32;
+    let shared = |k: usize| {
+        let k_frames = k as f32;
+        (1.0 - k_frames / n) * correlation.powi(k as i32) * (-0.25 * (k_frames * shift).powi(2)).exp()
+    };
+    let sum = 1.0 + 2.0 * (1..frames).map(shared).sum::<f32>();
+    // The differences in which the noise was measured, with weights 1, −2, 1, show only a part of it.
+    let shown = 1.0 - 4.0 / 3.0 * correlation + correlation * correlation / 3.0;
+    sum / shown.max(0.02)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::params::Interpolation;
+    use crate::detector::stack::frame_offsets;
+
+    #[test]
+    fn white_noise_has_the_bits_of_the_one_sigma() {
+        let space = ScaleSpace::new(4, 0, 4.0);
+        let slope = Slope::new(1.3, 0.2);
+        let offsets = frame_offsets(10, slope, Interpolation::Linear);
+        let model = NoiseModel::white(0.0123);
+        for (octave, level) in [(0, 0), (2, 3)] {
+            let expected = 0.0123 * dog_noise_variance(&space, octave, f64::from(level), &offsets).sqrt() as f32;
+            assert_eq!(model.sigma_d(&space, (octave, level), (slope, &offsets), 5.0), expected);
+        }
+        assert_eq!(model.place_factor(0, &offsets, (3, 4), (100, 80)), 1.0);
+    }
+
+    #[test]
+    fn frames_that_repeat_each_other_are_worth_less() {
+        assert_eq!(repeated_over_time(0.0, 10, 0.0), 1.0);
+        let still = repeated_over_time(0.5, 200, 0.0);
+        // (1 + r)/(1 − r) for many frames, divided by the part that differences show.
+        assert!((still / (3.0 / (1.0 - 2.0 / 3.0 + 0.25 / 3.0)) - 1.0).abs() < 0.02, "{still}");
+        assert!(repeated_over_time(0.5, 200, 5.0) < 0.4 * still);
+    }
+}

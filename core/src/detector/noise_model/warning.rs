@@ -2,8 +2,8 @@
 
 use super::fixed_pattern::FixedPattern;
 use super::frames::{FrameSurvey, LeftOut};
-use super::place::ExcessMap;
 use super::spectrum::LevelNoise;
+use super::variance::ExcessMap;
 use crate::plane::Plane;
 use serde::Serialize;
 
@@ -212,8 +212,8 @@ fn numbered(frames: &[usize]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fixed_pattern::Stripes;
     use super::super::frames::FrameFacts;
-    use super::super::stripes::Stripes;
     use super::*;
 
     #[test]

@@ -149,7 +149,7 @@ pub enum Interpolation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Localisation {
-    /// Compactly supported kernels on the pixels, continuous in place (see [`crate::detector::localise::place`]).
+    /// Compactly supported kernels on the pixels, continuous in place (see [`crate::detector::localise`]).
     #[default]
     Continuous,
     /// Quadratic fit to the samples of D around it, as in VLFeat and LiFF.
@@ -160,7 +160,7 @@ pub enum Localisation {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum NoiseGate {
     /// For matching: the factor is derived from the size of the search so that pure noise gives about
-    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::gate::AUTO_FALSE_PER_MEGAPIXEL) false keypoints a
+    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::AUTO_FALSE_PER_MEGAPIXEL) false keypoints a
     /// megapixel, which matching rejects.
     #[default]
     Auto,

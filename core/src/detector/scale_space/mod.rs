@@ -1,8 +1,357 @@
-//! Scale space: Gaussian levels of a motion stack, octave by octave, and their differences D.
+//! Scale space: Gaussian levels of a motion stack, octave by octave, and their differences D. Here the scales, and
+//! tiles of D in one octave; `planes` computes whole levels of one slope.
 //!
-//! [`levels`] defines the scales and the octaves that are searched; [`octave`] computes one tile of D, `planes` whole
-//! levels of one slope.
+//! Octaves and levels are in VLFeat's convention. Octave `o` has pixels of 2^o input pixels; its levels `s = −1 … S+1`
+//! have σ = σ0·2^(o + s/S) input pixels, with σ0 = 1.6·2^(1/S), so that the first level of an octave always has σ = 1.6
+//! octave pixels. The input is taken to have σ = 0.5. Each level is blurred from the one before it by σ0·2^(s/S)·√(1 −
+//! 2^(−2/S)) octave pixels; the next octave starts from every second pixel of level S−1, whose σ is twice the first
+//! level's. DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are searched at levels 0 … S−1. Octave −1 is the
+//! image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th
+//! pixel.
+//!
+//! For the first octave the pixels are made from the frames: stacked at a slope and brought to the octave's resolution.
+//! Later octaves start from planes that the octave before has written, one for each slope. Everything is made in tiles;
+//! a tile includes the pixels around it that its filters need, so each value is bitwise independent of the tiles.
 
-pub mod levels;
-pub mod octave;
 pub(super) mod planes;
+
+use crate::detector::params::{DetectorParams, MIN_OCTAVE_SIDE};
+use crate::detector::stack::stack_row;
+use crate::kernel::gaussian_bank::{Axis, FilterBank, FilterScratch, filter_tile};
+use crate::kernel::stack::{FrameOffset, RowStacker};
+use crate::plane::Plane;
+use crate::plane::blur::GaussianKernel;
+use crate::plane::tile::{Region, Tile};
+use std::ops::Range;
+
+/// Assumed σ of the input image, in input pixels.
+pub const SIGMA_INPUT: f64 = 0.5;
+/// σ of the first level (s = −1) of every octave, in octave pixels.
+pub const SIGMA_BASE: f64 = 1.6;
+
+/// Scales and kernels of a scale space with `S` levels per octave.
+#[derive(Debug, Clone)]
+pub struct ScaleSpace {
+    /// Number of levels per octave, S.
+    pub levels: usize,
+    /// Index of the finest octave.
+    pub first_octave: i32,
+    /// Radius at which kernels are cut, in standard deviations.
+    pub kernel_cut: f64,
+    /// Kernel from the input's σ to the first level of the first octave.
+    pub base_kernel: GaussianKernel,
+    /// Kernels from level s−1 to level s, for s = 0 … S+1.
+    pub step_kernels: Vec<GaussianKernel>,
+}
+
+impl ScaleSpace {
+    /// Scale space of a search with `params`.
+    pub fn of(params: &DetectorParams) -> Self {
+        Self::new(params.levels as usize, params.first_octave, f64::from(params.kernel_cut))
+    }
+
+    /// Scale space of `levels` per octave from octave `first_octave` on, with kernels that end at `kernel_cut` standard
+    /// deviations.
+    pub fn new(levels: usize, first_octave: i32, kernel_cut: f64) -> Self {
+        let input = SIGMA_INPUT * 2f64.powi(-first_octave);
+        let base = (SIGMA_BASE * SIGMA_BASE - input * input).max(0.0).sqrt();
+        let step_kernels =
+            (0..levels + 2).map(|s| GaussianKernel::with_cut(Self::step_sigma(levels, s), kernel_cut)).collect();
+        Self { levels, first_octave, base_kernel: GaussianKernel::with_cut(base, kernel_cut), step_kernels, kernel_cut }
+    }
+
+    fn sigma0(levels: usize) -> f64 {
+        SIGMA_BASE * 2f64.powf(1.0 / levels as f64)
+    }
+
+    /// σ of the blur from level s−1 to level s, octave pixels.
+    fn step_sigma(levels: usize, s: usize) -> f64 {
+        let k = 2f64.powf(1.0 / levels as f64);
+        Self::sigma0(levels) * k.powi(s as i32) * (1.0 - 1.0 / (k * k)).sqrt()
+    }
+
+    /// σ in octave pixels at `level`, which may be fractional.
+    pub fn sigma_octave(&self, level: f64) -> f64 {
+        Self::sigma0(self.levels) * 2f64.powf(level / self.levels as f64)
+    }
+
+    /// σ in input pixels at `octave` and `level`.
+    pub fn sigma_image(&self, octave: i32, level: f64) -> f64 {
+        self.sigma_octave(level) * 2f64.powi(octave)
+    }
+
+    /// Filters that make the Gaussian level indices `levels` (0 is level −1) of an octave from its pixels: of the first
+    /// octave from the stacked image, of later ones from their first level.
+    pub fn bank(&self, first: bool, levels: Range<usize>) -> FilterBank {
+        let base = if first { self.base_kernel.clone() } else { GaussianKernel::new(0.0) };
+        FilterBank::new(std::iter::once(base).chain(self.step_kernels.iter().cloned()).collect(), levels)
+    }
+
+    /// Indices of all Gaussian levels of an octave: those of levels −1 … S+1.
+    pub fn all_levels(&self) -> Range<usize> {
+        0..self.levels + 3
+    }
+}
+
+/// Size (columns, rows) of an octave of an image of `size`.
+pub fn octave_size(size: (usize, usize), octave: i32) -> (usize, usize) {
+    if octave < 0 { (size.0 << -octave, size.1 << -octave) } else { (size.0 >> octave, size.1 >> octave) }
+}
+
+/// Number of input pixels per octave pixel along a side, 2^octave.
+pub fn octave_pixel(octave: i32) -> f32 {
+    2f32.powi(octave)
+}
+
+/// Octaves that a search with `params` visits in an image of `size` = (columns, rows): those requested, as long as
+/// their shorter side has [`MIN_OCTAVE_SIDE`] pixels. At least the first one.
+pub fn searched_octaves(params: &DetectorParams, size: (usize, usize)) -> Range<i32> {
+    let first = params.first_octave;
+    let side = size.0.min(size.1);
+    let fits = |o: i32| (if o < 0 { side * 2 } else { side >> o }) >= MIN_OCTAVE_SIDE;
+    let end = (first..first + params.octaves as i32).take_while(|&o| fits(o)).last().unwrap_or(first) + 1;
+    first..end
+}
+
+/// Source of the first level (s = −1) of an octave at one slope.
+#[derive(Debug)]
+pub enum Base<'a> {
+    /// Frames shifted by a slope's offsets: for the first octave.
+    Frames {
+        /// Frames of one size, in time order.
+        frames: &'a [&'a Plane],
+        /// [`crate::detector::stack::frame_offsets`] of the slope.
+        offsets: &'a [FrameOffset],
+        /// Index of the octave, which is the first one.
+        octave: i32,
+    },
+    /// Finished first level, on the octave's pixels.
+    Level(&'a Plane),
+}
+
+impl Base<'_> {
+    /// Computes rows `rows` and columns `columns` of the stacked image at the octave's resolution, before any blur.
+    /// Calls `write(v, row)` with each.
+    pub(crate) fn raw_rows(
+        &self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+        stacked: &mut Vec<f32>,
+        mut write: impl FnMut(usize, &[f32]),
+    ) {
+        let Self::Frames { frames, offsets, octave } = self else {
+            unreachable!("only frames are made into raw rows");
+        };
+        let (width_image, height_image) = frames[0].size();
+        match octave {
+            0 => {
+                stacked.resize(columns.len(), 0.0);
+                for v in rows {
+                    stack_row(frames, offsets, v, columns.clone(), stacked);
+                    write(v, stacked);
+                }
+            }
+            -1 => doubled_rows(frames, offsets, rows, columns, (width_image, height_image), stacked, write),
+            _ => {
+                let step = 1usize << octave;
+                let wide = columns.start * step..(columns.end - 1) * step + 1;
+                stacked.resize(wide.len(), 0.0);
+                let mut row = vec![0.0; columns.len()];
+                for v in rows {
+                    stack_row(frames, offsets, v * step, wide.clone(), stacked);
+                    for (out, chunk) in row.iter_mut().zip(stacked.chunks(step)) {
+                        *out = chunk[0];
+                    }
+                    write(v, &row);
+                }
+            }
+        }
+    }
+
+    /// σ of the pixels from which the octave is made, in octave pixels.
+    pub fn sigma_octave(&self) -> f64 {
+        match self {
+            Self::Frames { octave, .. } => crate::detector::scale_space::SIGMA_INPUT * 2f64.powi(-octave),
+            Self::Level(_) => crate::detector::scale_space::SIGMA_BASE,
+        }
+    }
+}
+
+/// Filters of an octave.
+#[derive(Debug)]
+pub struct OctaveFilters {
+    along_u: Axis,
+    along_v: Axis,
+    /// Index of the level from which the next octave starts, among those that are made.
+    next: Option<usize>,
+}
+
+impl OctaveFilters {
+    /// Filters for an octave of `size` of `space`, the first one or another; `bank` makes the Gaussian level indices
+    /// `levels` (0 is level −1), as [`ScaleSpace::bank`] gives it.
+    pub fn new(space: &ScaleSpace, bank: &FilterBank, levels: &Range<usize>, size: (usize, usize)) -> Self {
+        let next = levels.contains(&space.levels).then(|| space.levels - levels.start);
+        Self { along_u: bank.axis(size.0), along_v: bank.axis(size.1), next }
+    }
+
+    /// Pixels that the values of `region` depend on.
+    pub fn inputs(&self, region: &Region) -> Region {
+        Region { columns: self.along_u.inputs(&region.columns), rows: self.along_v.inputs(&region.rows) }
+    }
+}
+
+/// Tile of the differences of consecutive Gaussian levels of one slope. In a search index 0 is DoG level −1.
+#[derive(Debug, Default)]
+pub struct DogTile {
+    /// One tile a level.
+    pub levels: Vec<Tile>,
+}
+
+impl DogTile {
+    /// D at DoG level index `level_index` and the octave's pixel (x, y).
+    #[inline]
+    pub fn at(&self, level_index: usize, x: usize, y: usize) -> f32 {
+        self.levels[level_index].at(x, y)
+    }
+}
+
+/// Pixels of one slope at the octave's resolution, before any of its filters.
+#[derive(Debug, Clone, Copy)]
+pub enum Pixels<'a> {
+    /// A stacked tile with the pixels that the filters need.
+    Stacked(&'a Tile),
+    /// The octave's first level.
+    Level(&'a Plane),
+}
+
+/// Filters `region` of an octave into `dog`; `batch_done` is called with the rows that are finished. With `next` the
+/// level from which the next octave starts is kept.
+pub fn dog_tile(
+    filters: &OctaveFilters,
+    pixels: Pixels<'_>,
+    region: &Region,
+    scratch: &mut FilterScratch,
+    dog: &mut DogTile,
+    next: Option<&mut Tile>,
+    batch_done: &mut dyn FnMut(&[Tile], Range<usize>),
+) {
+    dog.levels.resize_with(filters.along_u.level_count() - 1, Tile::default);
+    let axes = (&filters.along_u, &filters.along_v);
+    let keep = next.map(|tile| (filters.next.expect("the level is among those made"), tile));
+    match pixels {
+        Pixels::Stacked(tile) => filter_tile(axes, tile, region, scratch, &mut dog.levels, keep, batch_done),
+        Pixels::Level(plane) => filter_tile(axes, plane, region, scratch, &mut dog.levels, keep, batch_done),
+    }
+}
+
+/// Number of extra columns that a stacked row has room for, so that filters can read it in whole vectors in place.
+const PADDING: usize = 32;
+
+/// Stacks some slopes at the resolution of `octave`, in `region`, before any filter: one tile a slope. `slopes` are the
+/// frames' offsets.
+pub fn stack_tiles(
+    frames: &[&Plane],
+    slopes: &[impl AsRef<[FrameOffset]>],
+    octave: i32,
+    region: &Region,
+    tiles: &mut Vec<Tile>,
+) {
+    tiles.resize_with(slopes.len().max(tiles.len()), Tile::default);
+    tiles
+        .iter_mut()
+        .take(slopes.len())
+        .for_each(|tile| tile.reset(region, (region.columns.len() + PADDING).next_multiple_of(16)));
+    if octave == 0 {
+        let mut stacker = RowStacker::new(frames, slopes.iter().map(AsRef::as_ref).collect());
+        for v in region.rows.clone() {
+            let mut rows: Vec<&mut [f32]> = tiles[..slopes.len()].iter_mut().map(|tile| tile.row_mut(v)).collect();
+            stacker.row(v, region.columns.clone(), &mut rows);
+        }
+        return;
+    }
+    let mut stacked = Vec::new();
+    for (offsets, tile) in slopes.iter().zip(tiles) {
+        let base = Base::Frames { frames, offsets: offsets.as_ref(), octave };
+        base.raw_rows(region.rows.clone(), region.columns.clone(), &mut stacked, |v, row| {
+            tile.row_mut(v).copy_from_slice(row);
+        });
+    }
+}
+
+/// Computes rows of the stacked image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j), the last one is
+/// repeated.
+fn doubled_rows(
+    frames: &[&Plane],
+    offsets: &[FrameOffset],
+    rows: Range<usize>,
+    columns: Range<usize>,
+    size_image: (usize, usize),
+    stacked: &mut Vec<f32>,
+    mut write: impl FnMut(usize, &[f32]),
+) {
+    let (width, height) = size_image;
+    let narrow = columns.start / 2..((columns.end - 1) / 2 + 2).min(width);
+    let n = narrow.len();
+    stacked.resize(n, 0.0);
+    let double = |v: usize, stacked: &mut [f32], out: &mut [f32]| {
+        stack_row(frames, offsets, v.min(height - 1), narrow.clone(), stacked);
+        for (out, x) in out.iter_mut().zip(columns.clone()) {
+            let i = x / 2 - narrow.start;
+            *out = if x % 2 == 0 { stacked[i] } else { 0.5 * (stacked[i] + stacked[(i + 1).min(n - 1)]) };
+        }
+    };
+    let (mut upper, mut lower, mut middle) =
+        (vec![0.0; columns.len()], vec![0.0; columns.len()], vec![0.0; columns.len()]);
+    let mut upper_is = None;
+    for v in rows {
+        let i = v / 2;
+        if upper_is != Some(i) {
+            if upper_is.is_some_and(|held| held + 1 == i) && v % 2 == 0 {
+                std::mem::swap(&mut upper, &mut lower);
+            } else {
+                double(i, stacked, &mut upper);
+            }
+            upper_is = Some(i);
+        }
+        if v % 2 == 0 {
+            write(v, &upper);
+        } else {
+            double(i + 1, stacked, &mut lower);
+            for ((out, a), b) in middle.iter_mut().zip(&upper).zip(&lower) {
+                *out = 0.5 * (a + b);
+            }
+            write(v, &middle);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scales_follow_vlfeat() {
+        let space = ScaleSpace::new(3, -1, 4.0);
+        assert!((space.sigma_octave(-1.0) - 1.6).abs() < 1e-12);
+        assert!((space.sigma_octave(2.0) - 3.2).abs() < 1e-12);
+        assert!((space.sigma_image(-1, 0.0) - 1.6 * 2f64.powf(1.0 / 3.0) / 2.0).abs() < 1e-12);
+        assert!((space.sigma_image(1, -1.0) - space.sigma_image(0, 2.0)).abs() < 1e-12);
+        assert_eq!(space.step_kernels.len(), 5);
+    }
+
+    #[test]
+    fn each_step_adds_up_to_the_level() {
+        let space = ScaleSpace::new(4, 0, 4.0);
+        let mut variance = SIGMA_BASE * SIGMA_BASE;
+        for s in 0..6 {
+            variance += ScaleSpace::step_sigma(4, s).powi(2);
+            assert!((variance.sqrt() - space.sigma_octave(s as f64)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn octaves_halve() {
+        assert_eq!(octave_size((801, 640), 1), (400, 320));
+        assert_eq!(octave_size((10, 20), -1), (20, 40));
+    }
+}

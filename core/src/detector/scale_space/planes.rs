@@ -3,10 +3,11 @@
 //! The search computes all levels of a tile at once and goes on to the next slope; here one level of one slope is
 //! computed for a whole octave or a part of it. The values are bitwise equal.
 
-use crate::detector::scale_space::levels::{ScaleSpace, octave_size};
-use crate::detector::scale_space::octave::{Base, DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use crate::detector::scale_space::{
+    Base, DogTile, OctaveFilters, Pixels, ScaleSpace, dog_tile, octave_size, stack_tiles,
+};
 use crate::kernel::gaussian_bank::FilterScratch;
-use crate::kernel::offset::FrameOffset;
+use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile, cuts, split_mut};
@@ -180,7 +181,7 @@ mod tests {
     use super::*;
     use crate::detector::params::Interpolation;
     use crate::detector::params::slope_grid::Slope;
-    use crate::detector::stack::offsets::frame_offsets;
+    use crate::detector::stack::frame_offsets;
 
     #[test]
     fn a_part_of_a_first_level_is_that_of_the_whole() {

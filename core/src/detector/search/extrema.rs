@@ -6,7 +6,7 @@
 //! in vector lanes.
 
 use crate::detector::feature::{Tally, Test};
-use crate::detector::scale_space::octave::DogTile;
+use crate::detector::scale_space::DogTile;
 use crate::plane::tile::{Region, Tile};
 use multiversion::multiversion;
 

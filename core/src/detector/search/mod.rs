@@ -1,12 +1,391 @@
 //! Search: extrema of D over place and scale, at each slope for itself or jointly over slope.
 //!
-//! [`extrema`] compares samples of one slope; [`slope_window`] compares slopes and holds their tiles; [`tile`] goes
-//! through all slopes of one tile and applies the tests to each candidate.
+//! Octaves come in turn, each starting from planes that the one before has written for every slope. Each is cut into
+//! tiles, which run in parallel. A tile visits the slopes in order, holding only those that its undecided candidates
+//! still need, and applies the tests to each candidate. Its height is chosen so that the threads' memory together stays
+//! bounded (at least eight rows are held, whatever that takes). Tiles return their keypoints in order, so threads
+//! cannot change the result. The first levels of all octaves are kept for the steps after the search; where memory does
+//! not allow that for all slopes, groups of slopes go through all octaves one after the other.
+//!
+//! [`extrema`] compares samples of one slope; [`slope_window`] compares slopes and holds their tiles; `setup` prepares
+//! both.
 
 pub mod extrema;
-pub(super) mod groups;
-pub(super) mod inputs;
-pub(super) mod octaves;
 pub(super) mod setup;
 pub mod slope_window;
-pub mod tile;
+
+use crate::detector::feature::{Keypoint, Tally};
+use crate::detector::noise_model::NoiseModel;
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::refine::{Limits, Refined, refine};
+use crate::detector::scale_space::{Base, OctaveFilters, Pixels, dog_tile, octave_pixel, octave_size, stack_tiles};
+use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
+use crate::detector::search::setup::{FirstLevels, HELD, Search, SlopeGroup, TileScratch};
+use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
+use crate::detector::stack::coverage;
+use crate::kernel::gaussian_bank::FilterScratch;
+use crate::kernel::machine::{STACKED_SLOPES, TILE_COLUMNS, TILE_ROWS, WINDOW_BYTES, WINDOWS_BYTES};
+use crate::kernel::stack::FrameOffset;
+use crate::monitor::{Cancelled, Stage};
+use crate::plane::Plane;
+use crate::plane::tile::{Region, Tile, cuts, split_mut};
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Result of the search.
+pub(crate) struct Searched {
+    /// Keypoints in order of octaves, and within them of tiles and slopes.
+    pub(crate) keypoints: Vec<Keypoint>,
+    /// First levels of each octave; none for the first octave, which is made from the frames. `None` where the slopes
+    /// were searched in groups, which keep none.
+    pub(crate) bases: Option<Vec<FirstLevels>>,
+}
+
+/// Part of a detection's time that the search takes, about; describing takes the rest.
+pub(crate) const SEARCH_PART: f32 = 0.7;
+
+/// Keypoints by octave and tile.
+type ByTile = Vec<Vec<Vec<Keypoint>>>;
+
+impl Search<'_> {
+    /// Searches all octaves, one of the `groups` of slopes after the other; together they own every slope of the grid.
+    pub(crate) fn octaves(
+        &self,
+        octaves: &Range<i32>,
+        groups: &[SlopeGroup],
+        tally: &mut Tally,
+    ) -> Result<Searched, Cancelled> {
+        let mut found: ByTile = octaves.clone().map(|_| Vec::new()).collect();
+        let visited: usize = groups.iter().map(|group| group.visited.len()).sum();
+        let (mut bases, mut done) = (None, 0.0);
+        for group in groups {
+            let share = SEARCH_PART * group.visited.len() as f32 / visited as f32;
+            let keeps = groups.len() == 1;
+            bases = self.group(octaves, group, (keeps, &mut found), tally, (done, share))?;
+            done += share;
+        }
+        Ok(Searched { keypoints: found.into_iter().flatten().flatten().collect(), bases })
+    }
+
+    /// Searches all octaves for the keypoints of one group of slopes, and appends them to those `found` at the slopes
+    /// before. Returns the first levels of all octaves if it `keeps` them; otherwise each is freed as soon as it is no
+    /// longer needed. For the progress, `done` is the finished part of the detection, and `share` the group's.
+    fn group(
+        &self,
+        octaves: &Range<i32>,
+        group: &SlopeGroup,
+        (keeps, found): (bool, &mut ByTile),
+        tally: &mut Tally,
+        (mut done, share): (f32, f32),
+    ) -> Result<Option<Vec<FirstLevels>>, Cancelled> {
+        let pixels = |octave: i32| {
+            let (width, height) = octave_size(self.size_image, octave);
+            width as f32 * height as f32
+        };
+        let all_pixels: f32 = octaves.clone().map(pixels).sum();
+        let mut bases = vec![FirstLevels::default()];
+        for (octave, found) in octaves.clone().zip(found) {
+            let share = share * pixels(octave) / all_pixels;
+            let progress = |part: f32| self.monitor.report(Stage::Search { octave }, done + share * part);
+            let last = bases.last().expect("the first octave's is there");
+            let (tiles, next) = self.octave(octave, (group, last), octave + 1 < octaves.end, tally, &progress)?;
+            found.resize_with(tiles.len(), Vec::new);
+            found.iter_mut().zip(tiles).for_each(|(found, tile)| found.extend(tile));
+            if !keeps {
+                bases.clear();
+            }
+            bases.push(next);
+            done += share;
+        }
+        Ok(keeps.then_some(bases))
+    }
+
+    /// Source of the first level of an octave at a slope of the grid: the frames, or `bases`.
+    pub(crate) fn base<'s>(&'s self, octave: i32, bases: &'s FirstLevels, slope_index: usize) -> Base<'s> {
+        if octave == self.space.first_octave {
+            Base::Frames { frames: self.frames, offsets: &self.offsets[slope_index], octave }
+        } else {
+            Base::Level(bases.at(slope_index))
+        }
+    }
+
+    /// Number of slopes of the first octave that are stacked together.
+    pub(crate) fn slopes_together(&self) -> usize {
+        match self.grid.u.count {
+            row @ 1..=STACKED_SLOPES => STACKED_SLOPES / row * row,
+            _ => STACKED_SLOPES,
+        }
+    }
+
+    /// σ_D at `octave` and DoG level index `level_index` for each slope, at the place of least noise.
+    pub(crate) fn sigma_d(&self, octave: i32, level_index: usize) -> Vec<f32> {
+        let sigma = |(slope, offsets): (Slope, &Vec<FrameOffset>)| {
+            self.noise.sigma_d(&self.space, (octave, level_index as i32 - 1), (slope, offsets), self.gate_factor)
+        };
+        self.grid.slopes().zip(&self.offsets).map(sigma).collect()
+    }
+
+    /// Buffers for a thread: unused ones, or new ones. Allocating memory anew costs as much as a good part of the
+    /// search, so buffers are reused.
+    pub(crate) fn take_scratch(&self) -> TileScratch {
+        self.unused.lock().ok().and_then(|mut unused| unused.pop()).unwrap_or_else(|| TileScratch {
+            stacked: Vec::new(),
+            filter: FilterScratch::default(),
+            next: Tile::default(),
+            window: SlopeWindow::new(self.grid, OtherSlopes::of(self.params)),
+        })
+    }
+
+    pub(crate) fn put_back(&self, scratch: TileScratch) {
+        if let Ok(mut unused) = self.unused.lock() {
+            unused.push(scratch);
+        }
+    }
+
+    /// Ranges of columns and of rows that are the tiles of an octave of `size`.
+    pub(crate) fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
+        let slopes = capacity(&self.grid, OtherSlopes::of(self.params));
+        let window_bytes = (WINDOWS_BYTES / rayon::current_num_threads().max(1)).min(WINDOW_BYTES);
+        let row_bytes = slopes * (self.space.levels + 2) * (TILE_COLUMNS + 2 * HELD) * size_of::<f32>();
+        let rows = (window_bytes / row_bytes.max(1)).saturating_sub(2 * HELD);
+        (cuts(width, TILE_COLUMNS), cuts(height, rows.clamp(8, TILE_ROWS)))
+    }
+
+    /// Searches one octave for the keypoints of a group of slopes, whose first levels are `bases`. Returns the
+    /// keypoints by tile, and the first levels of the next octave if `wants_next`.
+    fn octave(
+        &self,
+        octave: i32,
+        (group, bases): (&SlopeGroup, &FirstLevels),
+        wants_next: bool,
+        tally: &mut Tally,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<(Vec<Vec<Keypoint>>, FirstLevels), Cancelled> {
+        let size = octave_size(self.size_image, octave);
+        let (columns, rows) = self.tile_cuts(size);
+        let sigma_d: Vec<Vec<f32>> =
+            (0..self.space.levels + 2).map(|level_index| self.sigma_d(octave, level_index)).collect();
+        let bank = if octave == self.space.first_octave { &self.banks.0 } else { &self.banks.1 };
+        let job = Octave {
+            octave,
+            size,
+            group,
+            bases,
+            filters: OctaveFilters::new(&self.space, bank, &self.space.all_levels(), size),
+            sigma_d,
+        };
+        let mut next: Vec<Plane> = (0..if wants_next { group.visited.len() } else { 0 })
+            .map(|_| Plane::zeros(size.0 / 2, size.1 / 2))
+            .collect();
+        let regions: Vec<Region> = rows
+            .iter()
+            .flat_map(|rows| columns.iter().map(|columns| Region { columns: columns.clone(), rows: rows.clone() }))
+            .collect();
+        // For each tile, its part of the next octave's planes.
+        let mut next_parts: Vec<Vec<Vec<&mut [f32]>>> = regions.iter().map(|_| Vec::new()).collect();
+        let halved = |parts: &[Range<usize>]| -> Vec<Range<usize>> {
+            parts.iter().map(|part| part.start / 2..part.end / 2).collect()
+        };
+        let (half_columns, half_rows) = (halved(&columns), halved(&rows));
+        for plane in &mut next {
+            for (tile, part) in next_parts.iter_mut().zip(split_mut(plane, &half_columns, &half_rows)) {
+                tile.push(part);
+            }
+        }
+        let finished = AtomicUsize::new(0);
+        let steps = regions.len() * group.visited.len();
+        let results: Vec<(Vec<Keypoint>, Tally)> = regions
+            .par_iter()
+            .zip(next_parts)
+            .map(|(region, next)| {
+                let mut scratch = self.take_scratch();
+                let found = self.tile(&job, region, next, &mut scratch, &|| {
+                    progress(finished.fetch_add(1, Ordering::Relaxed) as f32 / steps as f32);
+                })?;
+                self.put_back(scratch);
+                Ok(found)
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        results.iter().for_each(|(_, of_tile)| tally.merge(of_tile));
+        let found = results.into_iter().map(|(found, _)| found).collect();
+        Ok((found, FirstLevels::new(group.visited.start, next)))
+    }
+}
+
+/// Part of the peak threshold that the first test uses: the refinement may add to a sample's value.
+pub const FIRST_PEAK_PART: f32 = 0.8;
+
+/// Data that the tiles of an octave share.
+pub(crate) struct Octave<'a> {
+    pub(crate) octave: i32,
+    /// Size (columns, rows) of the octave.
+    pub(crate) size: (usize, usize),
+    /// Slopes that are searched, and those that are visited for that.
+    pub(crate) group: &'a SlopeGroup,
+    /// First level of the octave at the slopes that are visited; none for the first octave.
+    pub(crate) bases: &'a FirstLevels,
+    pub(crate) filters: OctaveFilters,
+    /// σ_D by DoG level index and slope of the grid, at the place of least noise.
+    pub(crate) sigma_d: Vec<Vec<f32>>,
+}
+
+impl Search<'_> {
+    /// Searches one tile over the slopes of a group. `next` holds the tile's parts of the next octave's first level,
+    /// one for each slope that is visited, or is empty.
+    pub(crate) fn tile(
+        &self,
+        job: &Octave<'_>,
+        region: &Region,
+        mut next: Vec<Vec<&mut [f32]>>,
+        scratch: &mut TileScratch,
+        slope_done: &dyn Fn(),
+    ) -> Result<(Vec<Keypoint>, Tally), Cancelled> {
+        let held = region.widened(HELD, job.size);
+        let inputs = job.filters.inputs(&held);
+        let first = job.octave == self.space.first_octave;
+        let together = self.slopes_together();
+        let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
+        let SlopeGroup { own, visited } = job.group;
+        scratch.window.begin(visited);
+        for (place, index) in visited.clone().enumerate() {
+            self.monitor.check()?;
+            let TileScratch { stacked, filter, next: level, window, .. } = &mut *scratch;
+            if first && place % together == 0 {
+                let slopes = &self.offsets[index..(index + together).min(visited.end)];
+                stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
+            }
+            let pixels =
+                if first { Pixels::Stacked(&stacked[place % together]) } else { Pixels::Level(job.bases.at(index)) };
+            let thresholds = self.thresholds(&job.sigma_d, index);
+            let (dog, candidates) = window.slot_mut(index);
+            // Rows are searched while they are still in the cache, as soon as the row below them is finished.
+            let mut searched = region.rows.start;
+            let mut search = |levels: &[Tile], finished: Range<usize>| {
+                if !own.contains(&index) {
+                    return;
+                }
+                let end = if finished.end == held.rows.end { region.rows.end } else { finished.end - 1 };
+                let rows = searched..end.min(region.rows.end).max(searched);
+                searched = rows.end;
+                let part = Region { columns: region.columns.clone(), rows };
+                own_slope_extrema(levels, &part, job.size, &thresholds, &mut tally, candidates);
+            };
+            let keep = (!next.is_empty()).then_some(&mut *level);
+            dog_tile(&job.filters, pixels, &held, filter, dog, keep, &mut search);
+            if let Some(out) = next.get_mut(place) {
+                let left = region.columns.start - held.columns.start;
+                for (v, row) in out.iter_mut().enumerate() {
+                    let from = &level.row(region.rows.start + 2 * v)[left..];
+                    row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
+                }
+            }
+            self.compare(job, window, index, &mut tally);
+            for decided in window.decidable(index) {
+                self.decide(job, window, decided, &mut keypoints, &mut tally);
+            }
+            slope_done();
+        }
+        Ok((keypoints, tally))
+    }
+
+    /// Thresholds for a sample at slope `slope_index`, where σ_D by level index and slope is `sigma_d`.
+    pub(crate) fn thresholds(&self, sigma_d: &[Vec<f32>], slope_index: usize) -> Thresholds {
+        Thresholds {
+            peak: FIRST_PEAK_PART * self.params.peak_threshold,
+            gate: sigma_d.iter().map(|by_slope| self.gate_factor * by_slope[slope_index]).collect(),
+        }
+    }
+
+    /// σ_D of a candidate, for the noise at its place and the number of frames that cover it.
+    fn sigma_d_at(&self, job: &Octave<'_>, slope_index: usize, candidate: &Candidate) -> f32 {
+        job.sigma_d[candidate.level_index][slope_index]
+            * self.place_factor(job.octave, slope_index, candidate.x, candidate.y)
+    }
+
+    /// Whether a candidate whose noise is `sigma_d` passes the noise gate.
+    pub(crate) fn passes_gate(&self, candidate: &Candidate, sigma_d: f32) -> bool {
+        candidate.value.abs() >= self.gate_factor * sigma_d
+    }
+
+    /// Limits for a refined candidate.
+    pub(crate) fn limits(&self) -> Limits {
+        Limits { peak_threshold: self.params.peak_threshold, edge_threshold: self.params.edge_threshold }
+    }
+
+    /// Compares the slope that was computed last with the others that are held.
+    fn compare(&self, job: &Octave<'_>, window: &mut SlopeWindow, made: usize, tally: &mut Tally) {
+        window.compare(
+            made,
+            |candidate| self.passes_gate(candidate, self.sigma_d_at(job, made, candidate)),
+            |dog, candidate| refine(dog, (candidate.x, candidate.y), candidate.level_index, job.size, self.limits()),
+            tally,
+        );
+    }
+
+    /// Appends the keypoints among the unbeaten candidates of one slope, and counts the others.
+    fn decide(
+        &self,
+        job: &Octave<'_>,
+        window: &SlopeWindow,
+        slope_index: usize,
+        keypoints: &mut Vec<Keypoint>,
+        tally: &mut Tally,
+    ) {
+        for undecided in window.undecided(slope_index) {
+            match undecided.refined {
+                Err(test) => tally.reject(test, 1),
+                Ok(refined) => {
+                    let candidate = &undecided.candidate;
+                    let sigma_d = self.sigma_d_at(job, slope_index, candidate);
+                    let slope = window.refined_slope(slope_index, undecided);
+                    keypoints.push(self.keypoint(job.octave, candidate, &refined, (slope_index, slope), sigma_d));
+                }
+            }
+        }
+    }
+
+    /// Keypoint of a refined candidate whose noise is `sigma_d`.
+    pub(crate) fn keypoint(
+        &self,
+        octave: i32,
+        candidate: &Candidate,
+        refined: &Refined,
+        (slope_index, slope): (usize, Slope),
+        sigma_d: f32,
+    ) -> Keypoint {
+        Keypoint {
+            octave,
+            x: refined.x_refined as f32,
+            y: refined.y_refined as f32,
+            sigma_octave: self.space.sigma_octave(refined.level_refined - 1.0) as f32,
+            level: candidate.level_index as i32 - 1,
+            sample: [candidate.x as u32, candidate.y as u32],
+            slope_index,
+            slope,
+            value: refined.value,
+            snr: if sigma_d > 0.0 { refined.value.abs() / sigma_d } else { f32::INFINITY },
+        }
+    }
+
+    /// See [`place_factor`], at one of the grid's slopes.
+    pub(crate) fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
+        place_factor(self.noise, octave, &self.offsets[slope_index], (x, y), self.size_image)
+    }
+}
+
+/// √(N / number of frames that cover the octave pixel (x, y) in the stack whose frames are read at `offsets`), times
+/// the ratio of the noise there to its smallest value.
+pub(crate) fn place_factor(
+    noise: &NoiseModel,
+    octave: i32,
+    offsets: &[FrameOffset],
+    (x, y): (usize, usize),
+    size_image: (usize, usize),
+) -> f32 {
+    let pixel = octave_pixel(octave);
+    let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
+    let at = (to_image(x, size_image.0), to_image(y, size_image.1));
+    let covering = coverage(offsets, at.0, at.1, size_image);
+    (offsets.len() as f32 / covering.max(1) as f32).sqrt() * noise.place_factor(octave, offsets, at, size_image)
+}

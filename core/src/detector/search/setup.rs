@@ -1,21 +1,30 @@
-//! Constants of a search that its tiles share, and buffers that its threads reuse.
+//! Setup of a search, before its first tile: the frames that take part, the noise and the scales, checked and owned;
+//! the constants that tiles share; the groups of slopes; and the buffers that threads reuse.
+//!
+//! For every slope that is searched at once, the first level of each coarser octave is held. If memory allows, all
+//! slopes are one group; otherwise there are several ([`SlopeGroup`]). A group holds the levels of its own slopes and
+//! of the slopes around them, which its own are compared with or localised between; the groups that own those compute
+//! them again. Every value is computed by identical operations whatever the group, so the groups' keypoints together
+//! are those of the whole search.
 
-use crate::detector::noise::gate::gate_factor;
-use crate::detector::noise_model::NoiseModel;
-use crate::detector::params::DetectorParams;
-use crate::detector::params::slope_grid::SlopeGrid;
+use crate::burst::Burst;
+use crate::detector::feature::DetectError;
+use crate::detector::noise::{frame_noise, gate_factor};
+use crate::detector::noise_model::{Examined, ForSearch, NoiseModel, examine};
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+use crate::detector::params::{DetectorParams, NoiseModelKind};
 use crate::detector::refine::MAX_MOVES;
-use crate::detector::scale_space::levels::ScaleSpace;
 use crate::detector::scale_space::planes::SlopeStack;
-use crate::detector::search::inputs::Inputs;
+use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::search::slope_window::SlopeWindow;
-use crate::detector::stack::offsets::{FrameTimes, frame_offsets};
+use crate::detector::stack::{FrameTimes, frame_offsets};
 use crate::kernel::gaussian_bank::{FilterBank, FilterScratch};
-use crate::kernel::offset::FrameOffset;
-use crate::monitor::Monitor;
+use crate::kernel::stack::FrameOffset;
+use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::Tile;
-use std::sync::Mutex;
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
 
 /// Number of pixels held around a tile: enough for the moves of the refinement and for the neighbours that it reads.
 pub(crate) const HELD: usize = MAX_MOVES + 1;
@@ -74,5 +83,159 @@ impl<'a> Search<'a> {
     pub(crate) fn stack(&self, slope_index: usize) -> SlopeStack<'_> {
         let (frames, offsets) = (self.frames, &self.offsets[slope_index]);
         SlopeStack { frames, offsets, space: &self.space, size_image: self.size_image }
+    }
+}
+
+/// Owned inputs of a search.
+#[derive(Debug)]
+pub(crate) struct Inputs {
+    /// Frames that take part, cleaned by the noise model.
+    pub(crate) frames: Vec<Arc<Plane>>,
+    pub(crate) times: FrameTimes,
+    pub(crate) frames_used: Range<usize>,
+    pub(crate) size_image: (usize, usize),
+    pub(crate) space: ScaleSpace,
+    pub(crate) params: DetectorParams,
+    pub(crate) noise: Arc<NoiseModel>,
+}
+
+impl Inputs {
+    /// Checks the parameters and examines the noise.
+    pub(crate) fn new(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self, DetectError> {
+        params.validate_for(burst.len(), burst.size())?;
+        let frames_used = params.used_frames(burst.len());
+        monitor.report(Stage::Noise, 0.0);
+        let space = ScaleSpace::of(params);
+        let Examined { model, frames, kept } = known_noise(burst, params, &space, monitor)?;
+        let times = FrameTimes { frame_count: frames_used.len(), kept };
+        let (size_image, noise, params) = (burst.size(), Arc::new(model), params.clone());
+        Ok(Self { frames, times, frames_used, size_image, space, params, noise })
+    }
+
+    /// The frames by reference, as [`Search::new`] borrows them.
+    pub(crate) fn planes(&self) -> Vec<&Plane> {
+        self.frames.iter().map(|frame| &**frame).collect()
+    }
+
+    /// Octaves that are searched.
+    pub(crate) fn octaves(&self) -> Range<i32> {
+        searched_octaves(&self.params, self.size_image)
+    }
+}
+
+/// Noise of the burst by the model in the parameters, and the frames that are searched: with [`NoiseModelKind::White`],
+/// or where there is too little data for a local model, all that are used, unchanged.
+pub(in crate::detector) fn known_noise(
+    burst: &Burst,
+    params: &DetectorParams,
+    space: &ScaleSpace,
+    monitor: &Monitor,
+) -> Result<Examined, Cancelled> {
+    let used = params.used_frames(burst.len());
+    let frames = &burst.frames[used.clone()];
+    let local = match params.noise_model {
+        NoiseModelKind::Local => {
+            let slopes: Vec<Slope> = params.used_slopes().slopes().collect();
+            let octaves = searched_octaves(params, burst.size());
+            let search = ForSearch { space, octaves, slopes: &slopes, flicker: params.flicker };
+            examine(frames, burst.quantisation_step, &search, monitor)?
+        }
+        NoiseModelKind::White => None,
+    };
+    match local {
+        Some(examined) => Ok(examined),
+        None => {
+            let model = NoiseModel::white(frame_noise(burst, used, monitor)?);
+            Ok(Examined { model, frames: frames.to_vec(), kept: (0..frames.len()).collect() })
+        }
+    }
+}
+
+/// Group of consecutive slopes in running order.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct SlopeGroup {
+    /// Slopes whose keypoints are found.
+    pub(crate) own: Range<usize>,
+    /// Slopes that are computed for that: the group's own and the slopes around them.
+    pub(crate) visited: Range<usize>,
+}
+
+impl SlopeGroup {
+    /// Group of all `count` slopes.
+    pub(crate) fn whole(count: usize) -> Self {
+        Self { own: 0..count, visited: 0..count }
+    }
+
+    /// Divides `count` slopes into as few nearly equal groups as possible, none of which visits more than `max` slopes:
+    /// each needs the slopes up to `reach` steps from its own, all of them for `None`. `None` where there are no such
+    /// groups.
+    pub(crate) fn cut(count: usize, reach: Option<usize>, max: usize) -> Option<Vec<Self>> {
+        if count <= max {
+            return Some(vec![Self::whole(count)]);
+        }
+        let reach = reach?;
+        let own = max.checked_sub(2 * reach).filter(|own| *own > 0)?;
+        let groups = count.div_ceil(own);
+        let cut = |i: usize| i * count / groups;
+        let around = |own: &Range<usize>| own.start.saturating_sub(reach)..(own.end + reach).min(count);
+        let group = |own: Range<usize>| Self { visited: around(&own), own };
+        Some((0..groups).map(|i| group(cut(i)..cut(i + 1))).collect())
+    }
+}
+
+/// First levels (s = −1) of one octave at consecutive slopes.
+#[derive(Debug, Default)]
+pub(crate) struct FirstLevels {
+    /// Index of the first slope in the grid.
+    first_slope: usize,
+    planes: Vec<Plane>,
+}
+
+impl FirstLevels {
+    /// Takes `planes` of the slopes from slope `first_slope` of the grid on.
+    pub(crate) fn new(first_slope: usize, planes: Vec<Plane>) -> Self {
+        Self { first_slope, planes }
+    }
+
+    /// First level at slope `slope_index` of the grid, which is among those held.
+    pub(crate) fn at(&self, slope_index: usize) -> &Plane {
+        &self.planes[slope_index - self.first_slope]
+    }
+
+    /// All first levels that are held.
+    pub(crate) fn planes(&self) -> &[Plane] {
+        &self.planes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn groups_own_every_slope_once_and_visit_what_they_need(
+            count in 1usize..90, reach in 0usize..9, max in 0usize..100,
+        ) {
+            let Some(groups) = SlopeGroup::cut(count, Some(reach), max) else {
+                prop_assert!(max < count && max <= 2 * reach);
+                return Ok(());
+            };
+            let owned: Vec<usize> = groups.iter().flat_map(|group| group.own.clone()).collect();
+            prop_assert_eq!(owned, (0..count).collect::<Vec<_>>());
+            for SlopeGroup { own, visited } in &groups {
+                prop_assert!(!own.is_empty() && visited.len() <= max);
+                prop_assert_eq!(visited.start, own.start.saturating_sub(if groups.len() > 1 { reach } else { 0 }));
+                prop_assert!(visited.end == count || visited.end >= own.end + reach);
+            }
+        }
+    }
+
+    #[test]
+    fn what_needs_all_slopes_is_not_cut() {
+        assert_eq!(SlopeGroup::cut(7, None, 7), Some(vec![SlopeGroup::whole(7)]));
+        assert_eq!(SlopeGroup::cut(7, None, 6), None);
+        assert_eq!(SlopeGroup::cut(7, Some(1), 5).map(|groups| groups.len()), Some(3));
     }
 }

@@ -10,7 +10,7 @@ use crate::detector::feature::{Tally, Test};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use crate::detector::params::{DetectorParams, Localisation, SlopeExtrema, SlopeNeighbours};
 use crate::detector::refine::{Refined, peak_offset, peak_offset_2d};
-use crate::detector::scale_space::octave::DogTile;
+use crate::detector::scale_space::DogTile;
 use crate::detector::search::extrema::{Candidate, beats_all_27};
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 //! The candidates near a place, with their fates.
 
-use crate::detector::scale_space::levels::octave_pixel;
+use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
 use crate::detector::{Sample, Tally, Test, Trail};
 use crate::inspect::fate::Fate;

@@ -4,7 +4,7 @@
 use super::loss::off_by;
 use super::{Spectrum, step_loss};
 use crate::detector::params::doc;
-use crate::detector::scale_space::levels::ScaleSpace;
+use crate::detector::scale_space::ScaleSpace;
 use crate::detector::slopes::SlopeEvidence;
 use crate::detector::{Method, ParamChange, SlopeAxis, SlopeGrid, SlopeVerdict};
 use crate::inspect::ProbeCache;

@@ -1,17 +1,32 @@
 //! Robust estimation: the model that most of the matches agree on, despite outliers.
 //!
-//! RANSAC (Fischler and Bolles, 1981) with later improvements. Samples come by quality at first ([`super::sampling`]);
-//! a model's quality is a smooth cost that does not depend on one threshold ([`super::loss`]); each model that is the
-//! best so far is improved at once by iteratively reweighted least squares over all its inliers (local optimisation:
-//! Chum, Matas and Kittler, "Locally Optimized RANSAC", 2003; reweighting as in MAGSAC++); scoring stops as soon as a
-//! model cannot become the best; sampling stops once a better model would have been found with the requested
-//! confidence; and a model that explains only a degenerate part of the scene may be repaired ([`Problem::repair`]).
+//! RANSAC (Fischler and Bolles, 1981) with later improvements. Samples come by quality at first; a model's quality is a
+//! smooth cost that does not depend on one threshold; each model that is the best so far is improved at once by
+//! iteratively reweighted least squares over all its inliers (local optimisation: Chum, Matas and Kittler, "Locally
+//! Optimized RANSAC", 2003; reweighting as in MAGSAC++); scoring stops as soon as a model cannot become the best;
+//! sampling stops once a better model would have been found with the requested confidence; and a model that explains
+//! only a degenerate part of the scene may be repaired ([`Problem::repair`]).
 //!
-//! Everything happens in a fixed order on one thread: the same matches, parameters and seed give the same bits.
+//! Samples. PROSAC (Chum and Matas, "Matching with PROSAC", CVPR 2005) draws from the best few matches at first and
+//! enlarges that set, until after [`UNIFORM_AFTER`] samples it draws from all matches alike, as plain RANSAC does. If
+//! the order by quality is useful, good samples come early; otherwise nothing is lost.
+//!
+//! Cost. Plain RANSAC counts residuals below a threshold, so its result depends on that threshold. MAGSAC++ (Barath,
+//! Noskova, Ivashechkin and Matas, "MAGSAC++, a Fast, Reliable and Accurate Robust Estimator", CVPR 2020) instead takes
+//! the noise's scale σ as uniformly distributed between 0 and σ_max and integrates it out: a residual's weight falls
+//! smoothly from zero error to the largest one, k·σ_max, and its cost rises from 0 to a constant. Residuals follow a χ
+//! distribution of four degrees of freedom, and k = 3.64 is its quantile of 99 %, as in the paper. Costs here are
+//! scaled to reach 1 at the threshold. For four degrees of freedom the incomplete gamma functions of the paper are
+//! elementary: with x = r²/(2σ²_max), Γ(3/2, x) = ½√π·erfc(√x) + √x·e⁻ˣ and γ(5/2, x) = ¾√π·erf(√x) − (x^½·3/2 +
+//! x^3/2)·e⁻ˣ. They are tabulated once over the squared residual.
+//!
+//! Everything happens in a fixed order on one thread, and the random numbers are ChaCha's, which a seed determines for
+//! all time: the same matches, parameters and seed give the same bits.
 
-use super::loss::Loss;
-use super::sampling::Sampler;
 use crate::monitor::{Cancelled, Monitor};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
+use std::sync::LazyLock;
 
 /// A model to be estimated from matches.
 pub(super) trait Problem {
@@ -212,6 +227,170 @@ fn iterations_needed(inliers: usize, count: usize, sample_size: usize, confidenc
     (libm::log(1.0 - confidence) / libm::log1p(-good)).ceil() as usize
 }
 
+/// The largest residual in units of σ_max: the 99 % quantile of χ with four degrees of freedom.
+const K: f64 = 3.64;
+/// Number of steps of the table over the squared residual, 0 … threshold². Linear interpolation between them is exact
+/// to about 10⁻⁵ of the cost.
+const STEPS: usize = 2048;
+
+/// Cost and weight at the steps of the squared residual.
+struct Table {
+    cost: [f64; STEPS + 1],
+    weight: [f64; STEPS + 1],
+}
+
+static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
+    let mut table = Box::new(Table { cost: [0.0; STEPS + 1], weight: [0.0; STEPS + 1] });
+    let (full_cost, full_weight) = (raw_cost(1.0), raw_weight(0.0));
+    for step in 0..=STEPS {
+        let fraction = step as f64 / STEPS as f64;
+        table.cost[step] = raw_cost(fraction) / full_cost;
+        table.weight[step] = raw_weight(fraction) / full_weight;
+    }
+    table
+});
+
+/// Γ(3/2, x).
+fn upper_gamma_3_2(x: f64) -> f64 {
+    0.5 * std::f64::consts::PI.sqrt() * libm::erfc(x.sqrt()) + x.sqrt() * libm::exp(-x)
+}
+
+/// γ(5/2, x).
+fn lower_gamma_5_2(x: f64) -> f64 {
+    0.75 * std::f64::consts::PI.sqrt() * libm::erf(x.sqrt()) - x.sqrt() * (1.5 + x) * libm::exp(-x)
+}
+
+/// The weight, up to a factor, at r² = `fraction`·(k·σ_max)².
+fn raw_weight(fraction: f64) -> f64 {
+    let max = 0.5 * K * K;
+    upper_gamma_3_2(fraction * max) - upper_gamma_3_2(max)
+}
+
+/// The cost, up to a factor, at r² = `fraction`·(k·σ_max)²: the integral of r·weight.
+fn raw_cost(fraction: f64) -> f64 {
+    let max = 0.5 * K * K;
+    let x = fraction * max;
+    0.5 * lower_gamma_5_2(x) + 0.5 * x * (upper_gamma_3_2(x) - upper_gamma_3_2(max))
+}
+
+/// Loss of residuals, constant above a threshold.
+#[derive(Clone, Copy)]
+pub(super) struct Loss {
+    table: &'static Table,
+    steps_per_squared_error: f64,
+}
+
+impl Loss {
+    /// Creates the loss; `threshold` is the largest residual of an inlier, in the residuals' unit.
+    pub(super) fn new(threshold: f64) -> Self {
+        Self { table: &TABLE, steps_per_squared_error: STEPS as f64 / (threshold * threshold) }
+    }
+
+    /// Whether a squared residual is within the threshold.
+    pub(super) fn is_inlier(&self, squared_error: f64) -> bool {
+        squared_error * self.steps_per_squared_error <= STEPS as f64
+    }
+
+    /// Cost of a squared residual: 0 at 0, 1 from the threshold on (and for NaN).
+    pub(super) fn cost(&self, squared_error: f64) -> f64 {
+        self.interpolated(&self.table.cost, squared_error).unwrap_or(1.0)
+    }
+
+    /// Weight of a squared residual: 1 at 0, 0 from the threshold on.
+    pub(super) fn weight(&self, squared_error: f64) -> f64 {
+        self.interpolated(&self.table.weight, squared_error).unwrap_or(0.0)
+    }
+
+    fn interpolated(&self, table: &[f64; STEPS + 1], squared_error: f64) -> Option<f64> {
+        let at = squared_error * self.steps_per_squared_error;
+        if at >= STEPS as f64 || at.is_nan() {
+            return None;
+        }
+        let step = at as usize;
+        let part = at - step as f64;
+        Some(table[step] + part * (table[step + 1] - table[step]))
+    }
+}
+
+/// Number of samples after which all matches are drawn from. The paper takes ten times as many, more than are drawn
+/// here by default.
+const UNIFORM_AFTER: f64 = 20_000.0;
+
+/// Sampler of different matches.
+pub(super) struct Sampler {
+    random: ChaCha8Rng,
+    /// Match indices, the most promising first.
+    order: Vec<usize>,
+    /// Number of first matches that are drawn from.
+    open: usize,
+    /// Number of samples drawn so far.
+    drawn: f64,
+    /// The paper's T_n and T'_n: the samples that plain RANSAC would have drawn from the open set, and the sample after
+    /// which the set grows.
+    expected: f64,
+    grows_after: f64,
+    size: usize,
+}
+
+impl Sampler {
+    /// Creates a sampler of `size` matches out of `order`, which begins with the most promising and has at least
+    /// `size`.
+    pub(super) fn new(order: Vec<usize>, size: usize, seed: u64) -> Self {
+        let count = order.len();
+        // The samples among the first `size` that UNIFORM_AFTER uniform samples of all matches would hold.
+        let expected = (0..size).fold(UNIFORM_AFTER, |t, i| t * (size - i) as f64 / (count - i) as f64);
+        Self {
+            random: ChaCha8Rng::seed_from_u64(seed),
+            order,
+            open: size,
+            drawn: 0.0,
+            expected,
+            grows_after: 1.0,
+            size,
+        }
+    }
+
+    /// Draws the next sample: different matches, as indices.
+    pub(super) fn draw(&mut self, sample: &mut [usize]) {
+        self.drawn += 1.0;
+        let count = self.order.len();
+        while self.drawn > self.grows_after && self.open < count {
+            let next = self.expected * (self.open + 1) as f64 / (self.open + 1 - self.size) as f64;
+            self.grows_after += (next - self.expected).ceil().max(1.0);
+            self.expected = next;
+            self.open += 1;
+        }
+        let size = self.size;
+        if self.drawn <= self.grows_after && self.open < count {
+            // The newest of the open set and others before it: all other samples of the open set were drawn earlier.
+            self.distinct(&mut sample[..size - 1], self.open - 1);
+            sample[size - 1] = self.open - 1;
+        } else {
+            self.distinct(&mut sample[..size], self.open);
+        }
+        for place in sample.iter_mut() {
+            *place = self.order[*place];
+        }
+    }
+
+    /// Fills `places` with different numbers below `below`.
+    fn distinct(&mut self, places: &mut [usize], below: usize) {
+        for i in 0..places.len() {
+            places[i] = loop {
+                let number = self.below(below);
+                if !places[..i].contains(&number) {
+                    break number;
+                }
+            };
+        }
+    }
+
+    /// A number below `below`, with equal probabilities up to one part in 2³².
+    pub(super) fn below(&mut self, below: usize) -> usize {
+        ((u128::from(self.random.next_u64()) * below as u128) >> 64) as usize
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -267,5 +446,85 @@ mod tests {
         let monitor = Monitor::default();
         monitor.cancel();
         assert!(estimate(&Mean(vec![1.0]), vec![0], &settings, &monitor).is_err());
+    }
+
+    /// ∫ f over `from..to` by Simpson's rule.
+    fn integral(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
+        let n = 20_000;
+        let h = (to - from) / f64::from(n);
+        let inner: f64 = (1..n).map(|i| f(from + f64::from(i) * h) * if i % 2 == 1 { 4.0 } else { 2.0 }).sum();
+        (f(from) + f(to) + inner) * h / 3.0
+    }
+
+    #[test]
+    fn the_gammas_are_the_integrals_they_stand_for() {
+        for x in [0.01, 0.5, 2.0, 6.6] {
+            let upper = integral(|t| t.sqrt() * (-t).exp(), x, 60.0);
+            assert!((upper_gamma_3_2(x) - upper).abs() < 1e-7, "{x}: {upper}");
+            let lower = integral(|t| t * t.sqrt() * (-t).exp(), 0.0, x);
+            assert!((lower_gamma_5_2(x) - lower).abs() < 1e-7, "{x}: {lower}");
+        }
+    }
+
+    #[test]
+    fn the_cost_is_the_integral_of_the_weight_times_the_residual() {
+        // So that reweighted least squares descends on the cost.
+        for r in [0.1f64, 0.4, 0.8] {
+            let whole = integral(|t| t * raw_weight(t * t), 0.0, 1.0);
+            let part = integral(|t| t * raw_weight(t * t), 0.0, r);
+            assert!((raw_cost(r * r) / raw_cost(1.0) - part / whole).abs() < 1e-6, "{r}");
+        }
+    }
+
+    #[test]
+    fn it_rises_to_one_at_the_threshold_and_stays() {
+        let loss = Loss::new(3.0);
+        assert_eq!((loss.cost(0.0), loss.weight(0.0)), (0.0, 1.0));
+        let costs: Vec<f64> = (0..=300).map(|i| loss.cost(f64::from(i) * 0.03)).collect();
+        assert!(costs.windows(2).all(|w| w[0] <= w[1]));
+        assert!((costs[299] - 1.0).abs() < 1e-3);
+        for beyond in [9.0, 9.1, 1e300, f64::INFINITY, f64::NAN] {
+            assert_eq!((loss.cost(beyond), loss.weight(beyond)), (1.0, 0.0));
+        }
+        assert!(loss.is_inlier(9.0) && !loss.is_inlier(9.0001) && !loss.is_inlier(f64::NAN));
+    }
+
+    #[test]
+    fn samples_are_of_different_matches_and_begin_with_the_best() {
+        let order: Vec<usize> = (0..50).rev().collect();
+        let mut sampler = Sampler::new(order, 7, 3);
+        let mut sample = [0; 7];
+        let mut seen = [0usize; 50];
+        for drawn in 0..30_000 {
+            sampler.draw(&mut sample);
+            let mut sorted = sample;
+            sorted.sort_unstable();
+            assert!(sorted.windows(2).all(|w| w[0] < w[1]) && sorted[6] < 50, "{sample:?}");
+            if drawn == 0 {
+                assert_eq!(sorted, [43, 44, 45, 46, 47, 48, 49], "the seven most promising");
+            }
+            sample.iter().for_each(|&i| seen[i] += 1);
+        }
+        assert!(seen.iter().all(|&n| n > 1000) && seen[49] > 2 * seen[0], "{seen:?}");
+    }
+
+    #[test]
+    fn a_set_of_just_one_sample_works_and_a_seed_fixes_all() {
+        let mut sample = [0; 4];
+        Sampler::new(vec![3, 1, 0, 2], 4, 0).draw(&mut sample);
+        sample.sort_unstable();
+        assert_eq!(sample, [0, 1, 2, 3]);
+        let draws = |seed: u64| {
+            let mut sampler = Sampler::new((0..99).collect(), 4, seed);
+            let mut sample = [0; 4];
+            (0..200)
+                .map(|_| {
+                    sampler.draw(&mut sample);
+                    sample
+                })
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(draws(5), draws(5));
+        assert_ne!(draws(5), draws(6));
     }
 }

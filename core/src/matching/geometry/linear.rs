@@ -1,140 +1,310 @@
-//! Small linear algebra for the solvers: null spaces and smallest eigenvectors.
+//! Models that linear equations of the matches give: the fundamental matrix, and the homography.
+//!
+//! The fundamental matrix F gives the line of image B on which the match of a point of image A lies, for unknown
+//! cameras: corresponding points satisfy x_bᵀ·F·x_a = 0. Seven of them leave a line of matrices, on which det F = 0 has
+//! up to three solutions (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., 11.1.2). More are fitted by the
+//! eight-point algorithm (Hartley, "In Defense of the Eight-Point Algorithm", PAMI 1997) with each match divided by the
+//! gradient of its equation, which makes the minimised algebraic error the Sampson distance; the estimator repeats this
+//! until it converges.
+//!
+//! Two causes of wrong solutions from seven points are checked. Points of a sample that lie on different sides of the
+//! epipoles would be behind one of the cameras (Chum, Werner and Matas, "Epipolar Geometry Estimation via Oriented
+//! Epipolar Constraints", ICPR 2004). And if most of the matches that a matrix explains lie on one plane, it is one of
+//! many that fit that plane and nothing else. Then the plane's homography and two points off it may give a better one:
+//! plane and parallax, as in "Two-View Geometry Estimation Unaffected by a Dominant Plane" (CVPR 2005, by the same
+//! authors), with the plane searched among all inliers instead of a sample's seven points.
+//!
+//! The homography H maps each point of image A to one of image B, where the scene is a plane or the camera only turned:
+//! x_b ~ H·x_a. Four matches determine it by the direct linear transform; more are fitted by the same equations, each
+//! divided by the depth under the previous estimate, which makes the algebraic error the distance in the image (Hartley
+//! and Zisserman, 4.1 and 4.2). The error of a match is the symmetric transfer error: the root mean square of the
+//! distances in both images.
 
-use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
+use super::consensus::{Loss, Problem, Sampler};
+use super::points::{RayPair, Vector9, cross_matrix, matrix_of, min_eigenvector, null_space, null_vector};
+use super::polynomial::real_roots;
+use nalgebra::{Matrix3, SMatrix};
 
-/// A 3×3 matrix as the vector of its rows.
-pub(super) type Vector9 = SVector<f64, 9>;
-
-/// The matrix whose rows, one after the other, are `vector`.
-pub(super) fn matrix_of(vector: &Vector9) -> Matrix3<f64> {
-    Matrix3::from_row_iterator(vector.iter().copied())
+/// Estimation of F from matches in normalised coordinates.
+pub(super) struct FundamentalProblem<'a> {
+    pub pairs: &'a [RayPair],
 }
 
-/// An orthonormal basis of the `D` dimensions of vectors that are perpendicular to all `9 − D` rows; `None` where the
-/// rows are (nearly) dependent, so that there are more such dimensions. Elimination with full pivoting, which for so
-/// small a system is as exact as a decomposition and much faster.
-pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vector9; D]> {
-    let count = rows.len();
-    debug_assert_eq!(count + D, 9, "each row takes away one dimension");
-    let mut columns: [usize; 9] = std::array::from_fn(|i| i);
-    let largest = rows.iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
-    for step in 0..count {
-        let (mut row, mut column, mut max) = (step, step, 0.0);
-        for (r, values) in rows.iter().enumerate().skip(step) {
-            for (c, &at) in columns.iter().enumerate().skip(step) {
-                if values[at].abs() > max {
-                    (row, column, max) = (r, c, values[at].abs());
-                }
+/// Number of samples of four inliers in the search for a dominant plane: a plane that holds half of them is missed once
+/// in 600 times.
+const PLANE_ITERATIONS: usize = 100;
+/// Maximum number of pairs of points off the plane that are tried.
+const PARALLAX_ITERATIONS: usize = 300;
+
+impl Problem for FundamentalProblem<'_> {
+    type Model = Matrix3<f64>;
+    const SAMPLE_SIZE: usize = 7;
+
+    fn count(&self) -> usize {
+        self.pairs.len()
+    }
+
+    fn solve(&self, sample: &[usize], models: &mut Vec<Matrix3<f64>>) {
+        let pairs: [&RayPair; 7] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        models.extend(from_seven(&pairs).into_iter().filter(|f| is_oriented(f, &pairs)));
+    }
+
+    fn squared_error(&self, model: &Matrix3<f64>, index: usize) -> f64 {
+        sampson_squared(model, &self.pairs[index])
+    }
+
+    fn refit(&self, model: &Matrix3<f64>, weights: &[f64], _: f64) -> Option<Matrix3<f64>> {
+        let mut normal = SMatrix::<f64, 9, 9>::zeros();
+        let mut used = 0;
+        for (pair, &weight) in self.pairs.iter().zip(weights) {
+            let gradient = squared_gradient(model, pair);
+            if weight > 0.0 && gradient > 0.0 {
+                let row = Vector9::from(epipolar_row(pair));
+                normal.syger(weight / gradient, &row, &row, 1.0);
+                used += 1;
             }
         }
-        // Also false for NaN.
-        let is_independent = max > 1e-11 * largest;
-        if !is_independent {
+        if used < 8 {
             return None;
         }
-        rows.swap(step, row);
-        columns.swap(step, column);
-        let pivot = rows[step];
-        for (r, values) in rows.iter_mut().enumerate() {
-            let factor = values[columns[step]] / pivot[columns[step]];
-            if r != step && factor != 0.0 {
-                values.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= factor * p);
+        normal.fill_upper_triangle_with_lower_triangle();
+        of_rank_two(&matrix_of(&min_eigenvector(&normal)?))
+    }
+
+    fn repair(&self, model: &Matrix3<f64>, loss: &Loss, sampler: &mut Sampler) -> Option<Matrix3<f64>> {
+        let plane = self.dominant_plane(model, loss, sampler)?;
+        let is_off_plane = |pair: &&RayPair| !loss.is_inlier(squared_error(&plane, pair));
+        let off_plane: Vec<&RayPair> = self.pairs.iter().filter(is_off_plane).collect();
+        if off_plane.len() < 2 {
+            return None;
+        }
+        let mut best: Option<(Matrix3<f64>, f64)> = None;
+        for _ in 0..PARALLAX_ITERATIONS {
+            let [first, second] = [0, 1].map(|_| off_plane[sampler.below(off_plane.len())]);
+            let Some(f) = from_plane_and_parallax(&plane.forward, first, second) else { continue };
+            let limit = best.as_ref().map_or(f64::INFINITY, |(_, cost)| *cost);
+            // Points on the plane fit each of these matrices.
+            let cost: f64 = off_plane.iter().map(|pair| loss.cost(sampson_squared(&f, pair))).sum();
+            if cost < limit {
+                best = Some((f, cost));
             }
         }
+        best.map(|(f, _)| f)
     }
-    let mut basis = [Vector9::zeros(); D];
-    for free in 0..D {
-        let mut vector = Vector9::zeros();
-        vector[columns[count + free]] = 1.0;
-        for (step, values) in rows.iter().enumerate() {
-            vector[columns[step]] = -values[columns[count + free]] / values[columns[step]];
+}
+
+impl FundamentalProblem<'_> {
+    /// The homography of a plane that holds at least half of the model's inliers; `None` if no such plane was found.
+    fn dominant_plane(&self, model: &Matrix3<f64>, loss: &Loss, sampler: &mut Sampler) -> Option<Homography> {
+        let inliers: Vec<RayPair> =
+            self.pairs.iter().filter(|pair| loss.is_inlier(sampson_squared(model, pair))).copied().collect();
+        if inliers.len() < 4 {
+            return None;
         }
-        // Twice, because once is inexact where vectors are nearly parallel.
-        for _ in 0..2 {
-            for earlier in &basis[..free] {
-                vector -= earlier * earlier.dot(&vector);
-            }
-            vector /= vector.norm();
+        let problem = HomographyProblem { pairs: &inliers };
+        let cost = |h: &Homography| -> f64 { inliers.iter().map(|pair| loss.cost(squared_error(h, pair))).sum() };
+        let mut models = Vec::new();
+        for _ in 0..PLANE_ITERATIONS {
+            problem.solve(&[0; 4].map(|_| sampler.below(inliers.len())), &mut models);
         }
-        basis[free] = vector;
-    }
-    Some(basis)
-}
-
-/// The unit vector x that minimises xᵀ·`matrix`·x; `None` for a matrix that is not finite.
-pub(super) fn min_eigenvector(matrix: &SMatrix<f64, 9, 9>) -> Option<Vector9> {
-    if !matrix.iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let eigen = SymmetricEigen::try_new(*matrix, f64::EPSILON, 500)?;
-    let min = (0..9).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
-    Some(eigen.eigenvectors.column(min).into_owned())
-}
-
-/// The unit vector x that minimises |`matrix`·x|: for a matrix of rank 2 its right null vector.
-pub(super) fn null_vector(matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
-    let normal = matrix.transpose() * matrix;
-    if !normal.iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let eigen = SymmetricEigen::try_new(normal, f64::EPSILON, 500)?;
-    let min = (0..3).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
-    Some(eigen.eigenvectors.column(min).into_owned())
-}
-
-/// [v]×, the matrix of the cross product with `v` from the left.
-pub(super) fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
-    Matrix3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Arbitrary numbers in −1 … 1.
-    fn numbers(seed: u64) -> impl FnMut() -> f64 {
-        let mut state = seed;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        let mut plane = models.into_iter().map(|h| (cost(&h), h)).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
+        for _ in 0..3 {
+            let weights: Vec<f64> = inliers.iter().map(|pair| loss.weight(squared_error(&plane, pair))).collect();
+            plane = problem.refit(&plane, &weights, 0.0)?;
         }
+        let on_plane = inliers.iter().filter(|pair| loss.is_inlier(squared_error(&plane, pair))).count();
+        (2 * on_plane >= inliers.len()).then_some(plane)
+    }
+}
+
+/// The coefficients of F's elements, row by row, in x_bᵀ·F·x_a.
+pub(super) fn epipolar_row(pair: &RayPair) -> [f64; 9] {
+    let ([x, y], [u, v]) = (pair.a, pair.b);
+    [u * x, u * y, u, v * x, v * y, v, x, y, 1.0]
+}
+
+/// The squared length of the gradient of x_bᵀ·F·x_a with respect to the four coordinates.
+fn squared_gradient(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
+    let ([x, y], [u, v]) = (pair.a, pair.b);
+    let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
+    let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
+    in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1]
+}
+
+/// The squared Sampson distance: to first order, the distance that both points together must move to satisfy F exactly.
+/// Infinite at the epipoles.
+pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
+    let ([x, y], [u, v]) = (pair.a, pair.b);
+    let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
+    let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
+    let value = u * in_b[0] + v * in_b[1] + f.m31 * x + f.m32 * y + f.m33;
+    let gradient = in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1];
+    if gradient > 0.0 { value * value / gradient } else { f64::INFINITY }
+}
+
+/// Up to three matrices of rank 2 for which seven matches hold exactly.
+fn from_seven(pairs: &[&RayPair; 7]) -> Vec<Matrix3<f64>> {
+    let Some([first, second]) = null_space::<2>(&mut pairs.map(epipolar_row)) else {
+        return Vec::new();
+    };
+    let (first, second) = (matrix_of(&first), matrix_of(&second));
+    // det(first + z·second), a cubic in z, from its values at four places.
+    let determinant = |z: f64| (first + second * z).determinant();
+    let (d0, d1, d2) = (determinant(0.0), determinant(1.0), determinant(-1.0));
+    let d3 = second.determinant();
+    let square = 0.5 * (d1 + d2) - d0;
+    let linear = 0.5 * (d1 - d2) - d3;
+    real_roots(&[d0, linear, square, d3]).into_iter().map(|z| (first + second * z).normalize()).collect()
+}
+
+/// Whether all points can be in front of both cameras: e_b × x_b and F·x_a then point the same way for all of them, or
+/// opposite ways for all of them.
+fn is_oriented(f: &Matrix3<f64>, pairs: &[&RayPair]) -> bool {
+    let Some(epipole) = null_vector(&f.transpose()) else {
+        return false;
+    };
+    let side = |pair: &&RayPair| epipole.cross(&pair.b_homogeneous()).dot(&(f * pair.a_homogeneous()));
+    let first = side(&pairs[0]);
+    pairs.iter().all(|pair| side(pair) * first > 0.0)
+}
+
+/// The nearest matrix of rank 2, with elements whose squares sum to 1.
+pub(super) fn of_rank_two(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let v = null_vector(matrix)?;
+    let f = matrix - matrix * v * v.transpose();
+    let norm = f.norm();
+    (norm > 0.0).then(|| f / norm)
+}
+
+/// The fundamental matrix of a plane's homography `h` and two matches off that plane. The lines from the points mapped
+/// by `h` to the matched points meet in the epipole.
+fn from_plane_and_parallax(h: &Matrix3<f64>, first: &RayPair, second: &RayPair) -> Option<Matrix3<f64>> {
+    let line = |pair: &RayPair| pair.b_homogeneous().cross(&(h * pair.a_homogeneous()));
+    let epipole = line(first).cross(&line(second));
+    let f = cross_matrix(&epipole) * h;
+    let norm = f.norm();
+    (norm.is_finite() && norm > 0.0).then(|| f / norm)
+}
+
+/// A homography and its inverse, with signs that put matches in front of the camera.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Homography {
+    /// From A to B.
+    pub forward: Matrix3<f64>,
+    /// From B to A.
+    pub backward: Matrix3<f64>,
+}
+
+impl Homography {
+    /// The matrix with the sign for which most of `pairs` are mapped to positive third coordinates; `None` for a matrix
+    /// that has no inverse.
+    pub(super) fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a RayPair>) -> Option<Self> {
+        let depth = |p: &RayPair| h.m31 * p.a[0] + h.m32 * p.a[1] + h.m33;
+        let sign: f64 = pairs.map(|p| if depth(p) < 0.0 { -1.0 } else { 1.0 }).sum();
+        let norm = h.norm();
+        let forward = h * (if sign < 0.0 { -1.0 } else { 1.0 } / norm);
+        // The determinant of a matrix of norm 1 is at most 0.19; below this the plane is seen edge-on.
+        let determinant = forward.determinant();
+        if !(norm > 0.0 && determinant.abs() > 1e-9) {
+            return None;
+        }
+        // A point that is mapped with a positive third coordinate w comes back with 1/w, so the inverse has the right
+        // sign too.
+        Some(Self { forward, backward: forward.try_inverse()? })
+    }
+}
+
+/// The image of a point under `h`; `None` for a point behind the camera or at infinity.
+pub(super) fn mapped(h: &Matrix3<f64>, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    let w = h.m31 * x + h.m32 * y + h.m33;
+    (w > 0.0).then(|| [(h.m11 * x + h.m12 * y + h.m13) / w, (h.m21 * x + h.m22 * y + h.m23) / w])
+}
+
+/// The squared symmetric transfer error: the mean of the squared distances in A and in B. Infinite behind the cameras.
+pub(super) fn squared_error(h: &Homography, pair: &RayPair) -> f64 {
+    let (Some(in_b), Some(in_a)) = (mapped(&h.forward, pair.a), mapped(&h.backward, pair.b)) else {
+        return f64::INFINITY;
+    };
+    let squared = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]);
+    0.5 * (squared(in_b, pair.b) + squared(in_a, pair.a))
+}
+
+/// Estimation of H from matches in normalised coordinates.
+pub(super) struct HomographyProblem<'a> {
+    pub pairs: &'a [RayPair],
+}
+
+impl Problem for HomographyProblem<'_> {
+    type Model = Homography;
+    const SAMPLE_SIZE: usize = 4;
+
+    fn count(&self) -> usize {
+        self.pairs.len()
     }
 
-    #[test]
-    fn null_spaces_are_perpendicular_and_orthonormal() {
-        let mut number = numbers(1);
-        for _ in 0..50 {
-            let rows: [[f64; 9]; 5] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
-            let basis: [Vector9; 4] = null_space(&mut rows.clone()).expect("independent rows");
-            for (i, x) in basis.iter().enumerate() {
-                assert!(rows.iter().all(|row| x.dot(&Vector9::from_row_slice(row)).abs() < 1e-12));
-                for (j, y) in basis.iter().enumerate() {
-                    assert!((x.dot(y) - f64::from(u8::from(i == j))).abs() < 1e-14);
+    fn solve(&self, sample: &[usize], models: &mut Vec<Homography>) {
+        let pairs: [&RayPair; 4] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        if !keeps_orientation(&pairs) {
+            return;
+        }
+        let mut rows = [[0.0; 9]; 8];
+        for (two, pair) in rows.chunks_exact_mut(2).zip(pairs) {
+            two.copy_from_slice(&transfer_rows(pair));
+        }
+        let Some([h]) = null_space::<1>(&mut rows) else { return };
+        models.extend(Homography::oriented(&matrix_of(&h), pairs.into_iter()));
+    }
+
+    fn squared_error(&self, model: &Homography, index: usize) -> f64 {
+        squared_error(model, &self.pairs[index])
+    }
+
+    fn refit(&self, model: &Homography, weights: &[f64], _: f64) -> Option<Homography> {
+        let mut normal = SMatrix::<f64, 9, 9>::zeros();
+        let mut used = 0;
+        let weighted = || self.pairs.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
+        for (pair, &weight) in weighted() {
+            let [x, y] = pair.a;
+            let depth = model.forward.m31 * x + model.forward.m32 * y + model.forward.m33;
+            if depth > 0.0 {
+                for row in transfer_rows(pair).map(Vector9::from) {
+                    normal.syger(weight / (depth * depth), &row, &row, 1.0);
                 }
+                used += 1;
             }
         }
+        if used < 4 {
+            return None;
+        }
+        normal.fill_upper_triangle_with_lower_triangle();
+        Homography::oriented(&matrix_of(&min_eigenvector(&normal)?), weighted().map(|(pair, _)| pair))
     }
+}
 
-    #[test]
-    fn dependent_rows_and_nonsense_have_none() {
-        let mut number = numbers(2);
-        let mut rows: [[f64; 9]; 7] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
-        rows[6] = rows[2];
-        assert!(null_space::<2>(&mut rows.clone()).is_none());
-        rows[6][3] = f64::NAN;
-        assert!(null_space::<2>(&mut rows).is_none());
-        assert!(null_space::<2>(&mut [[0.0; 9]; 7]).is_none());
-        assert!(min_eigenvector(&SMatrix::from_element(f64::NAN)).is_none());
-        assert!(null_vector(&Matrix3::from_element(f64::INFINITY)).is_none());
-    }
+/// Coefficients of H's elements, row by row, in the two equations of a match; each equation is the transfer's error in
+/// u or v times its depth.
+fn transfer_rows(pair: &RayPair) -> [[f64; 9]; 2] {
+    let ([x, y], [u, v]) = (pair.a, pair.b);
+    [[-x, -y, -1.0, 0.0, 0.0, 0.0, u * x, u * y, u], [0.0, 0.0, 0.0, -x, -y, -1.0, v * x, v * y, v]]
+}
 
-    #[test]
-    fn min_eigenvectors_are_those_of_the_null_space() {
-        let mut number = numbers(3);
-        let mut rows: [[f64; 9]; 8] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
-        let normal: SMatrix<f64, 9, 9> =
-            rows.iter().map(|row| Vector9::from_row_slice(row)).map(|row| row * row.transpose()).sum();
-        let [exact] = null_space::<1>(&mut rows).expect("independent rows");
-        assert!((min_eigenvector(&normal).expect("finite").dot(&exact).abs() - 1.0).abs() < 1e-12);
+/// Whether any three of the four points turn the same way in both images, and no three lie on a line. Planes in front
+/// of both cameras can be seen mirrored, from behind; then all turns are reversed.
+fn keeps_orientation(pairs: &[&RayPair; 4]) -> bool {
+    let turn = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    let mut sign = 0.0;
+    for [i, j, k] in [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]] {
+        let in_a = turn(pairs[i].a, pairs[j].a, pairs[k].a);
+        let in_b = turn(pairs[i].b, pairs[j].b, pairs[k].b);
+        // In normalised coordinates points are about 1 apart: these are triangles far thinner than a pixel.
+        if in_a.abs() < 1e-6 || in_b.abs() < 1e-6 {
+            return false;
+        }
+        let agree = (in_a * in_b).signum();
+        if sign != 0.0 && agree != sign {
+            return false;
+        }
+        sign = agree;
     }
+    true
 }

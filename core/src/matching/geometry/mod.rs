@@ -1,29 +1,21 @@
 //! Geometric verification: finds the putative matches that agree on one geometry of the two views.
 //!
-//! The data flow: matched points → `points` (normalised coordinates) → samples that are solved exactly (`fundamental`,
-//! `essential`, `homography`) and scored against all matches (`consensus`, `loss`, `sampling`) → a [`TwoViewModel`] in
-//! pixels, each match's error under it, and the inliers. [`verify`] is the composition. [`pose`] turns an essential
-//! matrix into the relative pose of the cameras.
+//! The data flow: matched points → `points` (normalised coordinates) → samples that are solved exactly (`linear`,
+//! [`essential`]) and scored against all matches (`consensus`) → a [`TwoViewModel`] in pixels, each match's error under
+//! it, and the inliers. [`verify`] is the composition. [`RelativePose`] is that of the cameras, from an essential matrix.
 //!
 //! No library is used: none of the maintained estimators for Rust has the improvements made since RANSAC (local
 //! optimisation, marginal cost, degenerate samples), and bindings to C++ would need its toolchain.
 
 mod consensus;
-mod essential;
-mod fundamental;
-mod homography;
+pub mod essential;
 mod linear;
-mod loss;
 mod model;
 mod points;
 mod polynomial;
-pub mod pose;
-mod sampling;
-#[cfg(test)]
-mod tests;
 
+pub use essential::RelativePose;
 pub use model::TwoViewModel;
-pub use pose::RelativePose;
 
 use super::MatchError;
 use super::camera::Camera;
@@ -118,7 +110,7 @@ type ModelFound = Result<(Option<TwoViewModel>, usize), Cancelled>;
 fn fundamental_of(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
     let normalisation = Normalisation::of(points);
     let normalised: Vec<RayPair> = points.iter().map(|pair| normalisation.apply(pair)).collect();
-    let problem = fundamental::FundamentalProblem { pairs: &normalised };
+    let problem = linear::FundamentalProblem { pairs: &normalised };
     let Consensus { model, iterations } = estimate(&problem, order, &settings(params, normalisation.scale), monitor)?;
     let in_pixels = |f| TwoViewModel::Fundamental { fundamental: normalisation.fundamental_in_pixels(&f).normalize() };
     Ok((model.map(in_pixels), iterations))
@@ -127,10 +119,9 @@ fn fundamental_of(points: &[RayPair], order: Vec<usize>, params: &MatchParams, m
 fn homography_of(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
     let normalisation = Normalisation::of(points);
     let normalised: Vec<RayPair> = points.iter().map(|pair| normalisation.apply(pair)).collect();
-    let problem = homography::HomographyProblem { pairs: &normalised };
+    let problem = linear::HomographyProblem { pairs: &normalised };
     let Consensus { model, iterations } = estimate(&problem, order, &settings(params, normalisation.scale), monitor)?;
-    let in_pixels =
-        |h: homography::Homography| TwoViewModel::homography(&normalisation.homography_in_pixels(&h.forward));
+    let in_pixels = |h: linear::Homography| TwoViewModel::homography(&normalisation.homography_in_pixels(&h.forward));
     Ok((model.and_then(in_pixels), iterations))
 }
 
@@ -148,4 +139,369 @@ fn essential_of(
     let Consensus { model, iterations } = estimate(&problem, order, &settings(params, 1.0), monitor)?;
     let with_camera = |essential| TwoViewModel::Essential { essential, camera: camera.clone() };
     Ok((model.map(with_camera), iterations))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::essential::RelativePose;
+    use super::*;
+    use crate::matching::Camera;
+    use nalgebra::{Matrix3, Rotation3, Vector3};
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{RngCore, SeedableRng};
+
+    /// Random numbers for a test.
+    struct Random(ChaCha8Rng);
+
+    impl Random {
+        fn new(seed: u64) -> Self {
+            Self(ChaCha8Rng::seed_from_u64(seed))
+        }
+
+        fn between(&mut self, low: f64, high: f64) -> f64 {
+            low + (high - low) * (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        /// Nearly a normal distribution: the sum of twelve uniform ones.
+        fn normal(&mut self, sigma: f64) -> f64 {
+            sigma * (0..12).map(|_| self.between(-0.5, 0.5)).sum::<f64>()
+        }
+    }
+
+    /// A scene of two views: matches, and whether each is true.
+    struct Scene {
+        pairs: Vec<PointPair>,
+        is_true: Vec<bool>,
+        pose: RelativePose,
+        camera: Camera,
+    }
+
+    const SIZE: (usize, usize) = (640, 480);
+
+    fn pose() -> RelativePose {
+        let rotation = Rotation3::from_euler_angles(0.05, -0.12, 0.03).into_inner();
+        RelativePose { rotation, translation: Vector3::new(0.9, 0.1, -0.3).normalize() }
+    }
+
+    /// `inliers` points seen by a camera that moves by `pose`, with `sigma` pixels of noise in both images, and `outliers`
+    /// pairs of random places. `depth` gives the depth of a point from its direction.
+    fn scene(
+        random: &mut Random,
+        camera: Camera,
+        pose: RelativePose,
+        (inliers, outliers): (usize, usize),
+        sigma: f64,
+        mut depth: impl FnMut(&mut Random, [f64; 2]) -> f64,
+    ) -> Scene {
+        let mut pairs = Vec::new();
+        let inside = |p: [f64; 2]| p[0] > 0.0 && p[1] > 0.0 && p[0] < SIZE.0 as f64 - 1.0 && p[1] < SIZE.1 as f64 - 1.0;
+        while pairs.len() < inliers {
+            let a = [random.between(0.0, 639.0), random.between(0.0, 479.0)];
+            let [x, y] = camera.direction_of(a);
+            let there = pose.rotation * (Vector3::new(x, y, 1.0) * depth(random, [x, y])) + pose.translation;
+            let b = camera.pixel_of([there.x / there.z, there.y / there.z]);
+            if there.z > 0.1 && inside(b) {
+                let mut moved = |p: [f64; 2]| p.map(|x| x + random.normal(sigma));
+                pairs.push(PointPair { a: moved(a), b: moved(b), rank: 0.0 });
+            }
+        }
+        for _ in 0..outliers {
+            let mut place = || [random.between(0.0, 639.0), random.between(0.0, 479.0)];
+            pairs.push(PointPair { a: place(), b: place(), rank: 0.0 });
+        }
+        // Shuffled, so that no order helps.
+        let mut is_true: Vec<bool> = (0..pairs.len()).map(|i| i < inliers).collect();
+        for i in (1..pairs.len()).rev() {
+            let j = random.between(0.0, (i + 1) as f64) as usize;
+            pairs.swap(i, j);
+            is_true.swap(i, j);
+        }
+        Scene { pairs, is_true, pose, camera }
+    }
+
+    fn in_space(random: &mut Random, counts: (usize, usize), sigma: f64) -> Scene {
+        scene(random, Camera::centred(640, 480, 600.0), pose(), counts, sigma, |random, _| random.between(3.0, 9.0))
+    }
+
+    /// A scene with all points on one slanted plane.
+    fn on_a_plane(random: &mut Random, counts: (usize, usize), sigma: f64) -> Scene {
+        let depth = |_: &mut Random, [x, y]: [f64; 2]| 4.0 / (1.0 + 0.3 * x - 0.2 * y);
+        scene(random, Camera::centred(640, 480, 600.0), pose(), counts, sigma, depth)
+    }
+
+    fn params(geometry: Geometry, camera: &Camera) -> MatchParams {
+        MatchParams {
+            geometry,
+            max_error_px: 3.0,
+            max_iterations: 100_000,
+            camera: (geometry == Geometry::Essential).then(|| camera.clone()),
+            ..MatchParams::default()
+        }
+    }
+
+    fn found(scene: &Scene, geometry: Geometry) -> Verification {
+        verify(&scene.pairs, &params(geometry, &scene.camera), &Monitor::default())
+            .expect("not cancelled")
+            .expect("asked for")
+    }
+
+    /// (true matches among the inliers, wrong ones among the inliers).
+    fn judged(scene: &Scene, found: &Verification) -> (usize, usize) {
+        let called = |truth: bool| scene.is_true.iter().zip(&found.inlier).filter(|(t, i)| **t == truth && **i).count();
+        (called(true), called(false))
+    }
+
+    /// Angle between two directions, degrees, whatever their signs.
+    fn angle_deg(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+        a.cross(b).norm().atan2(a.dot(b).abs()).to_degrees()
+    }
+
+    #[test]
+    fn exact_scenes_are_recovered_exactly() {
+        for seed in 0..5 {
+            let mut random = Random::new(seed);
+            for (scene, geometries) in [
+                (in_space(&mut random, (60, 0), 0.0), &[Geometry::Fundamental, Geometry::Essential][..]),
+                (on_a_plane(&mut random, (60, 0), 0.0), &[Geometry::Essential, Geometry::Homography][..]),
+            ] {
+                for &geometry in geometries {
+                    let found = found(&scene, geometry);
+                    assert_eq!(judged(&scene, &found), (60, 0), "{geometry:?}");
+                    let worst = found.error_px.iter().copied().fold(0.0, f32::max);
+                    assert!(worst < 1e-4, "{geometry:?}: {worst} px");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn seventy_of_a_hundred_outliers_are_told_apart() {
+        for seed in 0..4 {
+            let mut random = Random::new(100 + seed);
+            for geometry in [Geometry::Fundamental, Geometry::Essential, Geometry::Homography] {
+                let scene = match geometry {
+                    Geometry::Homography => on_a_plane(&mut random, (150, 350), 0.5),
+                    _ => in_space(&mut random, (150, 350), 0.5),
+                };
+                let found = found(&scene, geometry);
+                let (right, wrong) = judged(&scene, &found);
+                // By chance a random pair is within 3 px of its epipolar line about once in a hundred.
+                let by_chance = if geometry == Geometry::Homography { 1 } else { 14 };
+                assert!(right >= 147 && wrong <= by_chance, "{geometry:?}, seed {seed}: {right} right, {wrong} wrong");
+            }
+        }
+    }
+
+    fn inliers_of(scene: &Scene, found: &Verification) -> Vec<([f64; 2], [f64; 2])> {
+        scene.pairs.iter().zip(&found.inlier).filter(|(_, i)| **i).map(|(p, _)| (p.a, p.b)).collect()
+    }
+
+    #[test]
+    fn half_outliers_leave_the_pose_exact() {
+        for seed in 0..5 {
+            let mut random = Random::new(200 + seed);
+            let scene = in_space(&mut random, (200, 200), 0.5);
+            let found = found(&scene, Geometry::Essential);
+            let inliers = inliers_of(&scene, &found);
+            let (pose, in_front) = found.model.and_then(|m| m.relative_pose(&inliers)).expect("a pose");
+            // All true inliers, and of the wrong ones about half.
+            assert!(in_front >= 196, "{in_front} of {}", inliers.len());
+            let turn = pose.rotation.transpose() * scene.pose.rotation;
+            let turn_deg = RelativePose { rotation: turn, ..pose }.rotation_angle().to_degrees();
+            let shift_deg = angle_deg(&pose.translation, &scene.pose.translation);
+            assert!(turn_deg < 0.15 && shift_deg < 0.7, "seed {seed}: {turn_deg}°, {shift_deg}°");
+            assert!(pose.translation.dot(&scene.pose.translation) > 0.0, "the right way round");
+        }
+    }
+
+    #[test]
+    fn planes_fit_an_essential_matrix_as_well_as_the_true_one() {
+        // A plane seen twice leaves two poses and a flat valley around each, so only the fit can be compared.
+        for seed in 0..5 {
+            let mut random = Random::new(250 + seed);
+            let scene = on_a_plane(&mut random, (200, 200), 0.5);
+            let truth = TwoViewModel::Essential { essential: scene.pose.essential(), camera: scene.camera.clone() };
+            let loss = super::consensus::Loss::new(3.0);
+            let cost = |model: &TwoViewModel| -> f64 {
+                scene.pairs.iter().map(|p| loss.cost(model.error_px(p.a, p.b).powi(2))).sum()
+            };
+            let model = found(&scene, Geometry::Essential).model.expect("a model");
+            assert!(cost(&model) < cost(&truth) + 4.0, "seed {seed}: {} against {}", cost(&model), cost(&truth));
+        }
+    }
+
+    #[test]
+    fn a_dominant_plane_does_not_hide_what_lies_off_it() {
+        // Nine of ten true points on one plane: a matrix that fits only the plane would lose the tenth.
+        for seed in 0..10 {
+            let mut random = Random::new(300 + seed);
+            let depth = |random: &mut Random, [x, y]: [f64; 2]| {
+                if random.between(0.0, 1.0) < 0.9 { 6.0 / (1.0 + 0.3 * x - 0.2 * y) } else { random.between(2.5, 5.0) }
+            };
+            let scene = scene(&mut random, Camera::centred(640, 480, 600.0), pose(), (200, 100), 0.3, depth);
+            let (right, wrong) = judged(&scene, &found(&scene, Geometry::Fundamental));
+            assert!(right >= 197 && wrong <= 6, "seed {seed}: {right} right, {wrong} wrong");
+        }
+    }
+
+    #[test]
+    fn the_lens_is_taken_out() {
+        let camera: Camera = "OPENCV 640 480 600 610 322 241 -0.3 0.1 0.001 -0.0005".parse().expect("a camera");
+        let mut random = Random::new(7);
+        let scene = scene(&mut random, camera, pose(), (100, 0), 0.0, |random, _| random.between(3.0, 9.0));
+        let found = found(&scene, Geometry::Essential);
+        let worst = found.error_px.iter().copied().fold(0.0, f32::max);
+        assert!(worst < 1e-3, "{worst} px");
+        let model = found.model.expect("a model");
+        // The true point is on the curve.
+        for pair in scene.pairs.iter().take(20) {
+            for (point, curve) in [(pair.b, model.locus_in_b(pair.a, SIZE)), (pair.a, model.locus_in_a(pair.b, SIZE))] {
+                let off = curve.windows(2).map(|w| from_segment(point, w[0], w[1])).fold(f64::INFINITY, f64::min);
+                assert!(off < 0.1, "{point:?} is {off} px from its curve");
+            }
+        }
+    }
+
+    fn from_segment(p: [f64; 2], q: [f64; 2], r: [f64; 2]) -> f64 {
+        let (along, to) = ([r[0] - q[0], r[1] - q[1]], [p[0] - q[0], p[1] - q[1]]);
+        let squared = along[0] * along[0] + along[1] * along[1];
+        let part = ((to[0] * along[0] + to[1] * along[1]) / squared).clamp(0.0, 1.0);
+        (to[0] - part * along[0]).hypot(to[1] - part * along[1])
+    }
+
+    #[test]
+    fn lines_and_places_go_through_the_match() {
+        let mut random = Random::new(8);
+        let scene = in_space(&mut random, (50, 0), 0.0);
+        let model = found(&scene, Geometry::Fundamental).model.expect("a model");
+        for pair in &scene.pairs {
+            for (point, line) in [(pair.b, model.locus_in_b(pair.a, SIZE)), (pair.a, model.locus_in_a(pair.b, SIZE))] {
+                assert!(line.len() == 2 && from_segment(point, line[0], line[1]) < 1e-3, "{point:?}, {line:?}");
+                // Ends are on the image's border.
+                let border =
+                    |p: &[f64; 2]| [p[0] + 0.5, p[1] + 0.5, p[0] - 639.5, p[1] - 479.5].iter().any(|x| x.abs() < 1e-6);
+                assert!(line.iter().all(border), "{line:?}");
+            }
+        }
+        let scene = on_a_plane(&mut random, (50, 0), 0.0);
+        let model = found(&scene, Geometry::Homography).model.expect("a model");
+        for pair in &scene.pairs {
+            let (in_b, in_a) = (model.locus_in_b(pair.a, SIZE), model.locus_in_a(pair.b, SIZE));
+            assert!((in_b[0][0] - pair.b[0]).hypot(in_b[0][1] - pair.b[1]) < 1e-4);
+            assert!((in_a[0][0] - pair.a[0]).hypot(in_a[0][1] - pair.a[1]) < 1e-4);
+            assert_eq!(model.locus_in_b([1e7, 1e7], SIZE), Vec::<[f64; 2]>::new());
+        }
+    }
+
+    #[test]
+    fn errors_are_pixels() {
+        // Moving a point across its epipolar line by d moves the pair by d/√2 at least, as both points may give way.
+        let mut random = Random::new(9);
+        let scene = in_space(&mut random, (50, 0), 0.0);
+        for geometry in [Geometry::Fundamental, Geometry::Essential] {
+            let model = found(&scene, geometry).model.expect("a model");
+            for pair in &scene.pairs {
+                let line = model.locus_in_b(pair.a, SIZE);
+                let along = [line[1][0] - line[0][0], line[1][1] - line[0][1]];
+                let length = along[0].hypot(along[1]);
+                let off = [pair.b[0] - 2.0 * along[1] / length, pair.b[1] + 2.0 * along[0] / length];
+                let error = model.error_px(pair.a, off);
+                assert!((1.0..2.001).contains(&error), "{geometry:?}: {error}");
+            }
+        }
+        let scene = on_a_plane(&mut random, (50, 0), 0.0);
+        let model = found(&scene, Geometry::Homography).model.expect("a model");
+        let pair = scene.pairs[0];
+        let error = model.error_px(pair.a, [pair.b[0] + 2.0, pair.b[1]]);
+        assert!((error - 2.0).abs() < 0.4, "{error}: nearly the same distance in both images");
+    }
+
+    #[test]
+    fn hopeless_input_has_no_model_and_no_nan() {
+        let camera = Camera::centred(640, 480, 600.0);
+        let mut random = Random::new(10);
+        let place = |random: &mut Random| [random.between(0.0, 639.0), random.between(0.0, 479.0)];
+        let mut inputs: Vec<Vec<PointPair>> = (0..9)
+            .map(|n| (0..n).map(|_| PointPair { a: place(&mut random), b: place(&mut random), rank: 0.5 }).collect())
+            .collect();
+        let same = PointPair { a: [5.0, 6.0], b: [7.0, 8.0], rank: 0.0 };
+        inputs.push(vec![same; 40]);
+        // All points of A on one line; all points of B in one place; no motion at all; a motion by whole pixels.
+        inputs.push(
+            (0..40)
+                .map(|i| PointPair { a: [f64::from(i), f64::from(2 * i)], b: place(&mut random), rank: 0.0 })
+                .collect(),
+        );
+        inputs.push((0..40).map(|_| PointPair { a: place(&mut random), b: [3.0, 3.0], rank: 0.0 }).collect());
+        inputs.push((0..40).map(|i| PointPair { a: [f64::from(i), 3.0], b: [f64::from(i), 3.0], rank: 0.0 }).collect());
+        for pairs in &inputs {
+            for geometry in [Geometry::Fundamental, Geometry::Essential, Geometry::Homography] {
+                let params = MatchParams { max_iterations: 300, min_inliers: 15, ..params(geometry, &camera) };
+                let found = verify(pairs, &params, &Monitor::default()).expect("not cancelled").expect("asked for");
+                assert_eq!((found.inlier.len(), found.error_px.len()), (pairs.len(), pairs.len()));
+                assert!(found.error_px.iter().all(|e| !e.is_nan() && *e >= 0.0));
+                let inliers = found.inlier_count();
+                assert!(if found.model.is_some() { inliers >= 15 } else { inliers == 0 });
+                if pairs.len() < 15 {
+                    assert_eq!(found.model, None);
+                }
+            }
+        }
+        // Without any motion everything fits.
+        let still: Vec<PointPair> =
+            (0..40).map(|_| place(&mut random)).map(|a| PointPair { a, b: a, rank: 0.0 }).collect();
+        let homography = verify(&still, &params(Geometry::Homography, &camera), &Monitor::default());
+        assert_eq!(homography.expect("valid").expect("asked for").inlier_count(), 40);
+        assert_eq!(verify(&still, &params(Geometry::None, &camera), &Monitor::default()), Ok(None));
+    }
+
+    #[test]
+    fn random_matches_do_not_pass_for_a_geometry() {
+        for seed in 0..5 {
+            let mut random = Random::new(400 + seed);
+            let scene = in_space(&mut random, (0, 60), 0.0);
+            for geometry in [Geometry::Fundamental, Geometry::Essential, Geometry::Homography] {
+                assert_eq!(found(&scene, geometry).inlier_count(), 0, "{geometry:?}, seed {seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn seed_and_threads() {
+        let mut random = Random::new(11);
+        let scene = in_space(&mut random, (100, 100), 0.5);
+        let with = |threads: usize, seed: u64| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let params = MatchParams { seed, ..params(Geometry::Fundamental, &scene.camera) };
+            pool.install(|| verify(&scene.pairs, &params, &Monitor::default()))
+        };
+        assert_eq!(with(1, 5), with(2, 5));
+        // Another seed reaches nearly the same result by other samples.
+        let count = |seed| with(1, seed).expect("valid").expect("asked for").inlier_count();
+        assert!(count(5).abs_diff(count(6)) <= 3);
+    }
+
+    #[test]
+    fn a_good_order_saves_samples() {
+        let mut random = Random::new(12);
+        let mut scene = in_space(&mut random, (150, 350), 0.5);
+        let blind = found(&scene, Geometry::Fundamental).iterations;
+        for (pair, &is_true) in scene.pairs.iter_mut().zip(&scene.is_true) {
+            pair.rank = if is_true { 0.4 } else { 0.7 } + random.between(-0.2, 0.2) as f32;
+        }
+        let told = found(&scene, Geometry::Fundamental);
+        assert!(judged(&scene, &told).0 >= 147);
+        assert!(told.iterations <= blind, "{} against {blind}", told.iterations);
+    }
+
+    #[test]
+    fn essential_matrices_have_their_two_equal_singular_values() {
+        let mut random = Random::new(13);
+        let scene = in_space(&mut random, (80, 20), 0.5);
+        let Some(TwoViewModel::Essential { essential, .. }) = found(&scene, Geometry::Essential).model else {
+            panic!("an essential matrix");
+        };
+        let values = Matrix3::svd(essential, false, false).singular_values;
+        assert!((values[0] - values[1]).abs() < 1e-9 && values[2] < 1e-9, "{values}");
+    }
 }

@@ -1,9 +1,8 @@
 //! The geometry of two views, in pixels: the locus of a point's match, and the error of a match.
 
-use super::fundamental::sampson_squared;
-use super::homography::{Homography, mapped, squared_error};
+use super::essential::{RelativePose, pose_in_front};
+use super::linear::{Homography, mapped, sampson_squared, squared_error};
 use super::points::RayPair;
-use super::pose::{RelativePose, pose_in_front};
 use crate::matching::camera::Camera;
 use nalgebra::{Matrix3, Vector3};
 

@@ -1,21 +1,20 @@
 //! Trajectories: bursts of a camera that moves past a scene, with the complete truth for a reconstruction.
 //!
-//! The scene is a wall and, before it at several depths, boards: [`plane`]s with textures that have structure at every
-//! scale. A pinhole camera ([`lens`]) moves past it and takes a burst at each of its stations, moving on at constant
-//! speed meanwhile. Every frame is drawn from the camera's pose in it, so the apparent motion of each point follows
-//! from its depth, and no slope is used in drawing. Then a [`Camera`] captures the frames in the requested light.
+//! The scene is a wall and, before it at several depths, boards: [planes](ScenePlane) with textures that have structure
+//! at every scale. A pinhole camera ([`Lens`]) moves past it and takes a burst at each of its stations, moving on at
+//! constant speed meanwhile. Every frame is drawn from the camera's pose in it, so the apparent motion of each point
+//! follows from its depth, and no slope is used in drawing. Then a [`Camera`] captures the frames in the requested
+//! light.
 //!
 //! The truth consists of the lens, the pose of each mid-burst, each burst's motion, the planes, and the view at
-//! mid-burst without noise, the gold standard.
+//! mid-burst without noise, the gold standard. [`write_trajectory`] writes it beside the folder of bursts, completely
+//! or not at all.
 
-mod layout;
-pub mod lens;
-pub mod plane;
-mod write;
+#[cfg(test)]
+mod tests;
+pub mod world;
 
-pub use lens::{BurstCamera, Lens};
-pub use plane::ScenePlane;
-pub use write::write_trajectory;
+pub use world::{BurstCamera, Lens, ScenePlane};
 
 use super::noise::{Camera, quantisation_step};
 use super::noisy::{FrameLevels, NoisyExposure};
@@ -24,8 +23,11 @@ use super::{Motion, SynthError, check_common};
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
+use crate::synth::write::{WriteBurstError, frame_name, io, write_folder, write_frame};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
+use std::path::Path;
 
 /// Amount of light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -183,17 +185,17 @@ impl Trajectory {
         params.check()?;
         monitor.report(Stage::Synth, 0.0);
         let lens = Lens { width: params.width, height: params.height, focal_px: FOCAL_SHARE * params.width as f64 };
-        let stations = layout::stations(params);
-        let planes = layout::planes(params, &lens, &stations, monitor)?;
+        let stations = world::stations(params);
+        let planes = world::planes(params, &lens, &stations, monitor)?;
         let (mut cameras, mut slopes) = (Vec::new(), Vec::new());
         for station in &stations {
-            let (camera, range) = layout::burst_camera(params, &lens, &planes, station, monitor)?;
+            let (camera, range) = world::burst_camera(params, &lens, &planes, station, monitor)?;
             cameras.push(camera);
             slopes.push(range);
         }
         let mut levels = FrameLevels::default();
         for camera in &cameras {
-            let view = plane::render(&planes, &lens, &camera.world_from_camera, monitor)?;
+            let view = world::render(&planes, &lens, &camera.world_from_camera, monitor)?;
             levels.add(&Burst::from_planes("view", vec![view]));
         }
         let (electrons, snr) = params.light(&levels);
@@ -214,7 +216,7 @@ impl Trajectory {
     /// # Panics
     /// When there are not that many bursts.
     pub fn gold(&self, index: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
-        let mut view = plane::render(&self.planes, &self.lens, &self.cameras[index].world_from_camera, monitor)?;
+        let mut view = world::render(&self.planes, &self.lens, &self.cameras[index].world_from_camera, monitor)?;
         view.data_mut().iter_mut().for_each(|x| *x = (GOLD_WHITE * f64::from(*x)).clamp(0.0, 1.0) as f32);
         Ok(view)
     }
@@ -232,7 +234,7 @@ impl Trajectory {
         let t0 = (frames as f64 - 1.0) / 2.0;
         let drawn: Vec<Plane> = (0..frames)
             .into_par_iter()
-            .map(|t| plane::render(&self.planes, &self.lens, &camera.at(t as f64 - t0), monitor))
+            .map(|t| world::render(&self.planes, &self.lens, &camera.at(t as f64 - t0), monitor))
             .collect::<Result<_, Cancelled>>()?;
         let signal = Burst::from_planes(Self::name(index), drawn);
         self.exposure.capture(&signal, self.params.seed, 1 + (index * frames) as u64, monitor)
@@ -339,5 +341,86 @@ pub struct BurstTruth {
     pub slope_v: [f64; 2],
 }
 
-#[cfg(test)]
-mod tests;
+/// Entries of the folder.
+const ENTRIES: [&str; 5] = ["bursts", "gold", "poses.txt", "lens.toml", TRUTH_FILE];
+/// File that marks the folder as a trajectory and holds its truth.
+const TRUTH_FILE: &str = "trajectory.json";
+
+/// Writes a trajectory into the folder `dir`, which is created: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
+/// (the views at mid-burst without noise, 16 bit), `poses.txt` (lines `timestamp tx ty tz qx qy qz qw`: the burst's
+/// number, the camera in the world at mid-burst), `lens.toml` (the camera) and `trajectory.json` (the truth). An
+/// earlier trajectory in `dir` is replaced as a whole; a folder that holds anything else is left unchanged.
+///
+/// # Errors
+/// See [`WriteBurstError`]; the folder is then unchanged.
+pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) -> Result<(), WriteBurstError> {
+    write_folder(dir, replaceable, |fresh| {
+        let make = |folder: &Path| std::fs::create_dir(folder).map_err(io(folder));
+        let (bursts, gold) = (fresh.join("bursts"), fresh.join("gold"));
+        make(&bursts)?;
+        make(&gold)?;
+        let count = trajectory.cameras.len();
+        for index in 0..count {
+            let name = Trajectory::name(index);
+            let folder = bursts.join(&name);
+            make(&folder)?;
+            let burst = trajectory.burst(index, monitor)?;
+            for (t, frame) in burst.frames.iter().enumerate() {
+                monitor.check()?;
+                write_frame(&folder.join(frame_name(t)), frame)?;
+            }
+            write_frame(&gold.join(format!("{name}.png")), &trajectory.gold(index, monitor)?)?;
+            monitor.report(Stage::Write, (index + 1) as f32 / count as f32);
+        }
+        let truth = serde_json::to_string_pretty(&trajectory.truth()).map_err(std::io::Error::other);
+        let write = |name: &str, text: String| {
+            let path = fresh.join(name);
+            std::fs::write(&path, text).map_err(io(&path))
+        };
+        write(TRUTH_FILE, truth.map_err(io(&fresh.join(TRUTH_FILE)))? + "\n")?;
+        write("poses.txt", poses(trajectory))?;
+        write("lens.toml", trajectory.lens.to_toml())?;
+        Ok(monitor.check()?)
+    })
+}
+
+/// The text of the trajectory file.
+fn poses(trajectory: &Trajectory) -> String {
+    let mut text = String::from(
+        "# timestamp tx ty tz qx qy qz qw: the burst's number, the camera in the world at mid-burst, metres\n",
+    );
+    for (index, camera) in trajectory.cameras.iter().enumerate() {
+        let [tx, ty, tz, qx, qy, qz, qw] = camera.tum();
+        // Writing into a string cannot fail.
+        let _ = writeln!(text, "{index} {tx} {ty} {tz} {qx} {qy} {qz} {qw}");
+    }
+    text
+}
+
+/// Whether `dir` holds only files that [`write_trajectory`] writes.
+fn replaceable(dir: &Path) -> std::io::Result<bool> {
+    let names = |folder: &Path| -> std::io::Result<Vec<String>> {
+        std::fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()
+    };
+    let numbered = |name: &str, start: &str, end: &str| {
+        let number = name.strip_prefix(start).and_then(|rest| rest.strip_suffix(end));
+        number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let top = names(dir)?;
+    if !(top.iter().any(|name| name == TRUTH_FILE) && top.iter().all(|name| ENTRIES.contains(&name.as_str()))) {
+        return Ok(false);
+    }
+    let gold = dir.join("gold");
+    if gold.exists() && !names(&gold)?.iter().all(|name| numbered(name, "burst_", ".png")) {
+        return Ok(false);
+    }
+    let bursts = dir.join("bursts");
+    for name in if bursts.exists() { names(&bursts)? } else { Vec::new() } {
+        let folder = bursts.join(&name);
+        let frames = || Ok::<_, std::io::Error>(names(&folder)?.iter().all(|name| numbered(name, "frame_", ".png")));
+        if !(numbered(&name, "burst_", "") && folder.is_dir() && frames()?) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}

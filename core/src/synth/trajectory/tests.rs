@@ -28,7 +28,7 @@ fn a_known_point_is_where_the_picture_has_it() {
     let lens = Lens { width: 200, height: 150, focal_px: 180.0 };
     // A plane 4 m ahead, turned about each axis, with one spot: so small (σ = 1 px) that the image of its centre is
     // 0.02 px from the centre of gravity of its image, and without edges, whose pixels would shift it.
-    let slant = lens::turn(0.2, -0.2, 0.1);
+    let slant = world::turn(0.2, -0.2, 0.1);
     let pixel = 4.0 / lens.focal_px;
     let mut sheet = Sheet::new(220, 180, 2, 2);
     sheet.paint(Area::around(131.3, 62.6, 9.0), |x, y| {
@@ -39,12 +39,12 @@ fn a_known_point_is_where_the_picture_has_it() {
     let plane = ScenePlane::new("disc", Point3::new(-2.5, -2.0, 4.0), right, down, &sheet);
     let point = plane.point(131.3, 62.6);
     let camera = BurstCamera {
-        world_from_camera: Isometry3::from_parts(Translation3::new(0.1, -0.2, 0.3), lens::turn(-0.1, 0.05, 0.04)),
+        world_from_camera: Isometry3::from_parts(Translation3::new(0.1, -0.2, 0.3), world::turn(-0.1, 0.05, 0.04)),
         step: Vector3::new(0.03, -0.01, 0.08),
     };
     let mut places = Vec::new();
     for dt in [-4.5, -2.0, 0.0, 0.3, 4.5] {
-        let picture = plane::render(std::slice::from_ref(&plane), &lens, &camera.at(dt), &Monitor::default());
+        let picture = world::render(std::slice::from_ref(&plane), &lens, &camera.at(dt), &Monitor::default());
         let [u, v] = centroid(&picture.expect("not cancelled"));
         let [expected_u, expected_v] = camera.pixel_of(&lens, &point, dt).expect("in front");
         assert!(
@@ -74,11 +74,11 @@ fn near_planes_hide_far_ones_in_whatever_order_they_are_given() {
     let far = plane(5.0, 0.2, None);
     let camera = Isometry3::identity();
     let view =
-        |planes: &[ScenePlane]| plane::render(planes, &lens, &camera, &Monitor::default()).expect("not cancelled");
+        |planes: &[ScenePlane]| world::render(planes, &lens, &camera, &Monitor::default()).expect("not cancelled");
     let picture = view(&[far.clone(), near.clone()]);
     assert!((picture.at(10, 20) - 0.2).abs() < 1e-5 && (picture.at(50, 20) - 0.9).abs() < 1e-5);
     assert_eq!(picture, view(&[near.clone(), far.clone()]));
-    let depth = |u: f64| plane::nearest_point(&[far.clone(), near.clone()], &lens, &camera, u, 20.0).expect("seen").z;
+    let depth = |u: f64| world::nearest_point(&[far.clone(), near.clone()], &lens, &camera, u, 20.0).expect("seen").z;
     assert!((depth(10.0) - 5.0).abs() < 1e-9 && (depth(50.0) - 2.0).abs() < 1e-9);
 }
 
@@ -93,7 +93,7 @@ fn apparent_motion_follows_from_depth_and_reaches_the_largest_that_was_asked_for
                 // Content moves left while the camera moves right, by focal length × step / depth.
                 Motion::OneD => {
                     assert!(v.iter().all(|x| x.abs() < 1e-9) && u[1] < 0.0 && u[1] - u[0] > 0.5, "{u:?} {v:?}");
-                    let point = plane::nearest_point(
+                    let point = world::nearest_point(
                         &trajectory.planes,
                         &trajectory.lens,
                         &camera.world_from_camera,
@@ -197,4 +197,40 @@ fn nonsense_is_named_with_its_remedy() {
     let monitor = Monitor::default();
     monitor.cancel();
     assert!(matches!(Trajectory::new(&small(), &monitor), Err(SynthError::Cancelled(_))));
+}
+
+#[test]
+fn an_earlier_trajectory_is_replaced_and_other_files_are_left_alone() {
+    let home = tempfile::tempdir().expect("a folder");
+    let dir = home.path().join("way");
+    let params = TrajectoryParams { width: 48, height: 36, bursts: 2, frames: 2, planes: 2, ..Default::default() };
+    let params = TrajectoryParams { max_slope: 1.0, ..params };
+    let write = |bursts: usize| {
+        let params = TrajectoryParams { bursts, ..params.clone() };
+        let trajectory = Trajectory::new(&params, &Monitor::default()).expect("a trajectory");
+        write_trajectory(&dir, &trajectory, &Monitor::default())
+    };
+    write(3).expect("written");
+    write(2).expect("replaced");
+    assert!(dir.join("bursts/burst_001/frame_001.png").is_file() && !dir.join("bursts/burst_002").exists());
+    assert!(!dir.join("gold/burst_002.png").exists());
+    // A foreign note among the frames, or beside them, protects the folder.
+    for place in ["bursts/burst_000/notes.txt", "bursts/notes.txt", "gold/notes.txt", "notes.txt"] {
+        std::fs::write(dir.join(place), "precious").expect("written");
+        assert!(matches!(write(1), Err(WriteBurstError::Occupied(_))), "{place}");
+        std::fs::remove_file(dir.join(place)).expect("removed");
+    }
+    write(1).expect("replaced");
+}
+
+#[test]
+fn cancelling_leaves_nothing() {
+    let home = tempfile::tempdir().expect("a folder");
+    let params = TrajectoryParams { width: 48, height: 36, bursts: 1, frames: 2, planes: 1, ..Default::default() };
+    let trajectory = Trajectory::new(&params, &Monitor::default()).expect("a trajectory");
+    let monitor = Monitor::default();
+    monitor.cancel();
+    let result = write_trajectory(&home.path().join("way"), &trajectory, &monitor);
+    assert!(matches!(result, Err(WriteBurstError::Cancelled(_))));
+    assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 0);
 }

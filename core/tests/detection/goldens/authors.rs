@@ -3,8 +3,8 @@
 
 use super::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
-use burstscope_core::detector::scale_space::levels::SIGMA_BASE;
-use burstscope_core::detector::stack::offsets::motion_stack;
+use burstscope_core::detector::scale_space::SIGMA_BASE;
+use burstscope_core::detector::stack::motion_stack;
 use burstscope_core::detector::{Detection, Interpolation, Localisation, Slope};
 use burstscope_core::plane::blur::{GaussianKernel, gaussian_blur};
 use burstscope_core::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, detect};

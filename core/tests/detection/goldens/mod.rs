@@ -6,7 +6,6 @@
 //! differences.
 
 mod authors;
-mod camera;
 mod own;
 mod published;
 mod vlfeat_liff;

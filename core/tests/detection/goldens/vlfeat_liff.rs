@@ -3,7 +3,7 @@
 use super::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
 use burstscope_core::detector::describe::descriptor::to_vlfeat_order;
-use burstscope_core::detector::stack::offsets::motion_stack;
+use burstscope_core::detector::stack::motion_stack;
 use burstscope_core::detector::{Descriptor, Detection, Interpolation, Localisation, Method, NoiseGate};
 use burstscope_core::{DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array2, Array3};

@@ -1,8 +1,6 @@
 //! Tests of explanations against the detection: over a whole picture the verdicts add up to the tally, and the kept
 //! candidates are those of the detection.
 
-mod comparing;
 mod law;
 mod probing;
 mod slopes;
-mod surveying;

@@ -1,7 +1,6 @@
 //! Opening bursts: every format and its values, every way to name a burst, every failure and its message, and randomly
 //! damaged files.
 
-mod calibrating;
 #[allow(dead_code)] // the commands' tests use more of it
 mod crafted;
 mod damaged;
@@ -14,6 +13,4 @@ mod options;
 mod photographs;
 #[cfg(feature = "raw")]
 mod raw;
-mod real;
-mod sources;
 mod support;

@@ -1,11 +1,14 @@
-//! Bias frames, a given full scale, progress and cancellation.
+//! Options of opening: bias and flat frames of every kind of file, a given black level and full scale; progress and
+//! cancellation.
 
 use super::support::{assert_close, folder, grey8, save, tiff_pages};
 use burstscope_core::Monitor;
 use burstscope_core::burst::{Burst, OpenError, OpenOptions};
+use burstscope_core::export::write_tiff;
+use burstscope_core::plane::Plane;
 use ndarray::{Array2, Array3};
 use ndarray_npy::write_npy;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use tiff::encoder::colortype;
 
@@ -132,5 +135,112 @@ fn cancelling_stops_between_frames_of_folders_and_of_stacks() {
         // Each thread may have been reading one frame.
         let frames = *frames.lock().expect("not poisoned");
         assert!(frames <= 2 * rayon::current_num_threads() + 1, "{name}: {frames} frames after the cancel");
+    }
+}
+
+fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, OpenError> {
+    Burst::open_with(&[path.into()], options, &Monitor::default())
+}
+
+fn with_bias(bias: PathBuf) -> OpenOptions {
+    OpenOptions { bias: Some(bias), ..OpenOptions::default() }
+}
+
+#[test]
+fn a_bias_of_another_kind_of_file_is_converted() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let burst = at("burst.tif");
+    tiff_pages::<colortype::Gray16>(&burst, (2, 2), &[vec![2570, 3570, 30_000, 65_535]]);
+    let expected: Vec<f32> = [0.0, 1000.0, 27_430.0, 62_965.0].map(|v| v / 65_535.0).to_vec();
+    // The same bias as 16 bit, as a fraction of full scale (as `stack` writes it), as a mean in file values, and as 8
+    // bit.
+    tiff_pages::<colortype::Gray16>(&at("bias16.tif"), (2, 2), &[vec![2570; 4]]);
+    write_tiff(&at("fraction.tif"), &Plane::from_fn(2, 2, |_, _| 2570.0 / 65_535.0)).expect("written");
+    write_npy(at("mean.npy"), &Array2::from_elem((2, 2), 2570.0f64)).expect("written");
+    tiff_pages::<colortype::Gray8>(&at("bias8.tif"), (2, 2), &[vec![10; 4]]);
+    for name in ["bias16.tif", "fraction.tif", "mean.npy", "bias8.tif"] {
+        let found = opened(&burst, &with_bias(at(name))).expect(name);
+        for (found, expected) in found.frames[0].data().iter().zip(&expected) {
+            assert!((found - expected).abs() < 1e-6, "{name}: {found} instead of {expected}");
+        }
+    }
+    // As a fraction of a given full scale.
+    let options = OpenOptions { full_scale: Some(4095.0), ..with_bias(at("fraction.tif")) };
+    let found = opened(&burst, &options).expect("opens").frames[0].at(0, 0);
+    assert!((found - (2570.0 / 4095.0 - 2570.0 / 65_535.0)).abs() < 1e-6, "{found}");
+}
+
+#[test]
+fn a_bias_of_no_known_unit_is_refused() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let (sixteen, fractions) = (at("burst.tif"), at("burst.npy"));
+    tiff_pages::<colortype::Gray16>(&sixteen, (2, 1), &[vec![256, 900]]);
+    write_npy(&fractions, &Array2::from_elem((1, 2), 0.25f32)).expect("written");
+    write_npy(at("huge.npy"), &Array2::from_elem((1, 2), 1e6f32)).expect("written");
+    write_npy(at("values.npy"), &Array2::from_elem((1, 2), 256.0f32)).expect("written");
+    tiff_pages::<colortype::Gray8>(&at("bias8.tif"), (2, 1), &[vec![1, 1]]);
+    // As a fraction of its range it would be brighter than the maximum.
+    tiff_pages::<colortype::Gray8>(&at("bright.tif"), (2, 1), &[vec![40, 40]]);
+    let own_scale = OpenOptions { full_scale: Some(4095.0), ..with_bias(at("bias8.tif")) };
+    for (burst, options) in [
+        (&sixteen, with_bias(at("huge.npy"))),
+        (&fractions, with_bias(at("values.npy"))),
+        (&sixteen, own_scale),
+        (&sixteen, with_bias(at("bright.tif"))),
+    ] {
+        let error = opened(burst, &options).expect_err("no unit in common");
+        assert!(matches!(error, OpenError::CalibrationUnit { kind: "bias", .. }), "{error}");
+        let bias = options.bias.expect("given").display().to_string();
+        assert!(error.to_string().contains(&bias), "{error}");
+    }
+}
+
+#[test]
+fn a_flat_frame_takes_off_falling_light() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    // An even scene of 0.5 behind a lens that lets half through at the right, on a bias of 1000.
+    let light = [20_000u16, 20_000, 10_000, 10_000];
+    tiff_pages::<colortype::Gray16>(&at("burst.tif"), (4, 1), &[light.map(|v| v + 1000).to_vec()]);
+    tiff_pages::<colortype::Gray16>(&at("flat.tif"), (4, 1), &[light.map(|v| 2 * v + 1000).to_vec()]);
+    tiff_pages::<colortype::Gray16>(&at("bias.tif"), (4, 1), &[vec![1000; 4]]);
+    let options = OpenOptions { flat: Some(at("flat.tif")), ..with_bias(at("bias.tif")) };
+    let expected = [15_000.0 / 65_535.0; 4];
+    assert_close(opened(&at("burst.tif"), &options).expect("opens").frames[0].data(), &expected);
+    // A black level is equivalent to an even bias.
+    let black = OpenOptions { flat: Some(at("flat.tif")), black_level: Some(1000.0), ..OpenOptions::default() };
+    let found = opened(&at("burst.tif"), &black).expect("opens");
+    assert_close(found.frames[0].data(), &[15_000.0 / 64_535.0; 4]);
+    // A flat frame of another size, or one without light, is refused.
+    tiff_pages::<colortype::Gray16>(&at("small.tif"), (2, 1), &[vec![1, 1]]);
+    let wrong =
+        |name: &str| opened(&at("burst.tif"), &OpenOptions { flat: Some(at(name)), ..with_bias(at("bias.tif")) });
+    assert!(matches!(wrong("small.tif"), Err(OpenError::CalibrationSize { kind: "flat", .. })));
+    assert!(matches!(wrong("bias.tif"), Err(OpenError::CalibrationUnit { kind: "flat", .. })));
+}
+
+#[test]
+fn a_black_level_and_a_full_scale_of_ones_own() {
+    let folder = folder();
+    let path = folder.path().join("twelve_bit.tif");
+    tiff_pages::<colortype::Gray16>(&path, (3, 1), &[vec![255, 4095, 155]]);
+    let plain = opened(&path, &OpenOptions::default()).expect("opens");
+    assert_eq!(plain.suggested_full_scale, Some(4095.0));
+    assert_eq!(
+        plain.notes()[0].for_command(),
+        "no value of these 16-bit files is above 4095, as of a camera of 12 bits; --full-scale 4095 changes that"
+    );
+    let options = OpenOptions { full_scale: Some(4095.0), black_level: Some(255.0), ..OpenOptions::default() };
+    let burst = opened(&path, &options).expect("opens");
+    // Values below black stay negative.
+    for (found, expected) in burst.frames[0].data().iter().zip([0.0, 1.0, -100.0 / 3840.0]) {
+        assert!((found - expected).abs() < 1e-6, "{found}");
+    }
+    assert_eq!((burst.full_scale, burst.quantisation_step, burst.suggested_full_scale), (4095.0, 1.0 / 3840.0, None));
+    for black in [4095.0, 5000.0, f32::NAN] {
+        let error = opened(&path, &OpenOptions { black_level: Some(black), ..options.clone() });
+        assert!(matches!(error, Err(OpenError::BlackLevel { .. })), "{black}");
     }
 }

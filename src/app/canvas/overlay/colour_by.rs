@@ -2,7 +2,7 @@
 
 use crate::app::view::ColourBy;
 use crate::detector::feature::Feature;
-use crate::plane::colour_map::{ColourMap, direction_colour};
+use crate::plane::display::{ColourMap, direction_colour};
 use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
 

@@ -20,7 +20,7 @@ pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_line
 
 use super::{CanvasOutput, RectTransform};
 use crate::detector::feature::Feature;
-use crate::detector::localise::place::rim_radius;
+use crate::detector::localise::rim_radius;
 use egui::{Color32, Mesh, Pos2, Shape, pos2};
 use rayon::prelude::*;
 use strokes::Strokes;

@@ -5,7 +5,7 @@ use crate::app::style;
 use crate::detector::Slope;
 use crate::inspect::spectrum::{Alias, SlopeBar, Spectrum};
 use crate::inspect::texture::dirichlet;
-use crate::plane::colour_map::ColourMap;
+use crate::plane::display::ColourMap;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
 /// Draws the chart in a space of `height` points; `here` is the slope of the cursor.

@@ -1,8 +1,9 @@
 //! Scans of a JPEG (ITU-T T.81, F.2 and G.2): every code is read for its length, no coefficient is computed. Of a
 //! progressive picture the coefficients that are not zero are recorded, because later scans depend on that.
+//!
+//! A scan is read bit by bit ([`Bits`]): bytes up to a marker, in which 0xFF is followed by 0x00. Tables of Huffman
+//! codes ([`Table`], annexes C and F.2.2.3) give the lengths of the codes.
 
-use super::bits::Bits;
-use super::huffman::Table;
 use crate::plane::memory;
 
 /// Number of coefficients of a block.
@@ -365,5 +366,204 @@ impl ScanState<'_> {
             self.run -= 1;
         }
         Ok(())
+    }
+}
+
+/// Length of code, bits, up to which one table look-up is enough.
+const LOOK_BITS: u32 = 10;
+
+/// The codes of one table.
+#[derive(Debug, Clone)]
+pub(super) struct Table {
+    /// For each value of the next [`LOOK_BITS`] bits: the code's length times 256, plus its value; 0 for longer codes.
+    short: Vec<u16>,
+    /// For each length from 1 to 16: one more than the largest code of that length, aligned to the top of 16 bits.
+    ends: [u32; 17],
+    /// For each length: offset from a code to the index of its value.
+    offsets: [i32; 17],
+    values: Vec<u8>,
+}
+
+impl Table {
+    /// Table with `counts[l − 1]` codes of length l for `values`; `None` where there are more codes than the length
+    /// allows, or fewer values.
+    pub(super) fn new(counts: &[u8; 16], values: &[u8]) -> Option<Self> {
+        let mut table =
+            Self { short: vec![0; 1 << LOOK_BITS], ends: [0; 17], offsets: [0; 17], values: values.to_vec() };
+        let (mut code, mut place) = (0u32, 0usize);
+        for length in 1..=16u32 {
+            let count = usize::from(counts[length as usize - 1]);
+            if code + count as u32 > 1 << length {
+                return None;
+            }
+            table.offsets[length as usize] = place as i32 - code as i32;
+            for value in values.get(place..place + count)? {
+                if length <= LOOK_BITS {
+                    let start = (code << (LOOK_BITS - length)) as usize;
+                    table.short[start..start + (1 << (LOOK_BITS - length))]
+                        .fill((length as u16) << 8 | u16::from(*value));
+                }
+                code += 1;
+            }
+            place += count;
+            table.ends[length as usize] = code << (16 - length);
+            code <<= 1;
+        }
+        Some(table)
+    }
+
+    /// Length and value of the code at the top of the 16 bits `next`; `None` where there is no such code.
+    #[inline]
+    pub(super) fn code(&self, next: u32) -> Option<(u32, u8)> {
+        let short = self.short[(next >> (16 - LOOK_BITS)) as usize];
+        if short != 0 {
+            return Some((u32::from(short >> 8), short as u8));
+        }
+        let length = (LOOK_BITS as usize + 1..=16).find(|length| next < self.ends[*length])?;
+        let place = (next >> (16 - length)) as i32 + self.offsets[length];
+        Some((length as u32, *self.values.get(usize::try_from(place).ok()?)?))
+    }
+}
+
+/// Reader of bits. After the last one it returns zeros without end, and counts them.
+#[derive(Debug)]
+pub(super) struct Bits<'a> {
+    bytes: &'a [u8],
+    /// Index of the next byte; at the marker once there are no more.
+    at: usize,
+    /// Next bits, the first one at the top.
+    buffer: u64,
+    /// Number of bits in the buffer, padding included.
+    held: u32,
+    /// Number of padding bits; more than `held` once one was used.
+    made_up: u32,
+    ended: bool,
+}
+
+impl<'a> Bits<'a> {
+    /// The bits of `bytes` from `at` on.
+    pub(super) fn new(bytes: &'a [u8], at: usize) -> Self {
+        Self { bytes, at, buffer: 0, held: 0, made_up: 0, ended: false }
+    }
+
+    /// Whether padding bits were used.
+    #[inline]
+    pub(super) fn overran(&self) -> bool {
+        self.made_up > self.held
+    }
+
+    /// Position at or before the marker that ends the data, and after all markers before it.
+    pub(super) fn place(&self) -> usize {
+        self.at
+    }
+
+    /// Starts again at `at`, as after a restart marker.
+    pub(super) fn restart_at(&mut self, at: usize) {
+        *self = Self::new(self.bytes, at);
+    }
+
+    /// Fills the buffer with at least 32 bits.
+    #[inline]
+    fn fill(&mut self) {
+        if self.held > 32 {
+            return;
+        }
+        if let Some(next) = self.bytes.get(self.at..).and_then(|rest| rest.first_chunk::<4>()) {
+            let word = u32::from_be_bytes(*next);
+            // No byte of the word is 0xFF: none of the complement is 0.
+            let complement = !word;
+            let has_ff = complement.wrapping_sub(0x0101_0101) & !complement & 0x8080_8080 != 0;
+            if !has_ff && !self.ended {
+                self.buffer |= u64::from(word) << (32 - self.held);
+                (self.held, self.at) = (self.held + 32, self.at + 4);
+                return;
+            }
+        }
+        self.fill_slowly();
+    }
+
+    #[cold]
+    fn fill_slowly(&mut self) {
+        while self.held <= 32 {
+            let byte = match self.bytes.get(self.at) {
+                _ if self.ended => None,
+                Some(0xff) if self.bytes.get(self.at + 1) == Some(&0) => Some((0xff, 2)),
+                Some(0xff) | None => None, // a marker, or the end of the file
+                Some(byte) => Some((*byte, 1)),
+            };
+            match byte {
+                Some((byte, length)) => {
+                    self.buffer |= u64::from(byte) << (56 - self.held);
+                    (self.held, self.at) = (self.held + 8, self.at + length);
+                }
+                None => {
+                    self.ended = true;
+                    self.made_up = self.made_up.saturating_add(32);
+                    self.held += 32;
+                }
+            }
+        }
+    }
+
+    /// Next 16 bits, without consuming them.
+    #[inline]
+    pub(super) fn peek16(&mut self) -> u32 {
+        self.fill();
+        (self.buffer >> 48) as u32
+    }
+
+    /// Skips `count` bits, at most 32 (after a peek: 16 of the code and 16 of its value).
+    #[inline]
+    pub(super) fn skip(&mut self, count: u32) {
+        self.fill();
+        self.buffer <<= count;
+        self.held -= count;
+    }
+
+    /// Consumes and returns the next `count` bits, at most 16.
+    #[inline]
+    pub(super) fn take(&mut self, count: u32) -> u32 {
+        let value = self.peek16() >> (16 - count);
+        self.skip(count);
+        value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_of_every_length_are_found() {
+        // The table of T.81, K.3.1 has codes of 2 to 9 bits; this one goes on to 12.
+        let mut counts = [0; 16];
+        counts[1] = 1; // 00
+        counts[2] = 2; // 010, 011
+        counts[11] = 2; // 100000000000, 100000000001
+        let table = Table::new(&counts, &[7, 8, 9, 10, 11]).expect("a table");
+        assert_eq!(table.code(0b0011_1111_1111_1111), Some((2, 7)));
+        assert_eq!(table.code(0b0100_0000_0000_0000), Some((3, 8)));
+        assert_eq!(table.code(0b0111_1111_1111_1111), Some((3, 9)));
+        assert_eq!(table.code(0b1000_0000_0000_1111), Some((12, 10)));
+        assert_eq!(table.code(0b1000_0000_0001_0000), Some((12, 11)));
+        assert_eq!(table.code(0b1000_0000_0010_0000), None);
+        assert_eq!(table.code(0xffff), None);
+        assert!(Table::new(&[3; 16], &[0; 48]).is_none(), "three codes of one bit");
+    }
+
+    #[test]
+    fn stuffed_bytes_and_the_end_are_seen() {
+        let bytes = [0x12, 0xff, 0x00, 0x34, 0x56, 0x78, 0x9a, 0xbc, 0xff, 0xd9, 0x11];
+        let mut bits = Bits::new(&bytes, 0);
+        assert_eq!([4, 4, 8, 16].map(|count| bits.take(count)), [1, 2, 0xff, 0x3456]);
+        bits.skip(20);
+        assert_eq!((bits.take(4), bits.overran(), bits.place()), (0xc, false, 8));
+        assert_eq!((bits.take(1), bits.overran()), (0, true));
+        let mut bits = Bits::new(&bytes[..2], 0);
+        // A lone 0xFF at the end of a file is no data.
+        bits.skip(8);
+        assert!(!bits.overran());
+        bits.skip(1);
+        assert!(bits.overran());
     }
 }

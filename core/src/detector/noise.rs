@@ -1,0 +1,419 @@
+//! Noise of a frame, estimated from the burst itself, and the threshold on D that follows from it. For noise that is
+//! not white everywhere see [`super::noise_model`].
+//!
+//! Estimate. Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask `[1
+//! −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes over
+//! 0.6745 is the standard deviation, which a minority of edges hardly changes. Texture can only add, so the smaller of
+//! the two estimates is taken. The filter runs on short pieces of rows spread evenly over the image, the same in every
+//! frame: they are read in order of memory, and since the filter is linear the filtered difference of two frames is the
+//! difference of the filtered frames. Pixels at the ends of the file's range are excluded: in the black parts of a dark
+//! frame the noise is cut off at zero, and half an image of zeros would make any median zero.
+//!
+//! Gate. A threshold on |D| alone lets fine-scale noise through and loses large faint blobs, because the noise in D
+//! falls with scale while a blob's response does not. So the noise of one frame, σ_F ([`frame_noise`]), is carried
+//! through the mean over frames, the interpolation and the DoG filter; the gate requires |D| ≥ k·σ_D at each octave and
+//! level.
+//!
+//! Propagation. For white noise the variance in D is σ_F² times the energy of the whole filter. All its parts are close
+//! to Gaussians, whose inner products are known: ∫ g(A)·g(B) = 1/√(2π(A+B)) in one dimension, for variances A and B.
+//! Bilinear sampling at a fraction f adds the variance f(1−f) in its direction; that differs from frame to frame and is
+//! averaged over them.
+
+use crate::burst::Burst;
+use crate::detector::params::{DetectorParams, NoiseGate, SlopeExtrema};
+use crate::detector::scale_space::{SIGMA_INPUT, ScaleSpace};
+use crate::kernel::stack::FrameOffset;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use multiversion::multiversion;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Median of |x| of a standard normal variable x.
+const MEDIAN_OF_NORMAL: f32 = 0.674_49;
+/// Gain of the filter for white noise: σ of its output over that of its input.
+const GAIN: f32 = 6.0;
+/// Maximum number of places in a frame, about; the standard error of one frame's estimate is then about one percent,
+/// and that of the median over frames is smaller.
+const MAX_PLACES: usize = 32_768;
+/// Number of columns of a piece of a row, where the image has more places than [`MAX_PLACES`].
+const PIECE: usize = 32;
+
+/// Standard deviation of one frame's noise, fraction of full scale, from the frames `used` of a burst. At least the
+/// rounding error of the files' numbers (step/√12). 0 for noiseless float frames or for float images under 3×3 pixels.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<f32, Cancelled> {
+    let step = burst.quantisation_step;
+    let min = step / 12f32.sqrt();
+    let pieces = pieces(burst.size());
+    if pieces.is_empty() {
+        return Ok(min);
+    }
+    let filtered: Vec<Filtered> = burst.frames[used]
+        .par_iter()
+        .map(|frame| {
+            monitor.check()?;
+            Ok(Filtered::new(frame, &pieces, step))
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    let deviation = |filtered: &Filtered| {
+        monitor.check()?;
+        Ok(filtered.deviation(step))
+    };
+    let of_frames: Vec<f32> = filtered.par_iter().map(deviation).collect::<Result<_, Cancelled>>()?;
+    let of_pairs: Vec<f32> = filtered
+        .par_windows(2)
+        .map(|pair| Ok(deviation(&pair[1].less(&pair[0]))? / 2f32.sqrt()))
+        .collect::<Result<_, Cancelled>>()?;
+    let mut sigma = median(of_frames);
+    if !of_pairs.is_empty() {
+        sigma = sigma.min(median(of_pairs));
+    }
+    Ok(sigma.max(min))
+}
+
+/// A piece of a row: the row, and the columns of the filter's centres in it.
+type Piece = (usize, Range<usize>);
+
+/// Pieces of an image of `size` for the estimate: whole rows of a small image, else pieces spread evenly; none under
+/// 3×3 pixels.
+fn pieces((width, height): (usize, usize)) -> Vec<Piece> {
+    if width < 3 || height < 3 {
+        return Vec::new();
+    }
+    let (columns, rows) = (width - 2, height - 2);
+    if columns * rows <= MAX_PLACES {
+        return (1..=rows).map(|v| (v, 1..columns + 1)).collect();
+    }
+    let length = PIECE.min(columns);
+    let count = MAX_PLACES / length;
+    // Steps of the golden section fill the columns evenly, whatever the number of rows.
+    let golden = (5f64.sqrt() - 1.0) / 2.0;
+    (0..count)
+        .map(|i| {
+            let start = 1 + ((i as f64 * golden).fract() * (columns - length + 1) as f64) as usize;
+            (1 + i * rows / count, start..start + length)
+        })
+        .collect()
+}
+
+/// Output of the filter at all places of a frame, or of a difference of two.
+struct Filtered {
+    values: Vec<f32>,
+    /// Whether the filter touched a pixel whose noise was cut off.
+    cut_off: Vec<bool>,
+}
+
+impl Filtered {
+    /// Filters the `pieces` of `frame`; the smallest difference of its values is `step`.
+    fn new(frame: &Plane, pieces: &[Piece], step: f32) -> Self {
+        let places = pieces.iter().map(|(_, columns)| columns.len()).sum();
+        let mut out = Self { values: vec![0.0; places], cut_off: vec![false; places] };
+        // The file's range ends here; float files have no range.
+        let whole = if step > 0.0 { 0.5 * step..1.0 - 0.5 * step } else { f32::NEG_INFINITY..f32::INFINITY };
+        let mut at = 0;
+        for (v, columns) in pieces {
+            let row = |v: usize| &frame.row(v)[columns.start - 1..columns.end + 1];
+            let end = at + columns.len();
+            let (values, cut_off) = (&mut out.values[at..end], &mut out.cut_off[at..end]);
+            filter_piece(row(v - 1), row(*v), row(v + 1), &whole, values, cut_off);
+            at = end;
+        }
+        out
+    }
+
+    /// Filter output of the difference of two frames.
+    fn less(&self, other: &Self) -> Self {
+        Self {
+            values: self.values.iter().zip(&other.values).map(|(a, b)| a - b).collect(),
+            cut_off: self.cut_off.iter().zip(&other.cut_off).map(|(a, b)| a | b).collect(),
+        }
+    }
+
+    /// Standard deviation of the frames' white noise; `step` is the smallest difference of their values. Places that
+    /// touch a cut-off pixel are excluded, unless nearly all do.
+    fn deviation(&self, step: f32) -> f32 {
+        let counted = self.values.iter().zip(&self.cut_off).filter(|(_, cut_off)| !**cut_off);
+        let mut magnitudes: Vec<f32> = Vec::with_capacity(self.values.len());
+        magnitudes.extend(counted.map(|(x, _)| x.abs()));
+        if magnitudes.len() * 20 < self.values.len() {
+            magnitudes = self.values.iter().map(|x| x.abs()).collect();
+        }
+        median_on_lattice(&mut magnitudes, step) / (MEDIAN_OF_NORMAL * GAIN)
+    }
+}
+
+/// Filters a piece of `row` between its neighbours `above` and `below`, each a pixel longer at both ends than `values`.
+/// `cut_off` tells whether any of the nine pixels is outside `whole`.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn filter_piece(
+    above: &[f32],
+    row: &[f32],
+    below: &[f32],
+    whole: &Range<f32>,
+    values: &mut [f32],
+    cut_off: &mut [bool],
+) {
+    let n = values.len();
+    let (above, row, below, cut_off) = (&above[..n + 2], &row[..n + 2], &below[..n + 2], &mut cut_off[..n]);
+    let second = |i: usize| above[i] - 2.0 * row[i] + below[i];
+    let min = |i: usize| above[i].min(row[i]).min(below[i]);
+    let max = |i: usize| above[i].max(row[i]).max(below[i]);
+    for i in 0..n {
+        values[i] = second(i) - 2.0 * second(i + 1) + second(i + 2);
+        let (min, max) = (min(i).min(min(i + 1)).min(min(i + 2)), max(i).max(max(i + 1)).max(max(i + 2)));
+        cut_off[i] = min < whole.start || max > whole.end;
+    }
+}
+
+/// Median of values that lie on a lattice of spacing `step` (0: continuous): each lattice value represents the interval
+/// around it, so the median falls inside the interval in proportion to the counts.
+fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
+    let middle = values.len() / 2;
+    let (_, &mut median, _) = values.select_nth_unstable_by(middle, f32::total_cmp);
+    if step <= 0.0 {
+        return median;
+    }
+    let near = |x: f32| (x - median).abs() < 0.5 * step;
+    let below = values.iter().filter(|&&x| !near(x) && x < median).count() as f32;
+    let equal = values.iter().filter(|&&x| near(x)).count() as f32;
+    // Magnitudes: the value 0 represents a half interval only.
+    let (start, length) = if median < 0.5 * step { (0.0, 0.5 * step) } else { (median - 0.5 * step, step) };
+    start + length * (values.len() as f32 * 0.5 - below) / equal
+}
+
+fn median(mut values: Vec<f32>) -> f32 {
+    let middle = values.len() / 2;
+    values.select_nth_unstable_by(middle, f32::total_cmp);
+    values[middle]
+}
+
+/// Variance of D of the mean over the frames at `offsets`, at `octave` and `level` (−1 … S), for white noise of
+/// variance 1 in each frame, where all frames cover the pixel.
+pub fn dog_noise_variance(space: &ScaleSpace, octave: i32, level: f64, offsets: &[FrameOffset]) -> f64 {
+    // Where the first octave skips pixels the noise is white on the kept ones; lengths are then in those pixels.
+    let unit = 2f64.powi(space.first_octave.max(0));
+    let input = SIGMA_INPUT / unit;
+    let variance = |s: f64| (space.sigma_image(octave, s) / unit).powi(2) - input * input;
+    let (low, high) = (variance(level), variance(level + 1.0));
+    let product = |a: f64, b: f64| 1.0 / (2.0 * std::f64::consts::PI * (a + b)).sqrt();
+    // Doubling interpolates every second pixel half-way: a quarter of an input pixel² there, on average an eighth.
+    let doubling = if space.first_octave < 0 { 0.125 } else { 0.0 };
+    let total: f64 = offsets
+        .iter()
+        .map(|offset| {
+            let spread = |part: f32| {
+                let f = f64::from(part);
+                if unit > 1.0 { (0.0, (1.0 - f).powi(2) + f * f) } else { (f * (1.0 - f) + doubling, 1.0) }
+            };
+            let ((u, gain_u), (v, gain_v)) = (spread(offset.part_u), spread(offset.part_v));
+            let both = |a: f64, b: f64| product(a + u, b + u) * product(a + v, b + v);
+            (both(low, low) - 2.0 * both(low, high) + both(high, high)) * gain_u * gain_v
+        })
+        .sum();
+    total / (offsets.len() as f64).powi(2)
+}
+
+/// Variance of the difference of two isotropic Gaussians of variances `low` and `high` (pixels²) for white noise of
+/// variance 1 in each pixel.
+pub(super) fn dog_energy(low: f64, high: f64) -> f64 {
+    let product = |a: f64, b: f64| 1.0 / (2.0 * std::f64::consts::PI * (a + b));
+    product(low, low) - 2.0 * product(low, high) + product(high, high)
+}
+
+/// The gate's factor k: the one given, or the one at which white noise gives about [`STRICT_FALSE_PER_MEGAPIXEL`] or
+/// [`AUTO_FALSE_PER_MEGAPIXEL`] false keypoints per megapixel of the input over all slopes and octaves.
+///
+/// The number of local maxima of a smooth Gaussian field above k falls like k²·exp(−k²/2) per independent place; the
+/// places are proportional to pixels and slopes. The factor in front, [`MAXIMA_PER_PIXEL`], was measured on pure noise.
+pub fn gate_factor(params: &DetectorParams) -> f32 {
+    let allowed = match params.noise_gate {
+        NoiseGate::Factor(k) => return k,
+        NoiseGate::Strict => STRICT_FALSE_PER_MEGAPIXEL,
+        NoiseGate::Auto => AUTO_FALSE_PER_MEGAPIXEL,
+    };
+    let maxima = match params.slope_extrema {
+        SlopeExtrema::Each => MAXIMA_PER_PIXEL,
+        SlopeExtrema::Joint => JOINT_MAXIMA_PER_PIXEL,
+    };
+    let slopes = params.used_slopes().len() as f64;
+    // Octave 0 and the coarser ones have 4/3 of its places; the doubled image has four times as many.
+    let places = 1e6 * 4f64.powi(-params.first_octave) * slopes;
+    let expected = |k: f64| maxima * places * k * k * (-0.5 * k * k).exp();
+    let (mut low, mut high) = (2.0, 12.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if expected(middle) > allowed {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high as f32
+}
+
+/// Target of the strict gate: false keypoints per megapixel of pure noise. With two orientations a keypoint is up to
+/// two features, and at most one false feature a megapixel is promised.
+pub const STRICT_FALSE_PER_MEGAPIXEL: f64 = 0.5;
+/// Target of the automatic gate, which serves matching: false keypoints per megapixel of pure noise. They are few
+/// beside true ones and find no match, while the faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
+pub const AUTO_FALSE_PER_MEGAPIXEL: f64 = 5.0;
+/// Factor of `gate_factor` for extrema at each slope for itself, one for one blob. Measured on 12 to 20 Mpx of white
+/// noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for 13 slopes on a line, 7×7, and the doubled image. See
+/// [`gate_factor`].
+pub const MAXIMA_PER_PIXEL: f64 = 0.000_2;
+/// Factor of `gate_factor` for joint extrema. Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 …
+/// 0.0004, for one slope, 7 and 13 on a line, 7×7, and the doubled image.
+pub const JOINT_MAXIMA_PER_PIXEL: f64 = 0.000_35;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::params::Interpolation;
+    use crate::detector::params::slope_grid::Slope;
+    use crate::detector::stack::frame_offsets;
+    use crate::synth::random::Stream;
+
+    fn noisy_burst(sigma: f32, n: usize, scene: impl Fn(usize, usize) -> f32, round_to: f32) -> Burst {
+        let mut noise = Stream::new(7, 0);
+        let frames = (0..n)
+            .map(|_| {
+                Plane::from_fn(300, 200, |u, v| {
+                    let value = scene(u, v) + sigma * noise.normal() as f32;
+                    if round_to > 0.0 { (value / round_to).round() * round_to } else { value }
+                })
+            })
+            .collect();
+        let mut burst = Burst::from_planes("noise", frames);
+        burst.quantisation_step = round_to;
+        burst
+    }
+
+    #[test]
+    fn the_estimate_is_within_three_percent_on_noise_with_edges() {
+        for sigma in [0.002f32, 0.01, 0.1] {
+            let burst = noisy_burst(sigma, 4, |u, v| if (u / 40 + v / 50) % 2 == 0 { 0.2 } else { 0.6 }, 0.0);
+            let estimate = frame_noise(&burst, 0..4, &Monitor::default()).expect("not cancelled");
+            assert!((estimate / sigma - 1.0).abs() < 0.03, "{sigma}: {estimate}");
+        }
+    }
+
+    #[test]
+    fn coarse_numbers_do_not_spoil_the_estimate() {
+        // 8-bit frames whose noise is half, one and two grey values; rounding adds a twelfth of a step².
+        for grey_values in [0.5f32, 1.0, 2.0] {
+            let step = 1.0 / 255.0;
+            let burst = noisy_burst(grey_values * step, 3, |u, _| 0.3 + u as f32 * 1e-4, step);
+            let expected = (grey_values * grey_values + 1.0 / 12.0).sqrt() * step;
+            let estimate = frame_noise(&burst, 0..3, &Monitor::default()).expect("not cancelled");
+            assert!(
+                (estimate / expected - 1.0).abs() < 0.05,
+                "{grey_values}: {} of {}",
+                estimate / step,
+                expected / step
+            );
+        }
+    }
+
+    #[test]
+    fn black_parts_where_the_noise_is_cut_off_do_not_count() {
+        // Two thirds of the image are so dark that nearly all of their noise is cut off at zero.
+        let (sigma, step) = (3.0 / 255.0, 1.0 / 255.0);
+        let mut burst = noisy_burst(sigma, 3, |u, _| if u < 200 { -0.03 } else { 0.4 }, step);
+        for frame in &mut burst.frames {
+            let cut = Plane::from_vec(300, 200, frame.data().iter().map(|x| x.max(0.0)).collect());
+            *frame = std::sync::Arc::new(cut);
+        }
+        let estimate = frame_noise(&burst, 0..3, &Monitor::default()).expect("not cancelled");
+        assert!((estimate / sigma - 1.0).abs() < 0.06, "{}", estimate / sigma);
+    }
+
+    #[test]
+    fn a_noiseless_burst_has_its_rounding_error() {
+        let burst = noisy_burst(0.0, 2, |_, _| 0.2, 1.0 / 255.0);
+        let estimate = frame_noise(&burst, 0..2, &Monitor::default()).expect("not cancelled");
+        assert!(estimate <= 0.3 / 255.0 && estimate > 0.28 / 255.0);
+    }
+
+    #[test]
+    fn a_large_image_is_sampled_evenly_and_enough() {
+        let (width, height) = (1000, 700);
+        let pieces = pieces((width, height));
+        let places: usize = pieces.iter().map(|(_, columns)| columns.len()).sum();
+        assert!(places <= MAX_PLACES && places > MAX_PLACES * 9 / 10);
+        assert!(pieces.iter().all(|(v, columns)| (1..height - 1).contains(v) && columns.end < width));
+        // In each of 10 × 7 squares there are about as many pieces.
+        let mut counts = [0usize; 70];
+        for (v, columns) in &pieces {
+            counts[v / 100 * 10 + columns.start / 100] += 1;
+        }
+        let mean = pieces.len() / 70;
+        assert!(counts.iter().all(|&n| n > mean / 2 && n < mean * 2), "{counts:?}");
+
+        let mut noise = Stream::new(11, 0);
+        let frames = (0..3).map(|_| Plane::from_fn(width, height, |_, _| 0.3 + 0.01 * noise.normal() as f32)).collect();
+        let estimate = frame_noise(&Burst::from_planes("noise", frames), 0..3, &Monitor::default());
+        let estimate = estimate.expect("not cancelled");
+        assert!((estimate / 0.01 - 1.0).abs() < 0.02, "{estimate}");
+    }
+
+    #[test]
+    fn tiny_images_and_single_frames_have_an_answer() {
+        let flat = |n: usize, size: usize| {
+            let frames = (0..n).map(|_| Plane::from_fn(size, size, |_, _| 0.3)).collect();
+            frame_noise(&Burst::from_planes("flat", frames), 0..n, &Monitor::default()).expect("not cancelled")
+        };
+        assert_eq!((flat(3, 2), flat(1, 3), flat(2, 9)), (0.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn propagated_noise_is_what_the_filters_leave() {
+        use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+        use crate::kernel::gaussian_bank::FilterScratch;
+        use crate::plane::tile::Region;
+        let mut noise = Stream::new(7, 0);
+        let frames = [(); 4].map(|()| Plane::from_fn(300, 200, |_, _| noise.normal() as f32));
+        let frames: Vec<&Plane> = frames.iter().collect();
+        for (first_octave, size) in [(0, (300, 200)), (-1, (600, 400)), (1, (150, 100))] {
+            for slope in [Slope::new(0.0, 0.0), Slope::new(0.5, 0.0), Slope::new(1.25, -0.75)] {
+                let space = ScaleSpace::new(3, first_octave, 4.0);
+                let offsets = frame_offsets(4, slope, Interpolation::Linear);
+                let whole = Region { columns: 0..size.0, rows: 0..size.1 };
+                let bank = space.bank(true, space.all_levels());
+                let filters = OctaveFilters::new(&space, &bank, &space.all_levels(), size);
+                let (mut stacked, mut dog) = (Vec::new(), DogTile::default());
+                stack_tiles(&frames, &[&offsets], first_octave, &whole, &mut stacked);
+                let pixels = Pixels::Stacked(&stacked[0]);
+                dog_tile(&filters, pixels, &whole, &mut FilterScratch::default(), &mut dog, None, &mut |_, _| ());
+                for level_index in [1, 3] {
+                    let data: Vec<f64> = (30..size.1 - 30)
+                        .flat_map(|v| dog.levels[level_index].row(v)[30..size.0 - 30].iter().map(|&x| f64::from(x)))
+                        .collect();
+                    let measured = (data.iter().map(|x| x * x).sum::<f64>() / data.len() as f64).sqrt();
+                    let predicted = dog_noise_variance(&space, first_octave, level_index as f64 - 1.0, &offsets).sqrt();
+                    let tolerance = if first_octave == 1 { 0.12 } else { 0.06 };
+                    assert!(
+                        (measured / predicted - 1.0).abs() < tolerance,
+                        "octave {first_octave} {slope:?} {level_index}: {measured} {predicted}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn larger_searches_have_higher_gates() {
+        let one =
+            DetectorParams { slopes: crate::detector::SlopeGrid::line(-3.0..=3.0, 7), ..DetectorParams::default() };
+        let two =
+            DetectorParams { slopes: crate::detector::SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7), ..one.clone() };
+        assert!(gate_factor(&two) > gate_factor(&one) + 0.2);
+        let strict = DetectorParams { noise_gate: NoiseGate::Strict, ..one.clone() };
+        // A tenth of the false alarms is about ln 10 / k more.
+        assert!((gate_factor(&strict) - gate_factor(&one) - 10f32.ln() / gate_factor(&one)).abs() < 0.1);
+        let fixed = DetectorParams { noise_gate: NoiseGate::Factor(4.5), ..one };
+        assert_eq!(gate_factor(&fixed), 4.5);
+    }
+}

@@ -1,0 +1,424 @@
+//! Variance of the noise over brightness, and by place where it differs from that, as on a side of the sensor that is
+//! amplified more.
+//!
+//! Photon transfer: variance = a·I + b. Light comes in photons, whose number varies by its square root, so the variance
+//! of a pixel grows in proportion to its brightness I; reading it out adds b. The squares of the frames are sorted by
+//! brightness into groups; the quiet part of a group gives its variance, even if texture moves through some of its
+//! squares. A line is fitted to the groups: first with the median slope between any two (Theil–Sen), then by
+//! iteratively reweighted least squares, in which a group counts by its relative error and not at all far from the
+//! line, so that groups whose noise is cut off at white or black do not bend it.
+//!
+//! By place: the picture is divided into cells; the quiet part of a cell's squares over the variance that their
+//! brightness predicts is the cell's excess. A cell whose squares differ among themselves more than noise does has
+//! texture, or lies across a border, and is not trusted: it takes the largest excess of its trusted neighbours.
+
+use super::frames::median;
+use super::high_pass::quiet_variance;
+use super::reading::sample_at;
+use crate::plane::Plane;
+use serde::{Serialize, Serializer};
+
+/// Variance over brightness.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct PhotonTransfer {
+    /// a: variance per brightness, fraction of full scale; the inverse of the number of electrons at full scale for a
+    /// sensor without offset. At least 0.
+    pub slope: f32,
+    /// b: variance at brightness 0, in (fraction of full scale)²; negative where black is lifted by more than the read
+    /// noise amounts to.
+    pub dark: f32,
+    /// Lower bound of the variance, in (fraction of full scale)².
+    pub min: f32,
+    /// Points to which the line was fitted, from dark to bright.
+    pub points: Vec<TransferPoint>,
+}
+
+/// Group of squares of about equal brightness.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TransferPoint {
+    /// Mean brightness, fraction of full scale.
+    pub brightness: f32,
+    /// Variance of the noise of one frame, in (fraction of full scale)².
+    pub variance: f32,
+    /// Number of squares.
+    pub squares: usize,
+}
+
+/// Minimum number of squares of a group.
+const LEAST_SQUARES: usize = 24;
+/// Maximum number of groups.
+const MAX_GROUPS: usize = 16;
+/// Relative distance from the line beyond which a group does not count.
+const FAR: f64 = 0.4;
+/// Minimum difference between the darkest and the brightest group, in standard deviations of a square's brightness;
+/// groups of one brightness, sorted by their noise, differ by four.
+const LEAST_SPAN: f64 = 7.0;
+/// Number of iterations of the fit.
+const FITS: usize = 12;
+
+impl PhotonTransfer {
+    /// Fits squares of brightness `squares[i].0`, the mean of `pixels` values, and variance `squares[i].1`, from `free`
+    /// independent values. All 0 without squares.
+    pub fn fit(squares: &[(f32, f32)], pixels: usize, free: f32) -> Self {
+        let mut sorted = squares.to_vec();
+        sorted.sort_by(|x, y| x.0.total_cmp(&y.0));
+        let groups = (sorted.len() / LEAST_SQUARES).clamp(1, MAX_GROUPS);
+        let points: Vec<TransferPoint> = (0..groups)
+            .map(|g| &sorted[g * sorted.len() / groups..(g + 1) * sorted.len() / groups])
+            .filter(|group| !group.is_empty())
+            .map(|group| TransferPoint {
+                brightness: group.iter().map(|s| s.0).sum::<f32>() / group.len() as f32,
+                variance: variance_of(group, free),
+                squares: group.len(),
+            })
+            .collect();
+        let (slope, dark) = line(&points, pixels, free);
+        let min = 0.5 * points.iter().map(|p| p.variance).reduce(f32::min).unwrap_or(0.0);
+        Self { slope, dark, min, points }
+    }
+
+    /// Variance of the noise of one frame at brightness `brightness`.
+    pub fn variance(&self, brightness: f32) -> f32 {
+        (self.slope * brightness + self.dark).max(self.min)
+    }
+}
+
+/// Variance of the quiet part of a group; where that is 0, as in files that round it away nearly everywhere, the mean.
+fn variance_of(group: &[(f32, f32)], free: f32) -> f32 {
+    let quiet = quiet_variance(group.iter().map(|s| s.1).collect(), free);
+    if quiet > 0.0 { quiet } else { group.iter().map(|s| s.1).sum::<f32>() / group.len() as f32 }
+}
+
+/// Slope and offset of the line through the points; the slope is 0 where it is less than three times its error, or the
+/// brightness does not differ by more than its noise.
+fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
+    let total = points.iter().map(|p| p.squares).sum::<usize>() as f64;
+    let mean = points.iter().map(|p| f64::from(p.variance) * p.squares as f64).sum::<f64>() / total.max(1.0);
+    if mean <= 0.0 {
+        return (0.0, 0.0);
+    }
+    let floor = 1e-3 * mean;
+    let span = points[points.len() - 1].brightness - points[0].brightness;
+    if f64::from(span) < LEAST_SPAN * (mean / pixels as f64).sqrt() {
+        return (0.0, mean as f32);
+    }
+    let (mut a, mut b) = median_line(points);
+    let mut error = f64::INFINITY;
+    for _ in 0..FITS {
+        let mut sums = [0.0f64; 5];
+        for p in points {
+            let (x, y) = (f64::from(p.brightness), f64::from(p.variance));
+            let expected = (a * x + b).max(floor);
+            let off = ((y / expected - 1.0) / FAR).abs().min(1.0);
+            // In relative errors; that of a group of n squares is √(2/(free·n)).
+            let weight = p.squares as f64 / (expected * expected) * (1.0 - off * off).powi(2);
+            for (sum, term) in sums.iter_mut().zip([1.0, x, x * x, y, x * y]) {
+                *sum += weight * term;
+            }
+        }
+        let [n, x, xx, y, xy] = sums;
+        if n <= 0.0 {
+            break;
+        }
+        let across = xx - x * x / n;
+        if across <= 1e-12 * xx {
+            return (0.0, (y / n) as f32);
+        }
+        a = (xy - x * y / n) / across;
+        b = (y - a * x) / n;
+        if a < 0.0 {
+            (a, b) = (0.0, y / n);
+        }
+        let off = |p: &TransferPoint| {
+            let expected = (a * f64::from(p.brightness) + b).max(floor);
+            p.squares as f64 * (f64::from(p.variance) / expected - 1.0).powi(2).min(FAR * FAR)
+        };
+        // The residual expected of noise alone, or the actual one if larger.
+        let noise = 2.0 / (0.7 * f64::from(free));
+        let left = points.iter().map(off).sum::<f64>() / (points.len() as f64 - 2.0).max(1.0);
+        error = (noise.max(left) / across).sqrt();
+    }
+    if a < 3.0 * error {
+        let weighted = points.iter().map(|p| p.squares as f64 * f64::from(p.variance)).sum::<f64>() / total;
+        return (0.0, weighted as f32);
+    }
+    (a as f32, b as f32)
+}
+
+/// Slope and offset by the median slope between any two points, and the median offset for that slope.
+fn median_line(points: &[TransferPoint]) -> (f64, f64) {
+    let middle = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(0.0)
+    };
+    let at = |p: &TransferPoint| (f64::from(p.brightness), f64::from(p.variance));
+    let mut slopes = Vec::new();
+    for (i, p) in points.iter().enumerate() {
+        for q in &points[..i] {
+            let ((x, y), (x0, y0)) = (at(p), at(q));
+            if x > x0 {
+                slopes.push((y - y0) / (x - x0));
+            }
+        }
+    }
+    let a = middle(slopes).max(0.0);
+    (a, middle(points.iter().map(|p| at(p).1 - a * at(p).0).collect()))
+}
+
+/// Noise of one square of the frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Square {
+    /// Centre, image pixels.
+    pub place: (f32, f32),
+    /// Brightness, fraction of full scale.
+    pub brightness: f32,
+    /// Variance of the noise of one frame there, in (fraction of full scale)².
+    pub variance: f32,
+}
+
+/// Variance relative to that predicted by the brightness, by place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExcessMap {
+    /// One value a cell, as measured.
+    pub cells: Plane,
+    /// Values as the gate uses them: cells beside a border are raised to the larger side.
+    pub raised: Plane,
+    /// Side of a cell, image pixels.
+    pub cell_px: f32,
+}
+
+impl Serialize for ExcessMap {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Cells<'a> {
+            cell_px: f32,
+            columns: usize,
+            rows: usize,
+            variance_ratios: &'a [f32],
+        }
+        let (columns, rows) = self.cells.size();
+        Cells { cell_px: self.cell_px, columns, rows, variance_ratios: self.cells.data() }.serialize(serializer)
+    }
+}
+
+/// Number of squares that a cell should have.
+const SQUARES_A_CELL: usize = 14;
+/// Difference from 1 below which an excess is taken for 1.
+const LEAST_EXCESS: f32 = 0.2;
+/// Spread of a cell's squares, relative to that of noise, up to which the cell is trusted.
+const TRUSTED_SPREAD: f32 = 1.8;
+/// Difference from 1, in units of its error, above which an excess is significant.
+const SURE: f32 = 4.0;
+/// Ratio of a neighbour's excess to its own above which a cell is at a border, and takes the neighbour's.
+const BORDER: f32 = 1.4;
+
+impl ExcessMap {
+    /// Finds the excess in an image of `size`, from squares that each have `free` independent values; `None` where the
+    /// noise is everywhere as the brightness predicts, or unknown.
+    pub fn find(squares: &[Square], transfer: &PhotonTransfer, size: (usize, usize), free: f32) -> Option<Self> {
+        let wanted = squares.len() / SQUARES_A_CELL;
+        if wanted < 4 {
+            return None;
+        }
+        let cell_px = ((size.0 * size.1) as f32 / wanted as f32).sqrt().ceil();
+        let (columns, rows) = ((size.0 as f32 / cell_px).ceil() as usize, (size.1 as f32 / cell_px).ceil() as usize);
+        let mut members: Vec<Vec<f32>> = vec![Vec::new(); columns * rows];
+        for square in squares {
+            let predicted = transfer.variance(square.brightness);
+            if predicted > 0.0 {
+                let at = |x: f32, n: usize| ((x / cell_px) as usize).min(n - 1);
+                members[at(square.place.1, rows) * columns + at(square.place.0, columns)]
+                    .push(square.variance / predicted);
+            }
+        }
+        members.iter_mut().for_each(|ratios| ratios.sort_by(f32::total_cmp));
+        let full: Vec<&Vec<f32>> = members.iter().filter(|ratios| ratios.len() >= SQUARES_A_CELL / 2).collect();
+        let usual_spread = median(full.iter().map(|ratios| spread(ratios)).collect());
+        let own: Vec<Option<f32>> = members.iter().map(|ratios| trusted_excess(ratios, free)).collect();
+        let known: Vec<f32> = own.iter().copied().flatten().collect();
+        // Where squares mostly disagree, as under texture or the few coefficients of a file, nothing is known.
+        if 2 * known.len() < full.len() {
+            return None;
+        }
+        let error = usual_spread.max((2.0 / free).sqrt()) / (0.7 * SQUARES_A_CELL as f32).sqrt();
+        let differing = known.iter().filter(|e| (**e - 1.0).abs() > LEAST_EXCESS.max(SURE * error)).count();
+        if known.len() < 4 || differing * 20 < known.len() {
+            return None;
+        }
+        let cells = filled(&own, columns, rows);
+        Some(Self { raised: with_borders(&cells), cells, cell_px })
+    }
+
+    /// Excess at the image's place (u, v), or that of a border beside it if that is larger.
+    pub fn at(&self, u: f32, v: f32) -> f32 {
+        sample_at(&self.raised, self.cell_px, u, v)
+    }
+
+    /// Excess at the image's place (u, v) as measured.
+    pub fn measured_at(&self, u: f32, v: f32) -> f32 {
+        sample_at(&self.cells, self.cell_px, u, v)
+    }
+
+    /// Smallest and largest measured excess.
+    pub fn range(&self) -> (f32, f32) {
+        let fold = |f: fn(f32, f32) -> f32| self.cells.data().iter().copied().reduce(f).unwrap_or(1.0);
+        (fold(f32::min), fold(f32::max))
+    }
+}
+
+/// Excess from a cell's ratios, sorted from the smallest to the largest; `None` where they are few or disagree.
+fn trusted_excess(ratios: &[f32], free: f32) -> Option<f32> {
+    let trusted = ratios.len() >= SQUARES_A_CELL / 2 && spread(ratios) <= TRUSTED_SPREAD * (2.0 / free).sqrt();
+    trusted.then(|| quiet_variance(ratios.to_vec(), free))
+}
+
+/// Relative standard deviation from the quartiles of values sorted from the smallest to the largest.
+fn spread(sorted: &[f32]) -> f32 {
+    let quantile = |part: f32| sorted[((sorted.len() - 1) as f32 * part).round() as usize];
+    // The quartiles of a normal distribution are 1.35 standard deviations apart.
+    (quantile(0.75) - quantile(0.25)) / (1.35 * quantile(0.5).max(f32::MIN_POSITIVE))
+}
+
+/// All cells; those without an own value take the largest of their neighbours' values, step by step.
+fn filled(own: &[Option<f32>], columns: usize, rows: usize) -> Plane {
+    let mut cells = own.to_vec();
+    while cells.iter().any(Option::is_none) && cells.iter().any(Option::is_some) {
+        let before = cells.clone();
+        for (index, cell) in cells.iter_mut().enumerate().filter(|(_, cell)| cell.is_none()) {
+            let (x, y) = (index % columns, index / columns);
+            let around = (y.saturating_sub(1)..(y + 2).min(rows))
+                .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(columns)).map(move |x| y * columns + x));
+            *cell = around.filter_map(|i| before[i]).reduce(f32::max);
+        }
+    }
+    Plane::from_vec(columns, rows, cells.into_iter().map(|cell| cell.unwrap_or(1.0)).collect())
+}
+
+/// Cells, raised to a much larger excess beside them: a border between two excesses may lie anywhere in them.
+fn with_borders(cells: &Plane) -> Plane {
+    let (columns, rows) = cells.size();
+    Plane::from_fn(columns, rows, |x, y| {
+        let around = (y.saturating_sub(1)..(y + 2).min(rows))
+            .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(columns)).map(move |x| cells.at(x, y)));
+        let largest = around.fold(0.0, f32::max);
+        if largest > BORDER * cells.at(x, y) { largest } else { cells.at(x, y) }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::high_pass::{FREE_VALUES, HighPass};
+    use super::*;
+    use crate::monitor::Monitor;
+    use crate::synth::random::Stream;
+    use crate::synth::{Camera, NoiseCase};
+
+    /// Brightness and variance of the squares of a sensor's frames of `signal`.
+    fn squares(camera: &Camera, signal: &Plane) -> Vec<(f32, f32)> {
+        let frames: Vec<Plane> = (1..=3)
+            .map(|t| camera.capture(signal, &mut Stream::new(9, t), &Monitor::default()).expect("not cancelled"))
+            .collect();
+        let squares = HighPass::new(&frames.iter().collect::<Vec<_>>());
+        let variances = squares.variances(&[(0, 1.0), (1, -2.0), (2, 1.0)]);
+        squares.brightness[1].iter().copied().zip(variances).collect()
+    }
+
+    #[test]
+    fn sensors_of_known_slope_and_offset_are_found() {
+        for (electrons, read_noise) in [(500.0, 4.0), (2000.0, 20.0), (15_000.0, 3.0)] {
+            let camera = Camera {
+                full_scale_electrons: electrons,
+                read_noise_electrons: read_noise,
+                black_level: 0.0625,
+                bits: Some(14),
+            };
+            let signal = Plane::from_fn(640, 400, |u, _| 0.8 * (u as f32 / 640.0).powi(2));
+            let fit = PhotonTransfer::fit(&squares(&camera, &signal), 256, FREE_VALUES);
+            let a = 1.0 / electrons;
+            let b = (read_noise * read_noise / electrons - camera.black_level) / electrons;
+            assert!((f64::from(fit.slope) / a - 1.0).abs() < 0.08, "{electrons}: {fit:?}");
+            for signal in [0.02, 0.2, 0.7] {
+                let brightness = signal + camera.black_level;
+                let expected = a * brightness + b;
+                let got = f64::from(fit.variance(brightness as f32));
+                assert!((got / expected - 1.0).abs() < 0.12, "{electrons} {signal}: {got} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn noise_that_knows_no_brightness_has_no_slope() {
+        let mut stream = Stream::new(1, 0);
+        let frame = Plane::from_fn(640, 400, |u, _| u as f32 / 640.0 + 0.01 * stream.normal() as f32);
+        let squares = HighPass::new(&[&frame]);
+        let pairs: Vec<(f32, f32)> =
+            squares.brightness[0].iter().copied().zip(squares.variances(&[(0, 1.0)])).collect();
+        let fit = PhotonTransfer::fit(&pairs, 256, FREE_VALUES);
+        assert_eq!(fit.slope, 0.0);
+        assert!((fit.dark / 1e-4 - 1.0).abs() < 0.05, "{fit:?}");
+    }
+
+    #[test]
+    fn clipped_black_and_texture_bend_nothing() {
+        // The darkest tenth is so dark that half of its noise is cut off, a seventh of all squares has texture.
+        let camera =
+            Camera { full_scale_electrons: 1000.0, read_noise_electrons: 20.0, black_level: 0.0, bits: Some(12) };
+        let signal = Plane::from_fn(640, 400, |u, _| (0.6 * (u as f32 - 64.0) / 576.0).max(0.0));
+        let mut pairs = squares(&camera, &signal);
+        pairs.iter_mut().step_by(7).for_each(|p| p.1 *= 8.0);
+        let fit = PhotonTransfer::fit(&pairs, 256, FREE_VALUES);
+        assert!((fit.slope / 1e-3 - 1.0).abs() < 0.3, "{fit:?}");
+        assert!((fit.variance(0.3) / (0.3e-3 + 0.4e-3) - 1.0).abs() < 0.12, "{fit:?}");
+    }
+
+    #[test]
+    fn no_noise_and_no_squares_have_an_answer() {
+        assert_eq!(PhotonTransfer::fit(&[], 256, 17.0), PhotonTransfer::default());
+        let still = PhotonTransfer::fit(&[(0.5, 0.0); 60], 256, 17.0);
+        assert_eq!((still.slope, still.dark), (0.0, 0.0));
+    }
+
+    const SIZE: (usize, usize) = (480, 360);
+
+    fn squares_in_place(case: NoiseCase) -> Vec<Square> {
+        let burst = case.burst(SIZE, 9, 0.02, 5, &Monitor::default()).expect("not cancelled");
+        let high_pass = HighPass::new(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>());
+        let thirds: Vec<Vec<f32>> =
+            [0, 3, 6].map(|t| high_pass.variances(&[(t, 1.0), (t + 1, -2.0), (t + 2, 1.0)])).to_vec();
+        let variance = |i: usize| thirds.iter().map(|v| v[i]).sum::<f32>() / 3.0;
+        let each = high_pass.places.iter().zip(&high_pass.brightness[1]).enumerate();
+        each.map(|(i, (&place, &brightness))| Square { place, brightness, variance: variance(i) }).collect()
+    }
+
+    fn map(squares_in_place: &[Square]) -> Option<ExcessMap> {
+        let pairs: Vec<(f32, f32)> = squares_in_place.iter().map(|s| (s.brightness, s.variance)).collect();
+        let free = 3.0 * FREE_VALUES;
+        ExcessMap::find(squares_in_place, &PhotonTransfer::fit(&pairs, 256, free), SIZE, free)
+    }
+
+    #[test]
+    fn the_same_noise_everywhere_needs_no_map() {
+        for case in [NoiseCase::White, NoiseCase::Correlated, NoiseCase::ClippedBlack] {
+            assert_eq!(map(&squares_in_place(case)), None, "{case:?}");
+        }
+    }
+
+    #[test]
+    fn a_noisier_half_is_found_with_its_border() {
+        let map = map(&squares_in_place(NoiseCase::NoisyHalf)).expect("the halves differ");
+        let (left, right) = (map.at(60.0, 180.0), map.at(420.0, 180.0));
+        assert!((right / left / 9.0 - 1.0).abs() < 0.25, "{left} {right}");
+        assert!(map.at(236.0, 100.0) > 0.4 * right, "{} {right}", map.at(236.0, 100.0));
+        let (min, max) = map.range();
+        assert!(min <= left && right <= max);
+    }
+
+    #[test]
+    fn texture_is_no_noise() {
+        let mut squares_in_place = squares_in_place(NoiseCase::White);
+        // Texture of various strengths in a corner.
+        let in_corner = squares_in_place.iter_mut().filter(|s| s.place.0 < 150.0 && s.place.1 < 150.0);
+        in_corner.enumerate().for_each(|(i, s)| s.variance *= 1.0 + (i % 7) as f32);
+        assert_eq!(map(&squares_in_place), None);
+    }
+}

@@ -1,0 +1,216 @@
+//! Motion stack: frames shifted by a slope and averaged (the paper's shift-sum filter H_M).
+//!
+//! Numerics. Frame `t` is sampled at `x + (t − t0)·λ`. The offset is constant over the image, so it is split once into
+//! whole pixels and a fraction, and a row of the result is a weighted sum of at most two rows of each frame, read at
+//! whole-pixel distances: contiguous loads, no gather, and sums that stay in registers. A frame covers a pixel when the
+//! sampling point lies between the centres of its first and last pixel; the sum is divided by the number of frames that
+//! do, which keeps borders from darkening. Where no frame covers a pixel (a corner, with diagonal slopes and an even
+//! number of frames) the frames' nearest pixels are averaged instead.
+
+use crate::detector::params::Interpolation;
+use crate::detector::params::slope_grid::Slope;
+use crate::kernel::stack::{FrameOffset, RowStacker};
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Frames of a burst that take part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FrameTimes {
+    /// Number of frames, N; t0 is their middle.
+    pub frame_count: usize,
+    /// Indices of those that take part, in increasing order.
+    pub kept: Vec<usize>,
+}
+
+impl FrameTimes {
+    /// Times at which all of `frame_count` frames take part.
+    pub fn all(frame_count: usize) -> Self {
+        Self { frame_count, kept: (0..frame_count).collect() }
+    }
+
+    /// Selects the offsets of the frames that take part from those of all frames.
+    pub fn of(&self, offsets: Vec<FrameOffset>) -> Vec<FrameOffset> {
+        self.kept.iter().map(|&t| offsets[t]).collect()
+    }
+}
+
+/// Offset (u, v), pixels, as `interpolation` reads it.
+fn offset_at(u_px: f64, v_px: f64, interpolation: Interpolation) -> FrameOffset {
+    // A fraction under a millionth of a pixel is a rounding error of the slope; dropping it keeps whole-pixel slopes
+    // exact.
+    let split = |x: f64| match interpolation {
+        Interpolation::Nearest => (x.round() as i64, 0.0, 0),
+        // Truncating place + 1/2 is its floor, except for places between −1.5 and −0.5, where it gives 0.
+        Interpolation::Truncated => ((x + 0.5).floor() as i64, 0.0, i64::from((x + 0.5).fract() != 0.0)),
+        Interpolation::Linear => {
+            let (whole, part) = (x.floor(), x - x.floor());
+            if part < 1e-6 {
+                (whole as i64, 0.0, 0)
+            } else if part > 1.0 - 1e-6 {
+                (whole as i64 + 1, 0.0, 0)
+            } else {
+                (whole as i64, part as f32, 0)
+            }
+        }
+    };
+    let ((whole_u, part_u, before_u), (whole_v, part_v, before_v)) = (split(u_px), split(v_px));
+    FrameOffset { whole_u, whole_v, part_u, part_v, before_u, before_v }
+}
+
+/// Offsets (t − t0)·λ of `frame_count` frames, in time order.
+pub fn frame_offsets(frame_count: usize, slope: Slope, interpolation: Interpolation) -> Vec<FrameOffset> {
+    shifted_offsets(frame_count, (f64::from(slope.u), f64::from(slope.v)), 0.0, interpolation)
+}
+
+/// Offsets for a slope in the frames' own pixels, with every frame read `shift_px` farther along both axes.
+pub(super) fn shifted_offsets(
+    frame_count: usize,
+    slope_px_per_frame: (f64, f64),
+    shift_px: f64,
+    interpolation: Interpolation,
+) -> Vec<FrameOffset> {
+    let t0 = (frame_count as f64 - 1.0) / 2.0;
+    let offset = |t: usize| {
+        let dt = t as f64 - t0;
+        let at = |slope: f64| dt * slope + shift_px;
+        offset_at(at(slope_px_per_frame.0), at(slope_px_per_frame.1), interpolation)
+    };
+    (0..frame_count).map(offset).collect()
+}
+
+/// Variances along u and along v, in pixels², of the blur that linear interpolation leaves in the mean of frames at
+/// `offsets`: f(1 − f) for a fraction f.
+pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
+    let mean = |part: fn(&FrameOffset) -> f32| {
+        let blur = |offset| f64::from(part(offset)) * (1.0 - f64::from(part(offset)));
+        offsets.iter().map(blur).sum::<f64>() / offsets.len().max(1) as f64
+    };
+    (mean(|offset| offset.part_u), mean(|offset| offset.part_v))
+}
+
+/// Computes row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one
+/// size and their [`frame_offsets`].
+pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: Range<usize>, out: &mut [f32]) {
+    RowStacker::new(frames, vec![offsets]).row(v, columns, &mut [out]);
+}
+
+/// Number of frames that cover the pixel (u, v) of an image of `size`.
+pub fn coverage(offsets: &[FrameOffset], u: usize, v: usize, size: (usize, usize)) -> usize {
+    offsets.iter().filter(|o| o.covers(u, v, size)).count()
+}
+
+/// Computes the motion-stack image of `frames` (one size, in time order) at `slope`: the mean over the frames that
+/// cover a pixel of `F_t(x + (t − t0)·λ)`, with `t0 = (N − 1)/2`. Size and unit are those of the frames. Rows in
+/// parallel.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+///
+/// # Panics
+/// If there is no frame or the sizes differ.
+pub fn motion_stack(
+    frames: &[&Plane],
+    slope: Slope,
+    interpolation: Interpolation,
+    monitor: &Monitor,
+) -> Result<Plane, Cancelled> {
+    let (width, height) = frames[0].size();
+    assert!(frames.iter().all(|f| f.size() == (width, height)), "frames of a burst have one size");
+    let offsets = frame_offsets(frames.len(), slope, interpolation);
+    let mut out = Plane::zeros(width, height);
+    if width == 0 || height == 0 {
+        return Ok(out);
+    }
+    out.data_mut().par_chunks_mut(width).enumerate().try_for_each(|(v, row)| {
+        monitor.check()?;
+        stack_row(frames, &offsets, v, 0..width, row);
+        Ok(())
+    })?;
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::stack::sample_clamped;
+    use proptest::prelude::*;
+
+    /// The definition, pixel by pixel.
+    fn by_definition(frames: &[&Plane], slope: Slope, interpolation: Interpolation) -> Plane {
+        let (width, height) = frames[0].size();
+        let offsets = frame_offsets(frames.len(), slope, interpolation);
+        Plane::from_fn(width, height, |u, v| {
+            let (mut sum, mut count) = (0.0, 0);
+            for (frame, offset) in frames.iter().zip(&offsets) {
+                let x = u as f32 + offset.whole_u as f32 + offset.part_u;
+                let y = v as f32 + offset.whole_v as f32 + offset.part_v;
+                let (first_u, first_v) = (-offset.before_u as f32, -offset.before_v as f32);
+                if x >= first_u && y >= first_v && x <= (width - 1) as f32 && y <= (height - 1) as f32 {
+                    sum += sample_clamped(frame, offset, u, v);
+                    count += 1;
+                }
+            }
+            if count == 0 {
+                count = frames.len();
+                sum = frames.iter().zip(&offsets).map(|(f, o)| sample_clamped(f, o, u, v)).sum();
+            }
+            sum / count as f32
+        })
+    }
+
+    fn texture(t: usize) -> Plane {
+        Plane::from_fn(37, 23, |u, v| ((u * 31 + v * 17 + t * 7) % 29) as f32 / 29.0)
+    }
+
+    proptest! {
+        #[test]
+        fn the_fast_rows_are_the_definition(
+            n in 1usize..6, u in -9.0f32..9.0, v in -9.0f32..9.0, whole in any::<bool>(), how in 0usize..3,
+        ) {
+            let slope = if whole { Slope::new(u.round(), v.round()) } else { Slope::new(u, v) };
+            let interpolation = [Interpolation::Linear, Interpolation::Nearest, Interpolation::Truncated][how];
+            let frames: Vec<Plane> = (0..n).map(texture).collect();
+            let frames: Vec<&Plane> = frames.iter().collect();
+            let fast = motion_stack(&frames, slope, interpolation, &Monitor::default()).expect("not cancelled");
+            let slow = by_definition(&frames, slope, interpolation);
+            for (a, b) in fast.data().iter().zip(slow.data()) {
+                prop_assert!((a - b).abs() < 1e-5, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn truncated_places_are_those_of_a_cast_to_an_integer() {
+        for offset_px in [-2.0, -1.5, -1.2, -1.0, -0.5, -0.3, 0.0, 0.4, 0.5, 1.0, 1.7f64] {
+            let offset = offset_at(offset_px, 0.0, Interpolation::Truncated);
+            for u in 0..8 {
+                let cast = (u as f64 + offset_px + 0.5) as i64;
+                let covers = (0..8).contains(&cast) && u as f64 + offset_px + 0.5 > -1.0;
+                assert_eq!(offset.covers(u, 0, (8, 8)), covers, "{offset_px} {u}");
+                assert!(!covers || (u as i64 + offset.whole_u).max(0) == cast, "{offset_px} {u}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_moving_point_is_where_it_was_at_mid_burst() {
+        let frames: Vec<Plane> =
+            (0..5).map(|t| Plane::from_fn(40, 20, |u, v| f32::from(u == 10 + 2 * t && v == 15 - t))).collect();
+        let frames: Vec<&Plane> = frames.iter().collect();
+        let stack = motion_stack(&frames, Slope::new(2.0, -1.0), Interpolation::Linear, &Monitor::default())
+            .expect("not cancelled");
+        assert_eq!(stack.at(14, 13), 1.0);
+        assert_eq!(stack.data().iter().filter(|&&x| x != 0.0).count(), 1);
+    }
+
+    #[test]
+    fn borders_are_not_darkened() {
+        let frames: Vec<Plane> = (0..4).map(|_| Plane::from_fn(30, 30, |_, _| 0.5)).collect();
+        let frames: Vec<&Plane> = frames.iter().collect();
+        let stack = motion_stack(&frames, Slope::new(3.3, 2.7), Interpolation::Linear, &Monitor::default())
+            .expect("not cancelled");
+        assert!(stack.data().iter().all(|x| (x - 0.5).abs() < 1e-6));
+    }
+}

@@ -1,0 +1,402 @@
+//! The two passes of the filters over a tile, and the rows that are stored between them.
+//!
+//! Along the rows, all levels of a row are made with each pixel loaded once. Two pixels at the same distance from the
+//! centre are added, then multiplied into all levels that reach that far. The sums of up to [`MOST`] levels over
+//! [`BLOCK`] columns stay in vector registers.
+//!
+//! Between the passes, rows are stored in blocks of columns ([`Band`]). The second pass works on a block of columns at
+//! a time and reads rows above and below one another. So a block's rows are contiguous: they are read from memory in
+//! order, and loops over them need no bounds checks.
+//!
+//! Along the columns, a few rows of one level are made at once, and their difference from the previous level. From one
+//! distance from the centre to the next, most of the rows above and below are already in registers, one place further;
+//! each step loads only two. All rows that a batch reads in a block of columns stay in the first cache.
+
+pub(crate) use crate::kernel::machine::{BLOCK_COLUMNS as BLOCK, WIDEST_VECTOR as VECTOR};
+
+use crate::kernel::gaussian_bank::weights::{Axis, Dense, Weights};
+use crate::plane::vectors::Aligned;
+use pulp::Simd;
+use std::ops::Range;
+
+/// Levels computed at once; with more, vector registers run out.
+pub(crate) const MOST: usize = 8;
+
+/// Taps of some levels, interleaved.
+#[derive(Debug)]
+pub(crate) struct Packed {
+    /// Range of the levels.
+    pub levels: Range<usize>,
+    /// `taps[distance·levels + level]`, zero beyond a level's radius.
+    taps: Vec<f32>,
+    /// Radius of each level; they never decrease.
+    radii: Vec<usize>,
+}
+
+/// All levels of `axis`, in as few groups of (nearly) equal size as [`MOST`] allows.
+pub(crate) fn packed(axis: &Axis) -> Vec<Packed> {
+    let count = axis.levels.len();
+    let size = count.div_ceil(count.div_ceil(MOST).max(1)).max(1);
+    (0..count)
+        .step_by(size)
+        .map(|first| {
+            let levels = first..(first + size).min(count);
+            let kernels: Vec<&[f32]> = axis.levels[levels.clone()].iter().map(|level| &level.half[..]).collect();
+            let radii: Vec<usize> = kernels.iter().map(|half| half.len() - 1).collect();
+            let radius = radii.iter().copied().max().unwrap_or(0);
+            let tap = |distance: usize| kernels.iter().map(move |half| half.get(distance).copied().unwrap_or(0.0));
+            Packed { taps: (0..=radius).flat_map(tap).collect(), radii, levels }
+        })
+        .collect()
+}
+
+/// Layout of a row's values: `columns` of them, a whole number of blocks, which begin `step` apart.
+#[derive(Clone, Copy)]
+pub(crate) struct Blocks {
+    pub columns: usize,
+    pub step: usize,
+}
+
+impl Blocks {
+    /// Index of column `column`.
+    #[inline(always)]
+    fn place(self, column: usize) -> usize {
+        column / BLOCK * self.step + column % BLOCK
+    }
+}
+
+/// Convolves one row: `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side;
+/// `out[level]` receives its blocks.
+#[inline(always)]
+pub(crate) fn convolve_row<S: Simd>(
+    simd: S,
+    group: &Packed,
+    (line, reach): (&[f32], usize),
+    blocks: Blocks,
+    out: &mut [&mut [f32]],
+) {
+    let line = (line, reach);
+    match group.levels.len() {
+        1 => convolve::<S, 1>(simd, group, line, blocks, out),
+        2 => convolve::<S, 2>(simd, group, line, blocks, out),
+        3 => convolve::<S, 3>(simd, group, line, blocks, out),
+        4 => convolve::<S, 4>(simd, group, line, blocks, out),
+        5 => convolve::<S, 5>(simd, group, line, blocks, out),
+        6 => convolve::<S, 6>(simd, group, line, blocks, out),
+        7 => convolve::<S, 7>(simd, group, line, blocks, out),
+        _ => convolve::<S, MOST>(simd, group, line, blocks, out),
+    }
+}
+
+#[inline(always)]
+fn convolve<S: Simd, const L: usize>(
+    simd: S,
+    group: &Packed,
+    (line, reach): (&[f32], usize),
+    blocks: Blocks,
+    out: &mut [&mut [f32]],
+) {
+    let out: &mut [&mut [f32]; L] = out.try_into().expect("as many rows as levels");
+    let radii: &[usize; L] = group.radii[..].try_into().expect("as many radii as levels");
+    let lanes = S::F32_LANES;
+    for start in (0..blocks.columns).step_by(2 * lanes) {
+        let at = reach + start;
+        let radius = radii[L - 1];
+        let mut acc = [[simd.splat_f32s(0.0); 2]; L];
+        let centre = [load::<S>(line, at), load::<S>(line, at + lanes)];
+        for (acc, &tap) in acc.iter_mut().zip(&group.taps[..L]) {
+            let tap = simd.splat_f32s(tap);
+            *acc = [simd.mul_f32s(tap, centre[0]), simd.mul_f32s(tap, centre[1])];
+        }
+        // For each distance, the pixels before and behind and the taps of all levels. Iterators need no bounds checks
+        // in the loop.
+        let before = line[at - radius..at + 2 * lanes - 1].windows(2 * lanes).rev();
+        let behind = line[at + 1..at + 2 * lanes + radius].windows(2 * lanes);
+        let mut distances = before.zip(behind).zip(group.taps[L..].chunks_exact(L));
+        // The levels from `$first` on reach beyond the radius of the one before it.
+        macro_rules! until_radius_of {
+            ($($first:literal)*) => {$(
+                if $first < L {
+                    let count = radii[$first] - if $first == 0 { 0 } else { radii[$first.max(1) - 1] };
+                    for ((before, behind), taps) in distances.by_ref().take(count) {
+                        let sum = [
+                            simd.add_f32s(load::<S>(before, 0), load::<S>(behind, 0)),
+                            simd.add_f32s(load::<S>(before, lanes), load::<S>(behind, lanes)),
+                        ];
+                        let taps: &[f32; L] = taps.try_into().expect("one tap a level");
+                        for level in $first..L {
+                            let tap = simd.splat_f32s(taps[level]);
+                            acc[level][0] = simd.mul_add_f32s(tap, sum[0], acc[level][0]);
+                            acc[level][1] = simd.mul_add_f32s(tap, sum[1], acc[level][1]);
+                        }
+                    }
+                }
+            )*};
+        }
+        until_radius_of!(0 1 2 3 4 5 6 7);
+        // Both vectors belong to one block.
+        let place = blocks.place(start);
+        for level in 0..L {
+            let out = &mut out[level][place..place + 2 * lanes];
+            store::<S>(out, 0, acc[level][0]);
+            store::<S>(out, lanes, acc[level][1]);
+        }
+    }
+}
+
+/// Overwrites the columns of `columns` that lie near a border: `line[reach + i]` is column `columns.start + i`, and
+/// `out` receives the blocks that begin there.
+#[inline(always)]
+pub(crate) fn edge_columns<S: Simd>(
+    simd: S,
+    level: &Weights,
+    columns: &Range<usize>,
+    line: (&[f32], usize),
+    blocks: Blocks,
+    out: &mut [f32],
+) {
+    for dense in [&level.head, &level.tail] {
+        let mine = dense.outs.start.max(columns.start)..dense.outs.end.min(columns.end);
+        if !mine.is_empty() {
+            edge(simd, dense, &mine, columns, line, blocks, out);
+        }
+    }
+}
+
+#[inline(always)]
+fn edge<S: Simd>(
+    simd: S,
+    dense: &Dense,
+    mine: &Range<usize>,
+    columns: &Range<usize>,
+    (line, reach): (&[f32], usize),
+    blocks: Blocks,
+    out: &mut [f32],
+) {
+    let lanes = S::F32_LANES;
+    let inputs = dense.inputs(mine);
+    let pixels = &line[reach + inputs.start - columns.start..reach + inputs.end - columns.start];
+    let weights = &dense.weights[(inputs.start - dense.ins.start) * dense.stride..][..pixels.len() * dense.stride];
+    let first = dense.outs.start;
+    for start in (0..dense.outs.len()).step_by(lanes) {
+        let outs = first + start..(first + start + lanes).min(dense.outs.end);
+        let part = outs.start.max(mine.start)..outs.end.min(mine.end);
+        if part.is_empty() {
+            continue;
+        }
+        // Two sums, so that neither waits for the other.
+        let mut acc = [simd.splat_f32s(0.0); 2];
+        let (mut row, mut input) = (start, 0);
+        while input + 1 < pixels.len() {
+            for (i, acc) in acc.iter_mut().enumerate() {
+                let weights = load::<S>(weights, row + i * dense.stride);
+                *acc = simd.mul_add_f32s(simd.splat_f32s(pixels[input + i]), weights, *acc);
+            }
+            (row, input) = (row + 2 * dense.stride, input + 2);
+        }
+        if let Some(&pixel) = pixels.get(input) {
+            acc[0] = simd.mul_add_f32s(simd.splat_f32s(pixel), load::<S>(weights, row), acc[0]);
+        }
+        let mut made = [0.0f32; VECTOR];
+        store::<S>(&mut made, 0, simd.add_f32s(acc[0], acc[1]));
+        for (output, value) in part.clone().zip(&made[part.start - outs.start..]) {
+            out[blocks.place(output - columns.start)] = *value;
+        }
+    }
+}
+
+/// Destination of a few finished rows of a block of columns.
+pub(crate) struct Sink<'a> {
+    /// Rows of the level, [`BLOCK`] apart; before they are written, those of the previous level.
+    pub level: &'a mut [f32],
+    /// Rows of the difference of the two, `stride` apart; `None` for the first level.
+    pub difference: Option<&'a mut [f32]>,
+}
+
+impl Sink<'_> {
+    /// Writes column `within` of the block and `column` of the tile, in row `row`.
+    #[inline(always)]
+    fn put<S: Simd>(&mut self, simd: S, row: usize, (column, within): (usize, usize), stride: usize, value: S::f32s) {
+        let at = row * BLOCK + within;
+        if let Some(difference) = self.difference.as_deref_mut() {
+            store::<S>(difference, row * stride + column, simd.sub_f32s(value, load::<S>(self.level, at)));
+        }
+        store::<S>(self.level, at, value);
+    }
+}
+
+/// Computes `ROWS` rows away from the borders; the first one is row `radius` of `rows`, which holds the kernel's radius
+/// more on both sides. `column` is the block's first one in the tile.
+#[inline(always)]
+pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
+    simd: S,
+    half: &[f32],
+    rows: &[Row],
+    column: usize,
+    stride: usize,
+    sink: &mut Sink<'_>,
+) {
+    let radius = half.len() - 1;
+    let middle: &[Row; ROWS] = rows[radius..radius + ROWS].try_into().expect("as many rows as are made");
+    // Sorted by distance from the first and from the last of the rows.
+    let (upper, lower) = (&rows[..radius], &rows[radius + ROWS..][..radius]);
+    let (upper_rest, upper) = upper.as_rchunks::<4>();
+    let (lower, lower_rest) = lower.as_chunks::<4>();
+    let (taps, taps_rest) = half[1..].as_chunks::<4>();
+    for part in 0..BLOCK / S::F32_LANES {
+        let tap = simd.splat_f32s(half[0]);
+        let (mut above, mut acc) = ([tap; ROWS], [tap; ROWS]);
+        for i in 0..ROWS {
+            above[i] = S::as_simd_f32s(&middle[i]).0[part];
+            acc[i] = simd.mul_f32s(tap, above[i]);
+        }
+        let mut below = above;
+        // A macro, since a closure would not be compiled for the processor's features.
+        macro_rules! step {
+            ($tap:expr, $upper:expr, $lower:expr) => {
+                // One tap farther, the rows needed are those already loaded, shifted by one, and a new one.
+                let tap = simd.splat_f32s($tap);
+                for i in (1..ROWS).rev() {
+                    above[i] = above[i - 1];
+                }
+                above[0] = S::as_simd_f32s($upper).0[part];
+                for i in 1..ROWS {
+                    below[i - 1] = below[i];
+                }
+                below[ROWS - 1] = S::as_simd_f32s($lower).0[part];
+                for i in 0..ROWS {
+                    acc[i] = simd.mul_add_f32s(tap, simd.add_f32s(above[i], below[i]), acc[i]);
+                }
+            };
+        }
+        for ((taps, upper), lower) in taps.iter().zip(upper.iter().rev()).zip(lower) {
+            step!(taps[0], &upper[3], &lower[0]);
+            step!(taps[1], &upper[2], &lower[1]);
+            step!(taps[2], &upper[1], &lower[2]);
+            step!(taps[3], &upper[0], &lower[3]);
+        }
+        for ((&tap, upper), lower) in taps_rest.iter().zip(upper_rest.iter().rev()).zip(lower_rest) {
+            step!(tap, upper, lower);
+        }
+        let within = part * S::F32_LANES;
+        for (i, &value) in acc.iter().enumerate() {
+            sink.put(simd, i, (column + within, within), stride, value);
+        }
+    }
+}
+
+/// Computes `ROWS` rows near a border, from row `first` on, of a block of columns whose first one in the tile is
+/// `column`. `rows` are those of the band, which begins at row `top`.
+#[inline(always)]
+pub(crate) fn edge_rows<S: Simd, const ROWS: usize>(
+    simd: S,
+    dense: &Dense,
+    (rows, top): (&[Row], usize),
+    first: usize,
+    column: usize,
+    stride: usize,
+    sink: &mut Sink<'_>,
+) {
+    let inputs = dense.inputs(&(first..first + ROWS));
+    let out = first - dense.outs.start;
+    for part in 0..BLOCK / S::F32_LANES {
+        let mut acc = [simd.splat_f32s(0.0); ROWS];
+        for (input, row) in inputs.clone().zip(&rows[inputs.start - top..]) {
+            let value = S::as_simd_f32s(row).0[part];
+            let weights: &[f32; ROWS] = dense.row(input)[out..out + ROWS].try_into().expect("one weight a row");
+            for i in 0..ROWS {
+                acc[i] = simd.mul_add_f32s(value, simd.splat_f32s(weights[i]), acc[i]);
+            }
+        }
+        let within = part * S::F32_LANES;
+        for (i, &value) in acc.iter().enumerate() {
+            sink.put(simd, i, (column + within, within), stride, value);
+        }
+    }
+}
+
+/// A row of a block of columns.
+pub(crate) type Row = [f32; BLOCK];
+
+/// Some rows of one level.
+#[derive(Debug, Default)]
+pub(crate) struct Band {
+    data: Aligned,
+    blocks: usize,
+    /// Capacity in rows.
+    room: usize,
+}
+
+impl Band {
+    /// Makes room for `room` rows of `blocks` blocks of columns.
+    pub fn reset(&mut self, blocks: usize, room: usize) {
+        self.data.grow(blocks * room * BLOCK);
+        (self.blocks, self.room) = (blocks, room);
+    }
+
+    /// Values from a block's row to the same row of the next block.
+    pub fn step(&self) -> usize {
+        self.room * BLOCK
+    }
+
+    /// The rows of block `block`.
+    #[inline(always)]
+    pub fn block(&self, block: usize) -> &[Row] {
+        self.data[block * self.step()..(block + 1) * self.step()].as_chunks().0
+    }
+
+    /// Row `row` of the first block; the same row of each other block lies [`Band::step`] values further.
+    #[inline(always)]
+    pub fn row_mut(&mut self, row: usize) -> &mut [f32] {
+        let end = self.blocks * self.step();
+        &mut self.data[row * BLOCK..end]
+    }
+
+    /// Moves rows `rows` to row `to` in every block.
+    pub fn move_rows(&mut self, rows: std::ops::Range<usize>, to: usize) {
+        for block in 0..self.blocks {
+            let start = block * self.room;
+            let from = (start + rows.start) * BLOCK..(start + rows.end) * BLOCK;
+            self.data.copy_within(from, (start + to) * BLOCK);
+        }
+    }
+}
+
+/// `n` rounded up to whole blocks.
+pub(crate) fn whole_blocks(n: usize) -> usize {
+    n.next_multiple_of(BLOCK)
+}
+
+/// The vector that begins at `row[at]`.
+#[inline(always)]
+pub(crate) fn load<S: Simd>(row: &[f32], at: usize) -> S::f32s {
+    S::as_simd_f32s(&row[at..at + S::F32_LANES]).0[0]
+}
+
+/// Writes a vector to `row[at..]`.
+#[inline(always)]
+pub(crate) fn store<S: Simd>(row: &mut [f32], at: usize, value: S::f32s) {
+    S::as_mut_simd_f32s(&mut row[at..at + S::F32_LANES]).0[0] = value;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_found_block_by_block_and_move_together() {
+        let mut band = Band::default();
+        band.reset(3, 5);
+        for row in 0..5 {
+            let step = band.step();
+            let values = band.row_mut(row);
+            (0..3).for_each(|block| values[block * step..][..BLOCK].fill((10 * block + row) as f32));
+        }
+        band.move_rows(3..5, 0);
+        for block in 0..3 {
+            let rows: Vec<f32> = band.block(block).iter().map(|row| row[BLOCK - 1]).collect();
+            let first = 10.0 * block as f32;
+            assert_eq!(rows, [first + 3.0, first + 4.0, first + 2.0, first + 3.0, first + 4.0]);
+        }
+    }
+}

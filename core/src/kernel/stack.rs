@@ -1,0 +1,517 @@
+//! Rows of motion-stack images, for several slopes at once.
+//!
+//! A frame is read at its [`FrameOffset`]. The slopes of a group read the same rows of the same frames, a few columns
+//! apart; made together, each row comes from memory once. Slopes that also agree in their vertical part share the
+//! mixing of two rows into one.
+//!
+//! Inside, where every frame of a row covers the column and the next one, rows are weighted sums of the frames' rows
+//! ([`WeightedRows`]); the pixels that belong together and their weights are the same for all rows that the same frames
+//! cover, so they are computed once. Each frame pixel adds to two pixels of the sum, the one at its place and the one
+//! before, in proportion to the frame's fraction of a column. So two sums are made of the frames, both from the same
+//! loads and in registers, and finally added, the second one shifted by a pixel. Where no frame has a fraction there is
+//! one sum. The search and the patches around its features both use this, so a pixel has the same bits in either.
+//!
+//! At the sides, where fewer and fewer frames cover the columns, frames are added one after the other and divided by
+//! their number.
+
+use crate::kernel::machine::{MAX_VECTORS, in_vectors, load, store};
+use crate::plane::Plane;
+use crate::plane::vectors::{Aligned, BlockSize, LARGE, SMALL, for_blocks};
+use multiversion::multiversion;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// Makes rows of the motion-stack images of some frames at some slopes.
+#[derive(Debug)]
+pub struct RowStacker<'a> {
+    frames: &'a [&'a Plane],
+    /// Offsets of the frames for each slope.
+    slopes: Vec<&'a [FrameOffset]>,
+    groups: Vec<Group<'a>>,
+    mixed: Vec<f32>,
+    counts: Vec<f32>,
+    sums: WeightedRows,
+}
+
+/// Slopes that read the same rows in the same proportions.
+#[derive(Debug)]
+struct Group<'a> {
+    slopes: Range<usize>,
+    run: Run<'a>,
+}
+
+/// Data shared by the rows that the same frames cover.
+#[derive(Debug, Default)]
+struct Run<'a> {
+    rows: Range<usize>,
+    columns: Range<usize>,
+    /// Indices of the frames that cover them.
+    covering: Vec<usize>,
+    /// The columns of the frames that any slope of the group reads.
+    wide: Range<usize>,
+    /// Whether any of the frames is read between its rows.
+    mixes: bool,
+    /// For each slope the columns covered by all frames.
+    inner: Vec<Range<usize>>,
+    /// For each slope, unless rows are mixed, the terms of the sum inside the run's first row.
+    taps: Vec<Vec<Tap<'a>>>,
+}
+
+/// Part of a row of one frame: its pixels from column `left` of the frame on.
+struct Source<'s> {
+    frame: usize,
+    pixels: &'s [f32],
+    left: usize,
+}
+
+impl<'a> Run<'a> {
+    /// The rows from `v` on, columns `columns`, of `frames` at `slopes`, which form a group.
+    fn new(frames: &'a [&'a Plane], slopes: &[&'a [FrameOffset]], v: usize, columns: Range<usize>) -> Self {
+        let (width, height) = frames[0].size();
+        let first = slopes[0];
+        let covering: Vec<usize> = (0..frames.len()).filter(|&t| first[t].covers_row(v, height)).collect();
+        let changes = first.iter().map(|offset| offset.covers_rows(height)).flat_map(|rows| [rows.start, rows.end]);
+        // Rows before the frame's first one that count as it are all copies of it.
+        let reads = covering.iter().map(|&t| usize::try_from(-first[t].whole_v).unwrap_or(0));
+        let end = changes.chain(reads).filter(|&change| change > v).min().unwrap_or(height);
+        let shifts = || slopes.iter().flat_map(|slope| slope.iter()).map(|offset| offset.whole_u);
+        let wide_start = (columns.start as i64 + shifts().min().unwrap_or(0)).clamp(0, width as i64 - 1);
+        let wide_end = (columns.end as i64 + shifts().max().unwrap_or(0) + 1).clamp(wide_start + 1, width as i64);
+        let inner: Vec<Range<usize>> = slopes
+            .iter()
+            .map(|offsets| {
+                let reads = covering.iter().map(|&frame| offsets[frame].reads_next_columns(width));
+                let inner = reads.fold(columns.clone(), |a, b| a.start.max(b.start)..a.end.min(b.end));
+                if covering.is_empty() || inner.is_empty() { columns.start..columns.start } else { inner }
+            })
+            .collect();
+        let mixes = covering.iter().any(|&frame| first[frame].part_v > 0.0);
+        let scale = 1.0 / covering.len() as f32;
+        let taps = |(offsets, inner): (&&'a [FrameOffset], &Range<usize>)| -> Vec<Tap<'a>> {
+            let tap = |&frame: &usize| {
+                let (pixels, offset) = (frames[frame], &offsets[frame]);
+                let (x, y) = (inner.start as i64 + offset.whole_u, (v as i64 + offset.whole_v).max(0));
+                Tap::new(&pixels.data()[y as usize * width + x as usize..], scale, offset.part_u)
+            };
+            if inner.is_empty() { Vec::new() } else { covering.iter().map(tap).collect() }
+        };
+        let taps = if mixes { Vec::new() } else { slopes.iter().zip(&inner).map(taps).collect() };
+        Self { rows: v..end, columns, wide: wide_start as usize..wide_end as usize, mixes, inner, taps, covering }
+    }
+}
+
+impl<'a> RowStacker<'a> {
+    /// Stacker for `frames` of one size in time order and, for each slope, their
+    /// [`crate::detector::stack::frame_offsets`].
+    pub fn new(frames: &'a [&'a Plane], slopes: Vec<&'a [FrameOffset]>) -> Self {
+        let vertical = |slope: &[FrameOffset]| -> Vec<(i64, f32, i64)> {
+            slope.iter().map(|o| (o.whole_v, o.part_v, o.before_v)).collect()
+        };
+        let mut groups: Vec<Group<'_>> = Vec::new();
+        for index in 0..slopes.len() {
+            match groups.last_mut() {
+                Some(Group { slopes: group, .. }) if vertical(slopes[group.start]) == vertical(slopes[index]) => {
+                    group.end = index + 1;
+                }
+                _ => groups.push(Group { slopes: index..index + 1, run: Run::default() }),
+            }
+        }
+        let (mixed, counts, sums) = (Vec::new(), Vec::new(), WeightedRows::default());
+        Self { frames, slopes, groups, mixed, counts, sums }
+    }
+
+    /// Writes row `v`, columns `columns`, of each slope's motion-stack image to its slice of `outs`, one value for each
+    /// column.
+    pub fn row(&mut self, v: usize, columns: Range<usize>, outs: &mut [&mut [f32]]) {
+        for index in 0..self.groups.len() {
+            let Group { slopes, run } = &mut self.groups[index];
+            if !run.rows.contains(&v) || run.columns != columns {
+                *run = Run::new(self.frames, &self.slopes[slopes.clone()], v, columns.clone());
+            }
+            self.group_row(index, v, outs);
+        }
+    }
+
+    fn group_row(&mut self, group: usize, v: usize, outs: &mut [&mut [f32]]) {
+        let Self { frames, slopes, groups, mixed, counts, sums } = self;
+        let Group { slopes: group, run } = &groups[group];
+        let width = frames[0].width();
+        let columns = &run.columns;
+        let sided = run.inner.iter().any(|inner| inner != columns);
+        let sources = if run.mixes || sided { sources(frames, slopes[group.start], run, v, mixed) } else { Vec::new() };
+        let mut taps: Vec<Tap<'_>> = Vec::with_capacity(if run.mixes { sources.len() } else { 0 });
+        for (index, slope) in group.clone().enumerate() {
+            let (offsets, out, inner) = (slopes[slope], &mut *outs[slope], &run.inner[index]);
+            let here = &mut out[inner.start - columns.start..inner.end - columns.start];
+            if run.mixes && !inner.is_empty() {
+                taps.clear();
+                taps.extend(sources.iter().map(|source| {
+                    let offset = &offsets[source.frame];
+                    let x = (inner.start as i64 + offset.whole_u) as usize - source.left;
+                    Tap::new(&source.pixels[x..], 1.0 / sources.len() as f32, offset.part_u)
+                }));
+                sums.make(&taps, 0, inner.len(), 0..1, here, inner.len());
+            } else if !inner.is_empty() {
+                let row = v - run.rows.start;
+                sums.make(&run.taps[index], width, inner.len(), row..row + 1, here, inner.len());
+            }
+            for side in [columns.start..inner.start, inner.end..columns.end] {
+                if !side.is_empty() {
+                    let out = &mut out[side.start - columns.start..side.end - columns.start];
+                    side_columns(frames, offsets, &sources, v, &side, counts, out);
+                }
+            }
+        }
+    }
+}
+
+/// The sources of row `v` of `run` from the frames that cover it, at the vertical parts of `offsets`; two rows that are
+/// read together are mixed into one in `mixed`.
+fn sources<'s>(
+    frames: &[&'s Plane],
+    offsets: &[FrameOffset],
+    run: &Run<'_>,
+    v: usize,
+    mixed: &'s mut Vec<f32>,
+) -> Vec<Source<'s>> {
+    let wide = &run.wide;
+    mixed.resize(run.covering.len() * wide.len(), 0.0);
+    let source = |(&frame, mixed): (&usize, &'s mut [f32])| {
+        let (offset, pixels) = (&offsets[frame], frames[frame]);
+        let y = (v as i64 + offset.whole_v).max(0) as usize;
+        if offset.part_v == 0.0 {
+            return Source { frame, pixels: pixels.row(y), left: 0 };
+        }
+        let upper = (&pixels.row(y)[wide.clone()], 1.0 - offset.part_v);
+        let lower = (&pixels.row(y + 1)[wide.clone()], offset.part_v);
+        weighted_sum(&[upper, lower], 1.0, mixed);
+        Source { frame, pixels: mixed, left: wide.start }
+    };
+    run.covering.iter().zip(mixed.chunks_mut(wide.len())).map(source).collect()
+}
+
+/// Computes the columns `side` of row `v`, which not all `sources` cover.
+fn side_columns(
+    frames: &[&Plane],
+    offsets: &[FrameOffset],
+    sources: &[Source<'_>],
+    v: usize,
+    side: &Range<usize>,
+    counts: &mut Vec<f32>,
+    out: &mut [f32],
+) {
+    let width = frames[0].width();
+    counts.clear();
+    counts.resize(side.len(), 0.0);
+    out.fill(0.0);
+    for source in sources {
+        let offset = &offsets[source.frame];
+        let covered = offset.covers_columns(width);
+        let reads = offset.reads_columns(width);
+        let (start, end) = (covered.start.max(side.start), covered.end.min(side.end));
+        // Columns that count as the frame's first one precede those that it reads.
+        let first_read = reads.start.clamp(start, end.max(start));
+        for u in start..first_read.min(end) {
+            out[u - side.start] += source.pixels[0];
+            counts[u - side.start] += 1.0;
+        }
+        let range = first_read..end.min(reads.end);
+        if range.is_empty() {
+            continue;
+        }
+        let x = (range.start as i64 + offset.whole_u) as usize - source.left;
+        let here = range.start - side.start..range.end - side.start;
+        let left = &source.pixels[x..x + range.len()];
+        if offset.part_u > 0.0 {
+            let right = &source.pixels[x + 1..x + 1 + range.len()];
+            for ((out, a), b) in out[here.clone()].iter_mut().zip(left).zip(right) {
+                *out += (1.0 - offset.part_u) * a + offset.part_u * b;
+            }
+        } else {
+            out[here.clone()].iter_mut().zip(left).for_each(|(out, a)| *out += a);
+        }
+        counts[here].iter_mut().for_each(|count| *count += 1.0);
+    }
+    for ((out, count), u) in out.iter_mut().zip(counts).zip(side.clone()) {
+        *out = if *count > 0.0 {
+            *out / *count
+        } else {
+            let sum: f32 = frames.iter().zip(offsets).map(|(frame, offset)| sample_clamped(frame, offset, u, v)).sum();
+            sum / frames.len() as f32
+        };
+    }
+}
+
+/// Maximum number of values in a vector of any processor.
+const LONGEST: usize = 16;
+
+/// Pixels of one frame in a sum, from the first one that is read.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tap<'a> {
+    /// Pixels; rows as far apart as in the image.
+    pub pixels: &'a [f32],
+    /// Weights of the pixels at their own place and a pixel to the left.
+    pub weights: [f32; 2],
+}
+
+impl<'a> Tap<'a> {
+    /// `pixels` read a fraction `part_u` of a column to the right, with the weight `weight`.
+    pub fn new(pixels: &'a [f32], weight: f32, part_u: f32) -> Self {
+        Self { pixels, weights: [weight * (1.0 - part_u), weight * part_u] }
+    }
+}
+
+/// Buffers for a row of both sums, and the processor's kind; reused from row to row.
+#[derive(Debug)]
+pub(crate) struct WeightedRows {
+    arch: Arch,
+    sums: [Aligned; 2],
+}
+
+impl Default for WeightedRows {
+    fn default() -> Self {
+        Self { arch: Arch::new(), sums: Default::default() }
+    }
+}
+
+impl WeightedRows {
+    /// Writes rows `rows` of the sum of `taps`, `columns` values each, to `out`, where rows lie `stride` apart. Row 0
+    /// is the first one of the taps' pixels; the taps' rows lie `width` apart, and each holds a pixel more than
+    /// `columns`.
+    pub fn make(
+        &mut self,
+        taps: &[Tap<'_>],
+        width: usize,
+        columns: usize,
+        rows: std::ops::Range<usize>,
+        out: &mut [f32],
+        stride: usize,
+    ) {
+        let [here, shifted] = &mut self.sums;
+        here.grow(columns + LONGEST);
+        shifted.grow(columns + LONGEST);
+        let between = taps.iter().any(|tap| tap.weights[1] != 0.0);
+        if columns < LONGEST {
+            for (out, v) in out.chunks_mut(stride).zip(rows) {
+                short_row(taps, v * width, between, &mut out[..columns]);
+            }
+            return;
+        }
+        self.arch.dispatch(RowsJob { taps, width, columns, rows, between, here, shifted, out, stride });
+    }
+}
+
+/// Computes a row too short for vectors.
+fn short_row(taps: &[Tap<'_>], row: usize, between: bool, out: &mut [f32]) {
+    let sum = |i: usize, which: usize| {
+        taps.iter().fold(0.0f32, |sum, tap| tap.weights[which].mul_add(tap.pixels[row + i], sum))
+    };
+    for (i, out) in out.iter_mut().enumerate() {
+        *out = if between { sum(i, 0) + sum(i + 1, 1) } else { sum(i, 0) };
+    }
+}
+
+struct RowsJob<'a> {
+    taps: &'a [Tap<'a>],
+    width: usize,
+    /// At least [`LONGEST`].
+    columns: usize,
+    rows: std::ops::Range<usize>,
+    /// Whether a second sum is needed.
+    between: bool,
+    here: &'a mut [f32],
+    shifted: &'a mut [f32],
+    out: &'a mut [f32],
+    stride: usize,
+}
+
+impl WithSimd for RowsJob<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for (index, v) in self.rows.enumerate() {
+            let (out, row) = (&mut self.out[index * self.stride..][..self.columns], v * self.width);
+            if self.between {
+                // The second sum needs one value more.
+                in_vectors!(S, self.columns + 1, |V, places| {
+                    let sums = two_sums::<S, V>(simd, self.taps, row, places);
+                    for i in 0..V {
+                        store::<S>(self.here, places[i], sums[0][i]);
+                        store::<S>(self.shifted, places[i], sums[1][i]);
+                    }
+                });
+                in_vectors!(S, self.columns, |V, places| {
+                    for at in places {
+                        let sum = simd.add_f32s(load::<S>(self.here, at), load::<S>(self.shifted, at + 1));
+                        store::<S>(out, at, sum);
+                    }
+                });
+            } else {
+                in_vectors!(S, self.columns, |V, places| {
+                    let sums = one_sum::<S, V>(simd, self.taps, row, places);
+                    for i in 0..V {
+                        store::<S>(out, places[i], sums[i]);
+                    }
+                });
+            }
+        }
+    }
+}
+
+/// Vectors of both sums at `places` of the row that begins `row` values after the taps.
+#[inline(always)]
+fn two_sums<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, places: [usize; V]) -> [[S::f32s; V]; 2] {
+    let mut sums = [[simd.splat_f32s(0.0); V]; 2];
+    for tap in taps {
+        let weights = tap.weights.map(|weight| simd.splat_f32s(weight));
+        let pixels = &tap.pixels[row..];
+        for i in 0..V {
+            let pixels = load::<S>(pixels, places[i]);
+            sums[0][i] = simd.mul_add_f32s(weights[0], pixels, sums[0][i]);
+            sums[1][i] = simd.mul_add_f32s(weights[1], pixels, sums[1][i]);
+        }
+    }
+    sums
+}
+
+/// Vectors of the first sum alone at `places`.
+#[inline(always)]
+fn one_sum<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, places: [usize; V]) -> [S::f32s; V] {
+    let mut sums = [simd.splat_f32s(0.0); V];
+    for tap in taps {
+        let (weight, pixels) = (simd.splat_f32s(tap.weights[0]), &tap.pixels[row..]);
+        for i in 0..V {
+            sums[i] = simd.mul_add_f32s(weight, load::<S>(pixels, places[i]), sums[i]);
+        }
+    }
+    sums
+}
+
+/// The bilinear sample of `frame` for pixel (u, v); beyond the frame the nearest pixel.
+pub(crate) fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
+    let (width, height) = frame.size();
+    let at = |du: i64, dv: i64| {
+        let x = (u as i64 + offset.whole_u + du).clamp(0, width as i64 - 1);
+        let y = (v as i64 + offset.whole_v + dv).clamp(0, height as i64 - 1);
+        frame.data()[y as usize * width + x as usize]
+    };
+    let upper = (1.0 - offset.part_u) * at(0, 0) + offset.part_u * at(1, 0);
+    let lower = (1.0 - offset.part_u) * at(0, 1) + offset.part_u * at(1, 1);
+    (1.0 - offset.part_v) * upper + offset.part_v * lower
+}
+
+/// `B` values of the weighted sum, from `start` on, held in registers.
+#[inline(always)]
+fn weighted_block<const B: usize>(taps: &[(&[f32], f32)], scale: f32, start: usize, out: &mut [f32]) {
+    let mut acc = [0.0f32; B];
+    for &(row, weight) in taps {
+        let row: &[f32; B] = row[start..start + B].try_into().expect("a block");
+        for i in 0..B {
+            acc[i] = weight.mul_add(row[i], acc[i]);
+        }
+    }
+    acc.iter_mut().for_each(|x| *x *= scale);
+    out[start..start + B].copy_from_slice(&acc);
+}
+
+/// `out = scale·Σ weight·row`, over `(row, weight)`; each row is at least as long as `out`.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+pub(crate) fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
+    for_blocks(
+        out.len(),
+        #[inline(always)]
+        |start, size| match size {
+            BlockSize::Large => weighted_block::<LARGE>(taps, scale, start, out),
+            BlockSize::Small => weighted_block::<SMALL>(taps, scale, start, out),
+            BlockSize::One => weighted_block::<1>(taps, scale, start, out),
+        },
+    );
+}
+
+/// Offset of one frame: whole pixels and a fraction in [0, 1) in each direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameOffset {
+    /// Whole columns.
+    pub whole_u: i64,
+    /// Whole rows.
+    pub whole_v: i64,
+    /// Fraction of a column.
+    pub part_u: f32,
+    /// Fraction of a row.
+    pub part_v: f32,
+    /// Number of columns before the first one that still count as it, 0 or 1: see
+    /// [`crate::detector::Interpolation::Truncated`].
+    pub before_u: i64,
+    /// Number of rows before the first one that still count as it, 0 or 1.
+    pub before_v: i64,
+}
+
+impl FrameOffset {
+    /// Columns of an image `width` wide at which the frame has pixels of its own.
+    pub(crate) fn reads_columns(&self, width: usize) -> Range<usize> {
+        Self::covered(self.whole_u, self.part_u, 0, width)
+    }
+
+    /// Columns of an image `width` wide at which the frame counts.
+    pub(crate) fn covers_columns(&self, width: usize) -> Range<usize> {
+        Self::covered(self.whole_u, self.part_u, self.before_u, width)
+    }
+
+    /// Columns of an image `width` wide at which the frame has pixels of its own, and one more to the right, whether or
+    /// not that is needed.
+    pub(crate) fn reads_next_columns(&self, width: usize) -> Range<usize> {
+        Self::covered(self.whole_u, 1.0, 0, width)
+    }
+
+    /// Rows of an image `height` high that the frame covers.
+    pub(crate) fn covers_rows(&self, height: usize) -> Range<usize> {
+        Self::covered(self.whole_v, self.part_v, self.before_v, height)
+    }
+
+    /// Whether the frame covers row `v` of an image `height` high.
+    pub(crate) fn covers_row(&self, v: usize, height: usize) -> bool {
+        self.covers_rows(height).contains(&v)
+    }
+
+    /// Positions `0 … n−1` that stay inside at whole offset `whole` and fraction `part`, as a half-open range; `before`
+    /// positions before 0 count too.
+    fn covered(whole: i64, part: f32, before: i64, n: usize) -> Range<usize> {
+        let reach = i64::from(part > 0.0);
+        let start = (-whole - before).clamp(0, n as i64);
+        let end = (n as i64 - whole - reach).clamp(start, n as i64);
+        start as usize..end as usize
+    }
+
+    /// Whether the frame covers the pixel (u, v) of an image of `size`.
+    pub fn covers(&self, u: usize, v: usize, size: (usize, usize)) -> bool {
+        self.covers_columns(size.0).contains(&u) && self.covers_row(v, size.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_of_any_length_have_the_bits_of_short_ones() {
+        let frames: Vec<Vec<f32>> =
+            (0..3).map(|t| (0..400).map(|i| ((i * 31 + t * 7 + i * i % 11) % 29) as f32 / 29.0).collect()).collect();
+        let mut maker = WeightedRows::default();
+        for parts in [[0.0, 0.0, 0.0], [0.5, 0.5, 0.5], [0.0, 0.3, 0.9]] {
+            let taps: Vec<Tap<'_>> =
+                frames.iter().zip(parts).map(|(frame, part)| Tap::new(&frame[3..], 1.0 / 3.0, part)).collect();
+            for columns in [1, 15, 16, 17, 33, 100, 129] {
+                let mut out = vec![f32::NAN; 2 * 131];
+                maker.make(&taps, 133, columns, 1..3, &mut out, 131);
+                for (v, row) in out.chunks(131).enumerate() {
+                    let mut expected = vec![0.0; columns];
+                    short_row(&taps, (v + 1) * 133, parts.iter().any(|&part| part > 0.0), &mut expected);
+                    assert_eq!(row[..columns], expected, "{parts:?} {columns}");
+                    // No other values are written.
+                    assert!(row[columns..].iter().all(|x| x.is_nan()), "{parts:?} {columns}");
+                }
+            }
+        }
+    }
+}

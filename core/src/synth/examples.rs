@@ -1,0 +1,422 @@
+//! Small built-in bursts as examples: two failures, in which the paper's method finds false features or misses discs;
+//! and scenes that show one effect each.
+//!
+//! | example | content | where to probe |
+//! | --- | --- | --- |
+//! | aliasing | three garlands with a small lamp every 8 px, under larger lamps that stand apart, all moving by 1 px/frame: the garlands respond again at −7 px/frame | a dark gap beside a lamp, which is kept at −7 px/frame |
+//! | low contrast | nine discs, each fainter than the one before, the last ones hidden by noise | a disc that only the gate rejects |
+//! | many depths | a column of lamps at each of nine depths, slope 0 on the left to 2.4 px/frame on the right: a fan in the x–t slice | a lamp in the middle |
+//! | tripod | a still camera: everything has slope 0, so depths cannot be told apart | a disc |
+//! | hot pixels | lamps that move by 1 px/frame, behind sixty hot pixels of the sensor | a hot pixel |
+//! | street, street later | textured walls at two depths in the dark, and the same ones later: for matching | a lamp |
+
+use super::capture_burst;
+use super::layer::{Layer, draw_layers, visible_landmarks};
+use super::noise::Camera;
+use super::truth::{NoiseTruth, Truth, TruthKind};
+use crate::burst::Burst;
+use crate::monitor::Monitor;
+use crate::synth::paint::{Area, fractal_relief};
+use crate::synth::random::Stream;
+use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+
+/// Columns and rows of an example's frames.
+pub const EXAMPLE_SIZE: (usize, usize) = (240, 180);
+/// Number of frames of an example.
+pub const EXAMPLE_FRAMES: usize = 9;
+
+const SEED: u64 = 20_220_920;
+const HALF_SPAN: f64 = 0.5 * (EXAMPLE_FRAMES as f64 - 1.0);
+/// Time from the middle of the street to the middle of the later one, frames.
+const LATER_FRAMES: f64 = 10.0;
+
+/// Example burst.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Example {
+    /// Periodic texture that responds at slopes of no motion.
+    Aliasing,
+    /// Discs fainter than the gate are not found.
+    LowContrast,
+    /// Objects at many depths, each with its own slope.
+    Depths,
+    /// A still camera before a still scene.
+    Tripod,
+    /// Pixels that are bright independently of the scene.
+    HotPixels,
+    /// Textured walls in the dark.
+    Street,
+    /// The walls of `Street` a little later.
+    StreetLater,
+}
+
+impl Example {
+    /// All examples.
+    pub const ALL: [Self; 7] = [
+        Self::Depths,
+        Self::Street,
+        Self::StreetLater,
+        Self::Aliasing,
+        Self::LowContrast,
+        Self::Tripod,
+        Self::HotPixels,
+    ];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Aliasing => "demo-aliasing",
+            Self::LowContrast => "demo-low-contrast",
+            Self::Depths => "demo-depths",
+            Self::Tripod => "demo-tripod",
+            Self::HotPixels => "demo-hot-pixels",
+            Self::Street => "demo-street",
+            Self::StreetLater => "demo-street-later",
+        }
+    }
+
+    /// The example of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|example| example.name() == name)
+    }
+
+    /// Label in menus.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Aliasing => "Example: aliasing",
+            Self::LowContrast => "Example: low contrast",
+            Self::Depths => "Example: many depths",
+            Self::Tripod => "Example: still tripod",
+            Self::HotPixels => "Example: hot pixels",
+            Self::Street => "Example: dark street",
+            Self::StreetLater => "Example: dark street, later",
+        }
+    }
+
+    /// Description as a sentence, for menus and tooltips.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Aliasing => {
+                "Garlands repeat themselves every 8 px, so slopes 8 px/frame apart look alike: features at −7 px/frame, though nothing moves so."
+            }
+            Self::LowContrast => {
+                "Discs of falling contrast: the noise gate takes those that the noise could have made."
+            }
+            Self::Depths => {
+                "Lamps at nine depths, from slope 0 on the left to 2.4 px/frame on the right: each is sharp at its own slope, and slants of its own in the slice."
+            }
+            Self::Tripod => "A still camera before a still scene: more light, but slope 0 everywhere, and so no depth.",
+            Self::HotPixels => {
+                "Lamps that move by 1 px/frame, and sixty pixels of the sensor that stay bright at their places: at slope 0 they look like things."
+            }
+            Self::Street => "Textured walls at two depths, too dark for one frame: match it with the later one.",
+            Self::StreetLater => "The textured walls a little later: the second burst to match with.",
+        }
+    }
+
+    /// The place (u, v) worth probing, pixels at mid-burst.
+    pub fn place(self) -> [f32; 2] {
+        match self {
+            Self::Aliasing => GARLAND_PLACE,
+            Self::LowContrast => disc_place(8),
+            Self::Depths => lamp_place(4),
+            Self::Tripod => TRIPOD_PLACE,
+            Self::HotPixels => hot_pixels()[0].0.map(|x| x as f32),
+            Self::Street => STREET_PLACE,
+            Self::StreetLater => {
+                let [u, v] = STREET_PLACE;
+                [u + LATER_FRAMES as f32 * STREET_SLOPES[0] as f32, v]
+            }
+        }
+    }
+
+    /// The horizontal slope, px/frame, at which the example shows its effect.
+    pub fn slope_u(self) -> f32 {
+        match self {
+            Self::Aliasing => ALIASING_SLOPE - GARLAND_PERIOD,
+            Self::LowContrast => DISCS_SLOPE,
+            Self::Depths => self.truth().layers[4].slope_u as f32,
+            Self::Tripod | Self::HotPixels => 0.0,
+            Self::Street | Self::StreetLater => STREET_SLOPES[0] as f32,
+        }
+    }
+
+    /// The (octave, level) of the response to look at, where it is one of several at its place and not the strongest;
+    /// `None` where it is the strongest.
+    pub fn scale(self) -> Option<(i32, i32)> {
+        (self == Self::Aliasing).then_some((0, 0))
+    }
+
+    /// The horizontal slopes at which to search the example: their range, px/frame, and their number.
+    pub fn slopes_u(self) -> (RangeInclusive<f32>, usize) {
+        match self {
+            Self::Aliasing => (-9.0..=9.0, 37),
+            Self::LowContrast => (-2.0..=2.0, 9),
+            Self::Depths => (-0.5..=3.0, 15),
+            Self::Tripod | Self::HotPixels => (-2.0..=2.0, 9),
+            Self::Street | Self::StreetLater => (-3.0..=3.0, 13),
+        }
+    }
+
+    /// The burst; always the same bits.
+    pub fn burst(self) -> Burst {
+        let never = Monitor::default();
+        let layers = self.layers();
+        let hot = if self == Self::HotPixels { hot_pixels() } else { Vec::new() };
+        let draw = |dt: f64| {
+            let mut signal = draw_layers(&layers, EXAMPLE_SIZE, dt + self.later(), &never)?;
+            for ([u, v], value) in &hot {
+                signal.data_mut()[v * EXAMPLE_SIZE.0 + u] += value;
+            }
+            Ok(signal)
+        };
+        let seed = SEED + u64::from(self == Self::StreetLater);
+        capture_burst(self.name(), EXAMPLE_FRAMES, seed, &camera(), &never, draw)
+            .expect("nobody can cancel this monitor")
+    }
+
+    /// The truth of the example.
+    pub fn truth(self) -> Truth {
+        let layers = self.layers();
+        let mut features = visible_landmarks(&layers, EXAMPLE_SIZE, HALF_SPAN + self.later());
+        for feature in &mut features {
+            (feature.u, feature.v) = feature.position(self.later());
+        }
+        Truth {
+            kind: TruthKind::Scene,
+            width: EXAMPLE_SIZE.0,
+            height: EXAMPLE_SIZE.1,
+            frames: EXAMPLE_FRAMES,
+            t0: HALF_SPAN,
+            seed: SEED + u64::from(self == Self::StreetLater),
+            noise: NoiseTruth::of(&camera(), f64::from(GROUND), None),
+            black_level: camera().black_level,
+            layers: layers.iter().map(Layer::truth).collect(),
+            features,
+        }
+    }
+
+    /// Time of its mid-burst after the scene's own, frames.
+    fn later(self) -> f64 {
+        if self == Self::StreetLater { LATER_FRAMES } else { 0.0 }
+    }
+
+    /// The layers of the example, far to near.
+    fn layers(self) -> Vec<Layer> {
+        match self {
+            Self::Aliasing => vec![garlands()],
+            Self::LowContrast => vec![discs()],
+            Self::Depths => depths(),
+            Self::Tripod => vec![still()],
+            Self::HotPixels => vec![lamps()],
+            Self::Street | Self::StreetLater => street(HALF_SPAN + LATER_FRAMES),
+        }
+    }
+}
+
+/// As dark as the demo's: 200 electrons at full scale, 3 electrons of read noise, 12 bits.
+fn camera() -> Camera {
+    Camera { full_scale_electrons: 200.0, read_noise_electrons: 3.0, black_level: 0.07, bits: Some(12) }
+}
+
+/// Period of the garlands, pixels.
+pub const GARLAND_PERIOD: f32 = 8.0;
+/// Slope of everything in the aliasing example, px/frame.
+pub const ALIASING_SLOPE: f32 = 1.0;
+/// Rows of the garlands.
+const GARLANDS: [f32; 3] = [104.0, 128.0, 152.0];
+/// Radius of the garlands' lamps, pixels.
+const GARLAND_RADIUS: f64 = 2.4;
+/// A dark gap between two lamps of a garland, which is kept as a feature at −7 px/frame.
+const GARLAND_PLACE: [f32; 2] = [172.0, 101.3];
+/// Slope of the discs of the low-contrast example, px/frame.
+const DISCS_SLOPE: f32 = 1.0;
+/// Discs of the low-contrast example: position of the first one, distance, and radius, pixels.
+const DISCS: (f32, f32, f32) = (40.0, 40.0, 6.0);
+/// Ratio of the contrast of each disc to that of the one before.
+const FAINTER: f32 = 0.7;
+/// Contrast of the brightest disc, fraction of full scale above the background.
+const BRIGHTEST: f32 = 0.02;
+/// Background of most scenes, fraction of full scale.
+const GROUND: f32 = 0.03;
+/// Slopes of the street's far and near walls, px/frame.
+const STREET_SLOPES: [f64; 2] = [1.2, 2.2];
+/// Position of a lamp on the street's far wall.
+const STREET_PLACE: [f32; 2] = [128.0, 48.0];
+/// Position of a disc of the still scene.
+const TRIPOD_PLACE: [f32; 2] = [120.0, 90.0];
+/// Rows of the lamps at many depths, with their radii, pixels.
+const LAMP_ROWS: [(f32, f64); 3] = [(40.0, 2.5), (90.0, 3.5), (140.0, 5.0)];
+/// Number of depths, with a column of lamps at each.
+const DEPTHS: usize = 9;
+
+/// Place of disc `index` of the low-contrast example.
+pub fn disc_place(index: usize) -> [f32; 2] {
+    let (first, apart, _) = DISCS;
+    [first + apart * (index % 5) as f32, if index < 5 { 60.0 } else { 120.0 }]
+}
+
+/// Place of the lamp in column `index` and the middle row of the lamps at many depths.
+fn lamp_place(index: usize) -> [f32; 2] {
+    [18.0 + 25.0 * index as f32, LAMP_ROWS[1].0]
+}
+
+fn garlands() -> Layer {
+    let mut layer = Layer::new("garlands", EXAMPLE_SIZE, (f64::from(ALIASING_SLOPE), 0.0), HALF_SPAN);
+    layer.sheet.fill(|u, v| 0.02 + 0.004 * fractal_relief(41, u, v, 40.0, 2));
+    // A row of lamps at unequal distances determines the true slope.
+    for (u, v, radius) in [
+        (22.0, 40.0, 5.0),
+        (61.0, 52.0, 3.5),
+        (88.0, 36.0, 4.2),
+        (131.0, 47.0, 5.5),
+        (172.0, 38.0, 3.2),
+        (214.0, 50.0, 4.6),
+    ] {
+        layer.landmark(u, v, radius, 0.11, true);
+    }
+    for v in GARLANDS {
+        for k in -6..44 {
+            layer.landmark(f64::from(GARLAND_PERIOD * k as f32), f64::from(v), GARLAND_RADIUS, 0.09, true);
+        }
+    }
+    layer
+}
+
+fn discs() -> Layer {
+    let mut layer = Layer::new("discs", EXAMPLE_SIZE, (f64::from(DISCS_SLOPE), 0.0), HALF_SPAN);
+    layer.sheet.fill(|_, _| GROUND);
+    let mut contrast = BRIGHTEST;
+    for index in 0..9 {
+        let [u, v] = disc_place(index);
+        layer.landmark(f64::from(u), f64::from(v), f64::from(DISCS.2), GROUND + contrast, true);
+        contrast *= FAINTER;
+    }
+    layer
+}
+
+/// Columns of lamps on posts, at nine depths: the farthest on the left, the nearest on the right.
+fn depths() -> Vec<Layer> {
+    (0..DEPTHS)
+        .map(|depth| {
+            let name = format!("depth {}", depth + 1);
+            let mut layer = Layer::new(&name, EXAMPLE_SIZE, (0.3 * depth as f64, 0.0), HALF_SPAN);
+            if depth == 0 {
+                layer.sheet.fill(|u, v| 0.012 + 0.008 * fractal_relief(7, u, v, 30.0, 3));
+            }
+            let [u, _] = lamp_place(depth);
+            layer.sheet.rectangle(Area::new(u - 0.8, LAMP_ROWS[0].0, u + 0.8, 200.0), 0.035);
+            for (v, radius) in LAMP_ROWS {
+                layer.landmark(f64::from(u), f64::from(v), radius, 0.1, true);
+            }
+            layer
+        })
+        .collect()
+}
+
+/// Discs on a textured wall that does not move.
+fn still() -> Layer {
+    let mut layer = Layer::new("wall", EXAMPLE_SIZE, (0.0, 0.0), HALF_SPAN);
+    layer.sheet.fill(|u, v| 0.02 + 0.02 * fractal_relief(11, u, v, 18.0, 4));
+    for j in 0..3 {
+        for i in 0..5 {
+            let (u, v) = (40.0 + 40.0 * f64::from(i), 45.0 + 45.0 * f64::from(j));
+            layer.landmark(u, v, 3.0 + f64::from((i + 2 * j) % 4), 0.075, true);
+        }
+    }
+    layer
+}
+
+/// Lamps before an even background, moving to the right.
+fn lamps() -> Layer {
+    let mut layer = Layer::new("lamps", EXAMPLE_SIZE, (1.0, 0.0), HALF_SPAN);
+    layer.sheet.fill(|_, _| GROUND);
+    for j in 0..3 {
+        for i in 0..5 {
+            let (u, v) = (36.0 + 42.0 * f64::from(i), 40.0 + 50.0 * f64::from(j));
+            layer.landmark(u, v, 3.0 + f64::from((i + j) % 3), 0.07, true);
+        }
+    }
+    layer
+}
+
+/// Hot pixels of the sensor: their positions (column, row) and their added values.
+fn hot_pixels() -> Vec<([usize; 2], f32)> {
+    let mut stream = Stream::new(SEED, 900);
+    (0..60)
+        .map(|_| {
+            let u = stream.within(6.0, EXAMPLE_SIZE.0 as f64 - 6.0) as usize;
+            let v = stream.within(6.0, EXAMPLE_SIZE.1 as f64 - 6.0) as usize;
+            ([u, v], stream.within(0.12, 0.35) as f32)
+        })
+        .collect()
+}
+
+/// A wall of plaster and stains behind boards with prints, both with lamps, seen at most `reach` frames from mid-burst.
+fn street(reach: f64) -> Vec<Layer> {
+    let [far, near] = STREET_SLOPES;
+    let mut wall = Layer::new("wall", EXAMPLE_SIZE, (far, 0.0), reach);
+    wall.sheet.fill(|u, v| 0.012 + 0.06 * fractal_relief(23, u, v, 16.0, 4).powi(2));
+    for (u, v, radius) in [
+        (128.0, 48.0, 4.0),
+        (64.0, 30.0, 3.0),
+        (178.0, 66.0, 3.5),
+        (88.0, 78.0, 5.0),
+        (150.0, 22.0, 3.0),
+        (112.0, 96.0, 3.0),
+    ] {
+        wall.landmark(u, v, radius, 0.09, true);
+    }
+    let mut boards = Layer::new("boards", EXAMPLE_SIZE, (near, 0.0), reach);
+    for k in 0..6 {
+        let left = -60.0 + 62.0 * k as f32;
+        let board = Area::new(left, 112.0 + 9.0 * (k % 3) as f32, left + 48.0, 190.0);
+        boards.sheet.shape(
+            board,
+            move |u, v| board.distance(u, v),
+            |u, v| 0.02 + 0.07 * fractal_relief(57, u, v, 11.0, 3).powi(2),
+        );
+        boards.landmark(f64::from(left) + 24.0, 150.0, 4.0, 0.004, false);
+    }
+    vec![wall, boards]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_examples_are_what_they_say_and_the_same_everywhere() {
+        for example in Example::ALL {
+            let burst = example.burst();
+            assert_eq!(
+                (burst.name.as_str(), burst.len(), burst.size()),
+                (example.name(), EXAMPLE_FRAMES, EXAMPLE_SIZE)
+            );
+            let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+            assert_eq!(burst.frames, single.install(|| example.burst()).frames);
+            let [u, v] = example.place();
+            assert!(u < EXAMPLE_SIZE.0 as f32 && v < EXAMPLE_SIZE.1 as f32);
+            assert!(example.slopes_u().0.contains(&example.slope_u()));
+            assert!(example.name().starts_with("demo-") && !example.help().is_empty());
+            assert_eq!(Example::named(example.name()), Some(example));
+        }
+    }
+
+    #[test]
+    fn the_truth_lies_in_the_picture_and_moves_as_its_layer() {
+        for example in Example::ALL {
+            let truth = example.truth();
+            assert!(truth.features.len() >= 5, "{example:?}: {} features", truth.features.len());
+            for feature in &truth.features {
+                let layer = &truth.layers[feature.layer.expect("scenes have layers")];
+                assert_eq!((feature.slope_u, feature.slope_v), (layer.slope_u, layer.slope_v));
+                let inside = (0.0..240.0).contains(&feature.u) && (0.0..180.0).contains(&feature.v);
+                assert!(inside, "{example:?}: {feature:?}");
+            }
+        }
+        let slopes: Vec<f64> = Example::Depths.truth().layers.iter().map(|layer| layer.slope_u).collect();
+        assert!(slopes.len() == 9 && slopes.is_sorted() && slopes[8] > 2.0, "{slopes:?}");
+    }
+}

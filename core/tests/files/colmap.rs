@@ -1,0 +1,379 @@
+//! Export of a dataset to COLMAP: the written files, resuming without repeated work, and, where pycolmap is installed,
+//! reading by COLMAP.
+
+use burstscope_core::burst::{Burst, BurstSource, OpenOptions, SequenceCut, cut_sequence, find_bursts};
+use burstscope_core::dataset::{
+    CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, ImageKind, export_colmap,
+};
+use burstscope_core::detector::DetectorParams;
+use burstscope_core::export::{pair_id, read_colmap};
+use burstscope_core::matching::{Camera, Geometry, MatchParams, PairSelection};
+use burstscope_core::synth::{SceneParams, synth_scene, write_burst};
+use burstscope_core::{Monitor, SlopeGrid};
+use rusqlite::Connection;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Size of the frames.
+pub const SIZE: (usize, usize) = (260, 200);
+
+/// Three bursts of five frames, cut from one walk past a layered scene in `home`.
+pub fn walk(home: &Path) -> Vec<BurstSource> {
+    let params = SceneParams {
+        width: SIZE.0,
+        height: SIZE.1,
+        frames: 15,
+        max_slope: 1.5,
+        snr: 20.0,
+        seed: 3,
+        ..SceneParams::default()
+    };
+    let (burst, truth) = synth_scene(&params, &Monitor::default()).expect("a scene");
+    let film = home.join("film");
+    write_burst(&film, &burst, &truth, &Monitor::default()).expect("written");
+    let sequence = &find_bursts(&[film]).expect("one sequence")[0];
+    cut_sequence(sequence, SequenceCut::new(5, None).expect("a cut")).expect("three bursts")
+}
+
+/// A job with few slopes and an unknown camera.
+pub fn job() -> ColmapJob {
+    ColmapJob {
+        features: FeatureJob {
+            detector: DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into(),
+            open: OpenOptions::default(),
+            images: ImageKind::default(),
+        },
+        matching: MatchParams::default(),
+        pairs: PairSelection::All,
+        camera: CameraChoice::default(),
+    }
+}
+
+/// Runs the job; also returns the names of bursts that failed.
+pub fn export(
+    bursts: &[BurstSource],
+    out: &Path,
+    job: &ColmapJob,
+) -> (Result<ColmapReport, DatasetError>, Vec<String>) {
+    let mut failed = Vec::new();
+    let mut on = |event: Event<'_>| {
+        if let Event::Failed { name, .. } = event {
+            failed.push(name.to_owned());
+        }
+    };
+    let report = export_colmap(bursts, out, job, &mut on, &Monitor::default());
+    (report, failed)
+}
+
+fn written(home: &Path, known: bool) -> (ColmapReport, PathBuf) {
+    let out = home.join("out");
+    let job = if known {
+        let camera = CameraChoice::Known(Camera::centred(SIZE.0, SIZE.1, 250.0));
+        ColmapJob { camera, matching: MatchParams { geometry: Geometry::Essential, ..MatchParams::default() }, ..job() }
+    } else {
+        job()
+    };
+    let (report, failed) = export(&walk(home), &out, &job);
+    assert!(failed.is_empty());
+    (report.expect("written"), out)
+}
+
+#[test]
+fn files_and_tables_agree() {
+    let home = tempfile::tempdir().expect("a folder");
+    let (report, out) = written(home.path(), false);
+    let names: Vec<&str> = report.images.iter().map(|i| i.image.as_str()).collect();
+    assert_eq!(names, ["frame_002.png", "frame_007.png", "frame_012.png"]);
+    assert_eq!(
+        (report.cameras[0].to_string().as_str(), report.known_camera),
+        ("SIMPLE_RADIAL 260 200 312 130 100 0", false)
+    );
+    let db = Connection::open(&report.database).expect("a database");
+    for image in &report.images {
+        let (keypoints, descriptors) =
+            read_colmap(&out.join(format!("features/{}.txt", image.image))).expect("features");
+        assert!(keypoints.len() > 50 && keypoints.len() == image.features, "{} features", image.features);
+        let blob = |table: &str| {
+            let sql = format!("SELECT data FROM {table} WHERE image_id = {}", image.id);
+            db.query_row(&sql, [], |row| row.get::<_, Vec<u8>>(0)).expect("a row")
+        };
+        let numbers: Vec<u8> =
+            keypoints.iter().flat_map(|k| [k.x, k.y, k.scale, k.orientation]).flat_map(f32::to_le_bytes).collect();
+        assert!(blob("keypoints") == numbers && blob("descriptors") == descriptors.concat());
+        // The picture has the frames' size, and uses the whole range.
+        let picture = image::open(report.images_folder.join(&image.image)).expect("a picture").into_luma8();
+        assert_eq!(picture.dimensions(), (SIZE.0 as u32, SIZE.1 as u32));
+        assert!(picture.iter().any(|&x| x < 5) && picture.iter().any(|&x| x > 250));
+    }
+    for pair in &report.pairs {
+        let id = pair_id(pair.ids[0], pair.ids[1]) as i64;
+        let rows = |table: &str| {
+            db.query_row(&format!("SELECT rows FROM {table} WHERE pair_id = {id}"), [], |row| row.get::<_, u32>(0))
+        };
+        assert_eq!(rows("matches"), Ok(pair.counts.putative as u32));
+        assert_eq!(rows("two_view_geometries").ok(), pair.counts.inliers.map(|n| n as u32));
+    }
+    assert!(report.pairs[0].counts.inliers.is_some_and(|n| n > 30), "{:?}", report.pairs[0]);
+    // The picture of a burst is its middle frame.
+    let burst = Burst::open(home.path().join("film/frame_007.png")).expect("a frame");
+    let picture = image::open(report.images_folder.join("frame_007.png")).expect("a picture").into_luma8();
+    let (mut a, mut b): (Vec<f32>, Vec<f32>) = (Vec::new(), Vec::new());
+    for (u, v) in (0..SIZE.0).flat_map(|u| (0..SIZE.1).map(move |v| (u, v))) {
+        a.push(burst.frames[0].at(u, v));
+        b.push(f32::from(picture.get_pixel(u as u32, v as u32)[0]));
+    }
+    let mean = |x: &[f32]| x.iter().sum::<f32>() / x.len() as f32;
+    let (ma, mb) = (mean(&a), mean(&b));
+    let dot = |x: &[f32], mx: f32, y: &[f32], my: f32| x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum::<f32>();
+    let correlation = dot(&a, ma, &b, mb) / (dot(&a, ma, &a, ma) * dot(&b, mb, &b, mb)).sqrt();
+    assert!(correlation > 0.99, "{correlation}");
+}
+
+/// The Python interpreter with pycolmap.
+fn python() -> String {
+    std::env::var("BURSTSCOPE_PYTHON").unwrap_or_else(|_| "python3".to_owned())
+}
+
+/// Prints everything that COLMAP finds in the database, as JSON, and for each pair the largest error of its inliers
+/// under its own geometry, in COLMAP's pixels.
+const READ_ALL: &str = r#"
+import json, sys
+import numpy as np
+import pycolmap
+
+database = pycolmap.Database.open(sys.argv[1]) if hasattr(pycolmap.Database, "open") else pycolmap.Database(sys.argv[1])
+number = lambda x: x() if callable(x) else x
+images = database.read_all_images()
+keypoints = {i.image_id: np.asarray(database.read_keypoints(i.image_id)) for i in images}
+descriptors = {}
+for i in images:
+    d = database.read_descriptors(i.image_id)
+    descriptors[i.image_id] = np.asarray(d.data if hasattr(d, "data") and not isinstance(d, np.ndarray) else d)
+cameras = {c.camera_id: c for c in database.read_all_cameras()}
+pairs = []
+for a in images:
+    for b in images:
+        if a.image_id < b.image_id:
+            geometry = database.read_two_view_geometry(a.image_id, b.image_id)
+            inliers = np.asarray(geometry.inlier_matches)
+            xa, xb = keypoints[a.image_id][inliers[:, 0], :2], keypoints[b.image_id][inliers[:, 1], :2]
+            one = np.ones((len(inliers), 1))
+            F, E = geometry.F, geometry.E
+            if E is not None and np.any(E):
+                K = cameras[a.camera_id].calibration_matrix()
+                F = np.linalg.inv(K).T @ E @ np.linalg.inv(K)
+            xa, xb = np.hstack([xa, one]), np.hstack([xb, one])
+            la, lb = xb @ F, xa @ F.T
+            sampson = np.abs(np.sum(xb * lb, axis=1)) / np.sqrt(la[:, 0]**2 + la[:, 1]**2 + lb[:, 0]**2 + lb[:, 1]**2)
+            pose = geometry.cam2_from_cam1
+            pairs.append({
+                "ids": [a.image_id, b.image_id], "matches": len(np.asarray(database.read_matches(a.image_id, b.image_id))),
+                "inliers": len(inliers), "config": int(geometry.config), "worst": float(sampson.max()), "rms": float(np.sqrt((sampson**2).mean())),
+                "pose": None if pose is None else [float(x) for x in pose.translation],
+            })
+print(json.dumps({
+    "images": [{"id": i.image_id, "name": i.name, "camera": i.camera_id} for i in images],
+    "cameras": [{"model": c.model.name if hasattr(c.model, "name") else str(c.model), "width": c.width, "params": [float(p) for p in c.params],
+                 "prior": bool(c.has_prior_focal_length)} for c in cameras.values()],
+    "frames": number(database.num_frames) if hasattr(database, "num_frames") else None,
+    "keypoints": {str(k): [float(x) for x in v.flatten()] for k, v in keypoints.items()},
+    "descriptors": {str(k): int(v.astype(np.int64).sum()) for k, v in descriptors.items()},
+    "pairs": pairs,
+}))
+"#;
+
+#[needs::pycolmap]
+#[test]
+fn colmap_reads_what_was_written() {
+    for known in [false, true] {
+        let home = tempfile::tempdir().expect("a folder");
+        let (report, out) = written(home.path(), known);
+        let answer = Command::new(python()).args(["-c", READ_ALL]).arg(&report.database).output().expect("it starts");
+        assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
+        let json: serde_json::Value = serde_json::from_slice(&answer.stdout).expect("JSON");
+        let camera = &json["cameras"][0];
+        let model = if known { "SIMPLE_PINHOLE" } else { "SIMPLE_RADIAL" };
+        assert_eq!((camera["model"].as_str(), camera["width"].as_u64()), (Some(model), Some(SIZE.0 as u64)));
+        assert_eq!(camera["params"].as_array().map(Vec::len), Some(report.cameras[0].params.len()));
+        assert_eq!(camera["prior"], known);
+        if let Some(frames) = json["frames"].as_u64() {
+            assert_eq!(frames, 3);
+        }
+        for image in &report.images {
+            let id = image.id.to_string();
+            assert!(
+                json["images"]
+                    .as_array()
+                    .is_some_and(|all| all.iter().any(|i| i["name"] == image.image.as_str() && i["id"] == image.id))
+            );
+            let (keypoints, descriptors) =
+                read_colmap(&out.join(format!("features/{}.txt", image.image))).expect("features");
+            let expected: Vec<f32> = keypoints.iter().flat_map(|k| [k.x, k.y, k.scale, k.orientation]).collect();
+            let read: Vec<f32> = json["keypoints"][&id]
+                .as_array()
+                .expect("numbers")
+                .iter()
+                .map(|x| x.as_f64().unwrap_or_default() as f32)
+                .collect();
+            assert_eq!(read, expected);
+            let sum: u64 = descriptors.as_flattened().iter().map(|&x| u64::from(x)).sum();
+            assert_eq!(json["descriptors"][&id], sum);
+        }
+        for (pair, read) in report.pairs.iter().zip(json["pairs"].as_array().expect("pairs")) {
+            assert_eq!(
+                (read["matches"].as_u64(), read["inliers"].as_u64().map(|n| n as usize)),
+                (Some(pair.counts.putative as u64), pair.counts.inliers)
+            );
+            assert_eq!(read["config"], if known { 2 } else { 3 });
+            // In COLMAP's pixels the inliers agree with the geometry as they did in ours: half a pixel off would show
+            // where lines are not parallel.
+            assert!(read["worst"].as_f64().is_some_and(|worst| worst <= 4.01), "{read}");
+            let length = |t: &serde_json::Value| {
+                t.as_array().map(|t| t.iter().filter_map(|x| x.as_f64()).map(|x| x * x).sum::<f64>())
+            };
+            if known {
+                assert!(length(&read["pose"]).is_some_and(|length| (length - 1.0).abs() < 1e-9), "{read}");
+            }
+        }
+    }
+}
+
+/// Prints for each pair the number of inliers of COLMAP's fundamental matrix from the same matches, with the same
+/// largest error.
+const ESTIMATE_ALL: &str = r#"
+import json, sys
+import numpy as np
+import pycolmap
+
+database = pycolmap.Database.open(sys.argv[1]) if hasattr(pycolmap.Database, "open") else pycolmap.Database(sys.argv[1])
+options = pycolmap.RANSACOptions()
+options.max_error = 4.0
+if hasattr(options, "random_seed"):
+    options.random_seed = 0
+counts = []
+for a, b in json.loads(sys.argv[2]):
+    matches = np.asarray(database.read_matches(a, b))
+    xa, xb = np.asarray(database.read_keypoints(a)), np.asarray(database.read_keypoints(b))
+    found = pycolmap.estimate_fundamental_matrix(xa[matches[:, 0], :2].astype(float), xb[matches[:, 1], :2].astype(float), options)
+    counts.append(found["num_inliers"] if found else 0)
+print(json.dumps(counts))
+"#;
+
+#[needs::pycolmap]
+#[test]
+fn inliers_are_as_many_as_colmaps() {
+    let home = tempfile::tempdir().expect("a folder");
+    let (report, _) = written(home.path(), false);
+    let pairs: Vec<[u32; 2]> = report.pairs.iter().map(|pair| pair.ids).collect();
+    let pairs = serde_json::to_string(&pairs).expect("JSON");
+    let answer = Command::new(python()).args(["-c", ESTIMATE_ALL]).arg(&report.database).arg(pairs).output();
+    let answer = answer.expect("it starts");
+    assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
+    let theirs: Vec<usize> = serde_json::from_slice(&answer.stdout).expect("counts");
+    for (pair, theirs) in report.pairs.iter().zip(theirs) {
+        let ours = pair.counts.inliers.expect("verified");
+        println!("of {} matches: {ours} inliers, COLMAP {theirs}", pair.counts.putative);
+        assert!(ours * 100 >= theirs * 97, "{ours} and {theirs}");
+    }
+}
+
+fn done(bursts: &[BurstSource], out: &Path, job: &ColmapJob) -> ColmapReport {
+    let (report, failed) = export(bursts, out, job);
+    assert!(failed.is_empty(), "{failed:?}");
+    report.expect("written")
+}
+
+fn resumed(report: &ColmapReport) -> Vec<bool> {
+    report.images.iter().map(|i| i.resumed).collect()
+}
+
+#[test]
+fn a_second_run_finds_everything_done_and_writes_the_same_bytes() {
+    let home = tempfile::tempdir().expect("a folder");
+    let (bursts, out) = (walk(home.path()), home.path().join("out"));
+    let database = || fs::read(out.join("database.db")).expect("a file");
+    assert_eq!(resumed(&done(&bursts, &out, &job())), [false; 3]);
+    let first = database();
+    assert_eq!(resumed(&done(&bursts, &out, &job())), [true; 3]);
+    assert!(database() == first, "features from files give the same database");
+    // Missing or damaged files are made again, and nothing else.
+    fs::remove_file(out.join("features/frame_007.png.txt")).expect("removed");
+    assert_eq!(resumed(&done(&bursts, &out, &job())), [true, false, true]);
+    fs::write(out.join("features/frame_002.png.txt"), "7 128\n").expect("written");
+    assert_eq!(resumed(&done(&bursts, &out, &job())), [false, true, true]);
+    fs::remove_file(out.join("images/frame_012.png")).expect("removed");
+    assert_eq!(resumed(&done(&bursts, &out, &job())), [true; 3]);
+    assert!(out.join("images/frame_012.png").is_file());
+    assert!(database() == first);
+    // Other pairs need no other features.
+    let next_ones = ColmapJob { pairs: PairSelection::Sequential(1), ..job() };
+    let report = done(&bursts, &out, &next_ones);
+    assert_eq!((resumed(&report), report.pairs.len()), (vec![true; 3], 2));
+}
+
+#[test]
+fn other_parameters_or_other_frames_are_other_features() {
+    let home = tempfile::tempdir().expect("a folder");
+    let (bursts, out) = (walk(home.path()), home.path().join("out"));
+    done(&bursts, &out, &job());
+    let mut weaker = job();
+    weaker.features.detector.detector.edge_threshold *= 1.5;
+    assert_eq!(resumed(&done(&bursts, &out, &weaker)), [false; 3]);
+    // A frame that is written again has another time, whatever its content.
+    let frame = home.path().join("film/frame_006.png");
+    let bytes = fs::read(&frame).expect("a frame");
+    fs::write(&frame, [&bytes[..], b"\0"].concat()).expect("written");
+    assert_eq!(resumed(&done(&bursts, &out, &weaker)), [true, false, true]);
+}
+
+#[test]
+fn an_interrupted_run_is_continued() {
+    let home = tempfile::tempdir().expect("a folder");
+    let (bursts, out) = (walk(home.path()), home.path().join("out"));
+    let monitor = Monitor::default();
+    let mut on = |event: Event<'_>| {
+        if let Event::Done(_) = event {
+            monitor.cancel();
+        }
+    };
+    let stopped = export_colmap(&bursts, &out, &job(), &mut on, &monitor);
+    assert!(matches!(stopped, Err(DatasetError::Cancelled(_))), "{stopped:?}");
+    assert!(!out.join("database.db").exists());
+    assert_eq!(resumed(&done(&bursts, &out, &job())), [true, false, false]);
+}
+
+#[test]
+fn a_broken_burst_is_left_out_and_a_foreign_folder_left_alone() {
+    let home = tempfile::tempdir().expect("a folder");
+    let (bursts, out) = (walk(home.path()), home.path().join("out"));
+    fs::write(home.path().join("film/frame_006.png"), "broken").expect("written");
+    let (report, failed) = export(&bursts, &out, &job());
+    let report = report.expect("written");
+    assert_eq!((failed, report.images.len(), report.pairs.len()), (vec!["frame_007".to_owned()], 2, 1));
+    let (too_few, _) = export(&bursts[..1], &home.path().join("one"), &job());
+    assert!(matches!(too_few, Err(DatasetError::TooFew { count: 1 })));
+    let own = home.path().join("own");
+    fs::create_dir(&own).expect("made");
+    fs::write(own.join("thesis.txt"), "precious").expect("written");
+    let (occupied, _) = export(&bursts, &own, &job());
+    assert!(matches!(occupied, Err(DatasetError::Occupied(_))));
+    assert_eq!(fs::read_dir(&own).expect("a folder").count(), 1);
+}
+
+#[test]
+fn what_makes_no_sense_is_said_before_anything_is_done() {
+    let home = tempfile::tempdir().expect("a folder");
+    let (bursts, out) = (walk(home.path()), home.path().join("out"));
+    let error = |job: ColmapJob| export(&bursts, &out, &job).0.expect_err("refused").to_string();
+    let unverified = MatchParams { geometry: Geometry::None, ..MatchParams::default() };
+    assert!(error(ColmapJob { matching: unverified, ..job() }).contains("geometry"));
+    let calibrated = MatchParams { geometry: Geometry::Essential, ..MatchParams::default() };
+    assert!(error(ColmapJob { matching: calibrated, ..job() }).contains("camera"));
+    let mut nonsense = job();
+    nonsense.features.detector.detector.levels = 0;
+    assert!(error(nonsense).contains("levels"));
+    assert!(!out.exists());
+    let small = CameraChoice::Known(Camera::centred(SIZE.0 / 2, SIZE.1 / 2, 100.0));
+    assert!(error(ColmapJob { camera: small, ..job() }).contains("130×100"));
+}

@@ -1,0 +1,174 @@
+//! The Help menu: its two failure cases, each with the probe on the place that shows it; the glossary, opened from the
+//! menu, from a caption, from a parameter's tooltip, and searched; the figures of the paper.
+
+use crate::probe::answer;
+use crate::support::{Start, Window};
+use burstscope::detector::{NoiseGate, SlopeChoice, Test};
+use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
+use burstscope::inspect::suspicion::Kind;
+use burstscope::requests::BurstSource;
+use burstscope::synth::Example;
+use burstscope::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD};
+use burstscope::teach::built_in;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+
+/// Window with an example of the Help menu: slopes are found unless the example has its own.
+fn example(example: Example) -> Window {
+    let mut start = Start { size: [1280.0, 800.0], ..Start::automatic() };
+    start.startup.source = Some(BurstSource::Example(example));
+    start.open()
+}
+
+#[test]
+fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
+    let mut window = example(Example::LowContrast);
+    let place = Example::LowContrast.place();
+    assert_eq!(answer(&window).probe.pos_image, place);
+    assert_eq!(window.app().model.slopes, SlopeChoice::Given);
+    assert!(window.shows("Nothing was kept here") && window.shows("Below the noise gate"), "it is said at once");
+    let first = answer(&window).probe.subject_fate().expect("a candidate").remedy.clone().expect("a remedy");
+    assert!(window.shows(&first.change.label()) && first.then_fails.is_none(), "and what would keep it");
+    window.snapshot("probe_low_contrast");
+    let fates = answer(&window).probe.fates.clone();
+    let lost = fates
+        .iter()
+        .position(|fate| {
+            fate.first_failed == Some(Test::NoiseGate) && fate.remedy.as_ref().is_some_and(|r| r.then_fails.is_none())
+        })
+        .expect("a candidate that only the gate takes");
+    assert!(lost < 6, "it is among the first that came far: {lost}");
+    let name = format!("Candidate {}: noise gate", lost + 1);
+    window.harness.query_all_by_label_contains(&name).next().expect("it is listed").click();
+    window.harness.run_steps(2);
+    window.settle();
+    assert_eq!(answer(&window).probe.subject_fate().map(|f| f.of_sample()), Some(fates[lost].of_sample()));
+    assert!(window.shows("Below the noise gate"));
+    let (before, change) = (window.app().model.params.clone(), fates[lost].remedy.clone().unwrap().change);
+    window.click(&format!("Apply {}", change.label()));
+    window.settle();
+    let gate = window.app().model.params.noise_gate;
+    assert!(matches!(gate, NoiseGate::Factor(_)) && gate != before.noise_gate);
+    let now = answer(&window);
+    assert!(!window.app().model.probe_is_stale());
+    let fate = now.probe.fates.iter().find(|f| f.of_sample() == fates[lost].of_sample()).expect("the same candidate");
+    assert_ne!(fate.first_failed, Some(Test::NoiseGate));
+    window.ctrl(Key::Z);
+    window.settle();
+    assert_eq!(window.app().model.params, before);
+    assert_eq!(window.app().model.slots.a.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
+    // Another burst is searched at slopes that are found in it.
+    window.run_action("open demo burst");
+    window.settle();
+    assert!(window.app().model.slopes.is_auto() && window.app().model.probe.place().is_none());
+}
+
+#[test]
+fn the_garlands_open_on_an_alias_with_its_evidence() {
+    let mut window = example(Example::Aliasing);
+    let probed = &answer(&window).probe;
+    assert_eq!(probed.pos_image, Example::Aliasing.place());
+    let fate = probed.subject_fate().expect("a candidate").clone();
+    assert!(fate.is_kept() && (fate.slope.u - Example::Aliasing.slope_u()).abs() < 0.5, "{fate:?}");
+    let alias = probed.suspicions.iter().find(|s| s.kind == Kind::Alias).expect("an alias").clone();
+    // The object that really moves there responds more strongly, one period of the texture away.
+    let other = alias.other_slope.expect("another slope");
+    assert!((other.u - ALIASING_SLOPE).abs() < 0.2 && alias.number > 1.0, "{alias:?}");
+    assert!(window.shows("An alias?") && window.shows("repeats itself every 8 px"), "it is said at once");
+    // The picture is that of a slope at which nothing moves, and yet the garlands are sharp.
+    let slope = window.app().model.cursor().slope;
+    assert_eq!((slope.u, slope.v), (ALIASING_SLOPE - GARLAND_PERIOD, 0.0));
+    assert_eq!(Example::Aliasing.slope_u(), slope.u);
+    window.snapshot("probe_aliasing");
+    // With other parameters the place is probed again.
+    window.app_mut().model.params.edge_threshold = 10.0;
+    window.settle();
+    assert_eq!(answer(&window).probe.pos_image, Example::Aliasing.place());
+    // With other slopes and octaves the probe answers too.
+    let mut start = Start::default();
+    start.startup.params.detector.first_octave = 1;
+    start.startup.source = Some(BurstSource::Example(Example::Aliasing));
+    assert_eq!(answer(&start.open()).probe.pos_image, Example::Aliasing.place());
+}
+
+#[test]
+fn the_glossary_is_opened_and_searched() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::F1);
+    window.harness.run_steps(3);
+    assert!(window.shows("Alias"), "all words");
+    window.harness.get_by_role_and_label(Role::TextInput, "Search the glossary").type_text("noise gate");
+    window.harness.run_steps(3);
+    assert!(window.shows("Noise gate") && !window.shows("Alias"));
+    window.snapshot("glossary");
+}
+
+#[test]
+fn a_link_of_a_caption_leads_to_its_word() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::nothing_open() }.open();
+    window.app_mut().start_lesson(built_in()[0].clone());
+    window.settle();
+    window.harness.get_by_role_and_label(Role::Link, "burst").click();
+    window.harness.run_steps(4);
+    assert!(window.shows("Search the glossary") && window.shows("A few frames taken right after one another"));
+    assert!(window.app().lessons.open.is_some(), "the lesson stays");
+}
+
+/// Hovers over a widget until its tooltip appears, and follows the link in it.
+fn follow_the_tooltip(window: &mut Window, role: Role, label: &str, word: &str) {
+    let rect = window.harness.get_all_by_role_and_label(role, label).next().expect("its row").rect();
+    window.harness.hover_at(rect.center());
+    window.harness.run_steps(40);
+    window.harness.get_by_role_and_label(Role::Link, &format!("Glossary: {word}")).click();
+    window.harness.run_steps(4);
+}
+
+#[test]
+fn a_parameters_tooltip_leads_to_its_word() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
+    follow_the_tooltip(&mut window, Role::Label, "Noise gate", "Noise gate");
+    assert!(window.shows("How many standard deviations of the noise in D a response must reach"));
+}
+
+#[test]
+fn tooltips_of_kinds_of_picture_of_sliders_and_of_columns_lead_to_their_words() {
+    let open = || Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    let cases = [
+        (Role::Button, "DoG", "DoG", "Difference of Gaussians: the image at the next level of blur"),
+        (Role::Button, "Sort by SNR", "Signal-to-noise ratio", "How much something stands out"),
+        (Role::Label, "Octave", "Octave", "of the one before on each side"),
+    ];
+    for (role, label, word, meaning) in cases {
+        let mut window = open();
+        follow_the_tooltip(&mut window, role, label, word);
+        assert!(window.shows(meaning), "{word}");
+    }
+    let mut window = open();
+    window.click("Menu of pane");
+    follow_the_tooltip(&mut window, Role::RadioButton, "Coverage", "Coverage");
+    assert!(window.shows("Which share of the frames sees a place"));
+}
+
+#[test]
+fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("paper");
+    let mut window = Start::without_auto_detect().open();
+    window.dialogs.will_choose(&out);
+    window.run_action("figures of the paper");
+    window.wait("figures are being made", |app| app.model.figures.is_pending());
+    assert!(window.shows("Figures  "), "the status says how far they are");
+    window.click("Cancel figures");
+    let said = |words: &'static str| {
+        move |app: &burstscope::app::BurstscopeApp| app.model.messages.last_note().is_some_and(|n| n.contains(words))
+    };
+    window.wait("they are cancelled", said("cancelled"));
+    assert!(!window.app().model.figures.is_pending() && !out.join("index.html").exists());
+    // One figure, with little material: the path to it is shown.
+    let job = FiguresJob { out: out.clone(), only: vec![PaperFigure::Fig9], size: FigureSize::Quick, colmap: None };
+    let app = window.app_mut();
+    app.model.figures.ask(&app.engine, job);
+    window.wait("it is there", said("index.html"));
+    assert!(out.join("fig9.svg").is_file() && window.app().model.messages.errors().is_empty());
+}
