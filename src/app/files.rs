@@ -138,8 +138,8 @@ impl BurstscopeApp {
             Purpose::OpenGold(side) => self.model.open_gold(side, BurstSource::Paths(paths), &self.engine),
             Purpose::OpenBias => self.overlays.calibration_draft(&self.model.calibration).bias = Some(first),
             Purpose::OpenFlat => self.overlays.calibration_draft(&self.model.calibration).flat = Some(first),
-            Purpose::OpenFeatures => {
-                self.model.lay_over(first);
+            Purpose::OpenFeatures(side) => {
+                self.model.lay_over(side, first);
                 self.model.bottom_tab = BottomTab::Compared;
             }
             Purpose::OpenLessons => self.open_lessons(&first),

@@ -62,7 +62,7 @@ impl Model {
             Workspace::Inspect => self.look.overlay && self.panes.iter().any(|(_, pane)| pane.side == side),
             _ => false,
         };
-        if self.colour_by != ColourBy::Coherence || !is_shown || self.slots.a.detecting.is_pending() {
+        if self.colour_by != ColourBy::Coherence || !is_shown || self.slots[side].detecting.is_pending() {
             return None;
         }
         let (of, detection) = (self.found_source(side)?, self.found_of(side)?.detection.clone());

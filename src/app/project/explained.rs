@@ -4,7 +4,7 @@ use crate::app::project::Model;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::params::doc;
-use crate::detector::{Method, ParamChange, ParamError, SlopeChoice, Test};
+use crate::detector::{DetectorParams, Method, ParamChange, ParamError, SlopeChoice, Test};
 use crate::engine::{Engine, Wanted};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::spectrum::Spectrum;
@@ -87,15 +87,19 @@ impl Model {
         self.explained.asked_candidates.want(engine, candidates);
     }
 
-    /// Applies the changes that a piece of advice proposes. If they concern the slopes, these count as given.
+    /// Applies the changes that a piece of advice about the burst of `side` proposes. If they concern the slopes, these
+    /// count as given, and are those of that burst.
     ///
     /// # Errors
     /// When the changed parameters are invalid; nothing is changed then.
-    pub fn apply_changes(&mut self, changes: &[ParamChange]) -> Result<(), ParamError> {
-        self.params = ParamChange::all_applied(changes, &self.params)?;
+    pub fn apply_changes(&mut self, side: Side, changes: &[ParamChange]) -> Result<(), ParamError> {
+        let slopes = self.params_of(side).slopes;
+        let changed = ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.params.clone() })?;
         let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
         if changes.iter().any(|change| of_slopes.contains(&change.parameter)) {
-            self.slopes = SlopeChoice::Given;
+            (self.params, self.slopes) = (changed, SlopeChoice::Given);
+        } else {
+            self.params = DetectorParams { slopes: self.params.slopes, ..changed };
         }
         Ok(())
     }

@@ -156,8 +156,6 @@ pub struct Model {
     pub pair: PairState,
     /// Several methods on the same burst.
     pub compare: Compare,
-    /// Comparison of the burst's features with others.
-    pub against: against::Against,
     /// Errors and the last note.
     pub messages: Messages,
     /// Contents and style of figures.

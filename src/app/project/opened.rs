@@ -10,14 +10,15 @@ impl Model {
     /// trajectories. Parameter and session files are not among them, because they may be saved again after changes.
     pub fn opened_files(&self) -> Vec<PathBuf> {
         let gold = self.compare.gold.iter().flatten();
-        let bursts = self.slots.a.burst.iter().chain(&self.slots.b.burst).chain(gold);
+        let bursts = self.slots.both().into_iter().flat_map(|slot| &slot.burst).chain(gold);
         let mut files: Vec<PathBuf> = bursts.flat_map(|open| files_of(&open.source)).collect();
         for burst in self.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
             files.extend(files_at(burst.paths.clone()));
         }
         let calibration = [&self.calibration.bias, &self.calibration.flat];
         files.extend(calibration.into_iter().flatten().flat_map(|path| files_at(vec![path.clone()])));
-        files.extend(self.against.file.as_ref().map(|file| file.path.clone()));
+        let others = self.slots.both().into_iter().filter_map(|slot| slot.against.file.as_ref());
+        files.extend(others.map(|file| file.path.clone()));
         let trajectories = [&self.trajectories.compared.estimate, &self.trajectories.compared.truth];
         files.extend(trajectories.into_iter().flatten().flat_map(|(path, _)| files_of_model(path)));
         files

@@ -199,14 +199,16 @@ impl Model {
     }
 
     /// Requests the missing pictures of visible panes, that of the pane in focus first, and that of the selected
-    /// feature's patch. Pictures that need a search wait for the end of a drag, and for a running detection, from which
-    /// they may be made.
+    /// feature's patch. Pictures that need a search wait for the end of a drag, and for a running detection in
+    /// their burst, from which they may be made.
     pub(in crate::app) fn ask_for_pictures(&mut self, engine: &Engine, dragging: bool) {
-        let (focus, waits) = (self.focus(), dragging || self.slots.a.detecting.is_pending());
+        let focus = self.focus();
         let mut ids = self.visible_panes();
         ids.sort_by_key(|id| *id != focus);
         for id in ids {
             let Some(wanted) = self.wanted(id).filter(|_| !self.is_current(id)) else { continue };
+            let side = self.panes.get(id).map_or(Side::A, |pane| pane.side);
+            let waits = dragging || self.slots[side].detecting.is_pending();
             if !(waits && wanted.urgency() == Urgency::SlowPicture) {
                 self.wanted_pictures.entry(id).or_default().want(engine, Some(wanted));
             }

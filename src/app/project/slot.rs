@@ -1,5 +1,6 @@
-//! Slot of one of the two bursts: the burst, its features, and the requests for it.
+//! Slot of one of the two bursts: the burst, its features, their comparison with others, and the requests for it.
 
+use crate::app::project::against::Against;
 use crate::app::project::side::Side;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, ParamError};
@@ -17,6 +18,8 @@ pub struct Slot {
     pub param_error: Option<ParamError>,
     /// The features of the burst.
     pub found: Option<FoundFeatures>,
+    /// Comparison of the features with others.
+    pub against: Against,
     /// The request that opens a burst here.
     pub opening: Wanted<OpenRequest>,
     /// The request for features.

@@ -16,6 +16,7 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::section_ui;
 use crate::app::parts::mark;
 use crate::app::project::Model;
+use crate::app::project::workspace::Workspace;
 use crate::app::style;
 use crate::detector::ParamChange;
 use crate::inspect::words::{counted_from_one, number};
@@ -31,11 +32,30 @@ pub struct ProbePanel {
     patches: PlaneTexture,
 }
 
-/// Draws the two tabs of the right panel.
-pub fn tabs_ui(ui: &mut Ui, model: &mut Model) {
+/// Draws the right panel's tabs, and the probe if its tab is open. Returns whether it is; if not, the caller draws what
+/// the other tab, called `other`, shows. Without a probe of a burst of this workspace nothing is drawn.
+pub fn probe_tab_ui(
+    ui: &mut Ui,
+    model: &mut Model,
+    panel: &mut ProbePanel,
+    (other, help): (&str, &str),
+    queue: &mut Queue,
+) -> bool {
+    if !model.probe_is_here() {
+        return false;
+    }
+    if model.probe.is_in_use() {
+        tabs_ui(ui, model, (other, help));
+    }
+    if model.probe.is_open {
+        probe_ui(ui, model, panel, queue);
+    }
+    model.probe.is_open
+}
+
+fn tabs_ui(ui: &mut Ui, model: &mut Model, (other, help): (&str, &str)) {
     ui.horizontal(|ui| {
-        ui.selectable_value(&mut model.probe.is_open, false, "Display and feature")
-            .on_hover_text("The value range of the pictures, and the selected feature");
+        ui.selectable_value(&mut model.probe.is_open, false, other).on_hover_text(help);
         ui.selectable_value(&mut model.probe.is_open, true, "Probe")
             .on_hover_text("Why there is a feature at a place, or why there is none");
     });
@@ -43,7 +63,7 @@ pub fn tabs_ui(ui: &mut Ui, model: &mut Model) {
 }
 
 /// Draws the panel.
-pub fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut Queue) {
+fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut Queue) {
     mark(ui, Part::Probe, ui.max_rect());
     tools_ui(ui, model, queue);
     busy_ui(ui, model);
@@ -59,7 +79,9 @@ pub fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &
     };
     ScrollArea::vertical().id_salt("probe").auto_shrink(false).show(ui, |ui| {
         let [u, v] = answer.probe.pos_image;
-        ui.label(RichText::new(format!("Place ({}, {})", number(u, 1), number(v, 1))).strong())
+        let burst =
+            if model.workspace == Workspace::Pair { format!(" of {}", model.probe.side.name()) } else { String::new() };
+        ui.label(RichText::new(format!("Place ({}, {}){burst}", number(u, 1), number(v, 1))).strong())
             .on_hover_text("At mid-burst, pixels; the centre of the first pixel is (0, 0)");
         stale_ui(ui, model, queue);
         ui.add(Label::new(counted_from_one(&answer.probe.summary)).wrap());
@@ -92,7 +114,7 @@ fn tools_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn busy_ui(ui: &mut Ui, model: &Model) {
     let waits = model.probe.question.is_some() && model.probe.answer.is_none() && model.probe.problem.is_none();
-    match (model.probe.wanted_trail.running(), model.slots.a.detecting.running()) {
+    match (model.probe.wanted_trail.running(), model.slots[model.probe.side].detecting.running()) {
         (Some(running), _) | (None, Some(running)) if model.probe.is_on() => {
             let fraction = running.progress.map_or(0.0, |p| p.fraction);
             ui.add(ProgressBar::new(fraction).text(format!("Searching  {:.0} %", 100.0 * fraction)));
@@ -106,7 +128,7 @@ fn busy_ui(ui: &mut Ui, model: &Model) {
 
 /// Draws a warning when the answer belongs to other parameters.
 fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    if model.probe_is_stale() && !model.slots.a.detecting.is_pending() {
+    if model.probe_is_stale() && !model.slots[model.probe.side].detecting.is_pending() {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("Stale: found with other parameters").color(style::warning(ui)));
             if ui.small_button("Detect again").on_hover_text("Search with the parameters as they are now").clicked() {

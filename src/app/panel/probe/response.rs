@@ -7,7 +7,6 @@ use super::texture::PlaneTexture;
 use crate::app::pane::Pane;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
-use crate::app::project::pair::Side;
 use crate::detector::Slope;
 use crate::inspect::Fate;
 use crate::inspect::probe::Wanted;
@@ -84,7 +83,7 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
         let at = area.pos(column_of(&map.slopes, along(map, slope)), row_of(map, sigma));
         ring(&painter, at, fate.is_kept(), answer.probe.subject.fate == Some(index));
     }
-    let cursor = model.cursor();
+    let cursor = model.probed_pane().cursor;
     if let Some(row) = map.row_of(cursor.octave, cursor.level) {
         square(&painter, area.pos(column_of(&map.slopes, along(map, cursor.slope)), row as f32));
     }
@@ -135,7 +134,7 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
         let at = area.pos(column_of(&plane.u, slope.u), column_of(&plane.v, slope.v));
         ring(&painter, at, fate.is_kept(), answer.probe.subject.fate == Some(index));
     }
-    let cursor = model.cursor().slope;
+    let cursor = model.probed_pane().cursor.slope;
     square(&painter, area.pos(column_of(&plane.u, cursor.u), column_of(&plane.v, cursor.v)));
     let cell = response.hover_pos().and_then(|pos| area.cell(pos));
     let clicked = response.clicked();
@@ -156,7 +155,7 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
 
 /// Shows the DoG at that slope and scale in the focused pane.
 fn go_to(model: &mut Model, slope: Slope, scale: &Scale) {
-    model.focus_on_side(Side::A);
+    model.focus_on_side(model.probe.side);
     model.playing = false;
     let pane: &mut Pane = model.focused_mut();
     (pane.cursor.slope, pane.slope_chosen) = (slope, true);

@@ -51,7 +51,7 @@ fn suspicion_ui(ui: &mut Ui, model: &mut Model, suspicion: &Suspicion, queue: &m
                 .on_hover_text("Ask why that feature was kept")
                 .clicked()
         {
-            model.probe_feature(other);
+            model.probe_feature(model.probe.side, other);
         }
     });
 }

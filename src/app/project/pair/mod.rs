@@ -28,9 +28,23 @@ use crate::requests::{
 
 pub use crate::app::project::side::Side;
 
+/// Tabs below the pictures of two bursts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PairTab {
+    /// The matches.
+    #[default]
+    Matches,
+    /// Features of A without a match.
+    Unmatched,
+    /// Features of the burst in focus, compared with others.
+    Compared,
+}
+
 /// The second burst and the matches.
 #[derive(Debug, Default)]
 pub struct PairState {
+    /// The open tab below the pictures.
+    pub tab: PairTab,
     /// The parameters of matching, as they are being edited.
     pub params: MatchParams,
     /// Error in the parameters of matching.
@@ -122,8 +136,9 @@ impl Model {
     pub fn swap_sides(&mut self) {
         self.slots.swap();
         self.forget_requests();
-        // The probed place is now one of the other burst.
-        self.probe.clear();
+        // What is probed stays with its burst, and so do the steps to undo.
+        (self.probe.side, self.probe.pointer) = (self.probe.side.other(), None);
+        self.history.swap_sides();
         self.panes.swap_sides();
         self.compare.gold.swap(0, 1);
         // Where A alone was looked at, nothing of it is selected any more.
@@ -165,8 +180,9 @@ impl Model {
     /// Takes a newly opened burst as B.
     pub fn take_second_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
-        let opening = std::mem::take(&mut self.slots.b.opening);
-        self.slots.b = Slot { burst: Some(burst), opening, ..Slot::default() };
+        let Slot { opening, against, .. } = std::mem::take(&mut self.slots.b);
+        self.slots.b = Slot { burst: Some(burst), opening, against, ..Slot::default() };
+        self.clear_probe_of(Side::B);
         self.pair.forget_matches();
         self.compare.gold[1] = None;
         let Pane { cursor, view, .. } = *self.panes.of(Side::A);
@@ -282,6 +298,7 @@ impl Model {
     /// Closes the second burst.
     pub(in crate::app) fn close_second(&mut self) {
         self.slots.b = Slot::default();
+        self.clear_probe_of(Side::B);
         self.panes.close_side(Side::B);
         self.compare.gold[1] = None;
         self.compare.opening_gold.b.forget();
@@ -297,10 +314,10 @@ impl Model {
             let slot = &mut self.slots[side];
             slot.opening.forget();
             slot.detecting.forget();
+            slot.against.wanted.forget();
         }
         self.pair.matching.forget();
         self.compare.wanted.cancel();
-        self.against.wanted.forget();
         self.coherence.try_again();
         self.forget_asked_pictures();
     }
