@@ -5,7 +5,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::against::{self, marks_ui};
 use crate::app::panel::picture::PictureState;
 use crate::app::project::Model;
-use crate::app::project::coherence::coherence_words;
+use crate::app::project::explained::coherence_words;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;

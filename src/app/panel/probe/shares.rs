@@ -1,6 +1,6 @@
 //! Share of each frame: the pixels along the motion, and the response of each frame alone, with its noise.
 
-use super::texture::PlaneTexture;
+use super::PlaneTexture;
 use crate::app::project::Model;
 use crate::inspect::shares::{FrameShare, Shape, Shares};
 use crate::inspect::words::{number, slope_text};

@@ -6,15 +6,14 @@ mod rows;
 
 pub use rows::{Kind, Row};
 
-use crate::app::project::Model;
-use crate::app::project::pair::PairTab;
 use crate::app::project::side::Side;
-use crate::app::project::slot::Slot;
-use crate::app::project::workspace::Workspace;
+use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{Detection, SearchParams};
 use crate::engine::{Engine, Wanted};
 use crate::inspect::foreign::ForeignFeature;
-use crate::requests::{Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, Reference, Request};
+use crate::requests::{
+    Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, OpenBurst, Reference, Request,
+};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -172,30 +171,29 @@ impl Against {
     }
 }
 
-impl Slot {
-    /// Forgets the references of a burst that is not open any more.
-    fn check_against(&mut self) {
-        let (open, against) = (self.burst.as_ref().map(|burst| burst.id), &mut self.against);
-        against.pinned.take_if(|pinned| Some(pinned.burst) != open);
-        against.file.take_if(|file| Some(file.burst) != open);
-        if against.truth.map(|(burst, _)| burst) != open {
-            against.truth = self.burst.as_ref().map(|open| (open.id, open.has_truth()));
+impl Against {
+    /// Forgets the references of another burst than the open one.
+    fn check(&mut self, open: Option<&OpenBurst>) {
+        let id = open.map(|open| open.id);
+        self.pinned.take_if(|pinned| Some(pinned.burst) != id);
+        self.file.take_if(|file| Some(file.burst) != id);
+        if self.truth.map(|(burst, _)| burst) != id {
+            self.truth = open.map(|open| (open.id, open.has_truth()));
         }
-        if against.with.is_some_and(|with| !against.has(with)) {
-            against.show(None);
+        if self.with.is_some_and(|with| !self.has(with)) {
+            self.show(None);
         }
     }
 
-    /// The comparison that is wanted now.
-    pub fn wanted_comparison(&self) -> Option<AgainstRequest> {
-        let (found, burst) = (self.found.as_ref()?, self.burst.as_ref()?);
-        let with = match self.against.with? {
+    /// Request for the comparison that is wanted now, of the features `found` in `burst`.
+    fn wanted_for(&self, burst: &OpenBurst, found: &FoundFeatures) -> Option<AgainstRequest> {
+        let with = match self.with? {
             With::Pinned => {
-                let Pinned { asked, detection, .. } = self.against.pinned.clone()?;
+                let Pinned { asked, detection, .. } = self.pinned.clone()?;
                 Reference::Earlier { burst: burst.clone(), asked, detection }
             }
             With::File => {
-                let file = self.against.file.as_ref()?;
+                let file = self.file.as_ref()?;
                 Reference::File { path: file.path.clone(), features: file.features.clone() }
             }
             With::Truth => Reference::Truth { burst: burst.clone(), params: found.params.clone() },
@@ -203,48 +201,31 @@ impl Slot {
         Some(AgainstRequest { detection: found.detection.clone(), with })
     }
 
-    /// Takes a comparison, unless another one is wanted by now.
-    pub fn take_comparison(&mut self, compared: ComparedWith) {
+    /// Takes a comparison, unless `wanted` is another one by now.
+    fn take(&mut self, compared: ComparedWith, wanted: Option<&AgainstRequest>) {
         let ComparedWith { request, against: answered } = compared;
-        let is_wanted = self.wanted_comparison().is_some_and(|wanted| wanted.is_same(&request));
-        let against = &mut self.against;
-        let Some(with) = against.with.filter(|_| is_wanted) else { return };
-        if let (Some(pinned), Some(found)) = (&mut against.pinned, answered.found_again()) {
+        let is_wanted = wanted.is_some_and(|wanted| wanted.is_same(&request));
+        let Some(with) = self.with.filter(|_| is_wanted) else { return };
+        if let (Some(pinned), Some(found)) = (&mut self.pinned, answered.found_again()) {
             pinned.detection = Some(found.clone());
         }
-        if let (Some(file), Some(read)) = (&mut against.file, answered.read()) {
+        if let (Some(file), Some(read)) = (&mut self.file, answered.read()) {
             file.features = Some(read.clone());
         }
         let (is_whole_truth, ours) = match &answered {
             Answered::Truth { against, .. } => (against.is_whole_truth, against.name_of_elsewhere()),
             Answered::Changes { .. } => (true, Kind::Ours.label(with)),
         };
-        if against.shown.is_none() && !is_whole_truth {
-            against.hidden = vec![Kind::Ours];
+        if self.shown.is_none() && !is_whole_truth {
+            self.hidden = vec![Kind::Ours];
         }
         let (rows, summary) = rows::of(with, &request.detection, &answered);
-        against.shown =
-            Some(Arc::new(Shown { with, detection: request.detection, rows, summary, is_whole_truth, ours }));
-        (against.selected, against.hovered, against.problem) = (None, None, None);
-    }
-
-    /// The comparison that is drawn over the pictures of the burst: that of the features on show.
-    pub fn shown_comparison(&self) -> Option<&Arc<Shown>> {
-        let found = self.found.as_ref()?;
-        self.against.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
+        self.shown = Some(Arc::new(Shown { with, detection: request.detection, rows, summary, is_whole_truth, ours }));
+        (self.selected, self.hovered, self.problem) = (None, None, None);
     }
 }
 
 impl Model {
-    /// Shows the comparison of the features of `side` with `with`, or none. Of two bursts, the features are drawn too,
-    /// as the comparison is drawn in their place.
-    pub fn show_against(&mut self, side: Side, with: Option<With>) {
-        self.slots[side].against.show(with);
-        if self.workspace == Workspace::Pair && with.is_some() {
-            (self.pair.look.features, self.pair.tab) = (true, PairTab::Compared);
-        }
-    }
-
     /// Pins the features of `side`: later results are compared with them.
     pub fn pin_result(&mut self, side: Side) {
         let slot = &mut self.slots[side];
@@ -288,12 +269,13 @@ impl Model {
     /// Takes the comparisons, or their errors.
     pub(in crate::app) fn take_comparisons(&mut self) {
         for side in Side::BOTH {
-            let slot = &mut self.slots[side];
-            for ended in slot.against.wanted.take() {
+            let wanted = self.wanted_comparison(side);
+            let against = &mut self.slots[side].against;
+            for ended in against.wanted.take() {
                 match ended.result {
-                    Ok(compared) => slot.take_comparison(compared),
-                    Err(JobError::Cancelled) => slot.against.problem = Some("Cancelled".to_owned()),
-                    Err(error) => slot.against.problem = Some(error.to_string()),
+                    Ok(compared) => against.take(compared, wanted.as_ref()),
+                    Err(JobError::Cancelled) => against.problem = Some("Cancelled".to_owned()),
+                    Err(error) => against.problem = Some(error.to_string()),
                 }
             }
         }
@@ -303,19 +285,27 @@ impl Model {
     pub(in crate::app) fn ask_for_comparisons(&mut self, engine: &Engine) {
         for side in Side::BOTH {
             let slot = &mut self.slots[side];
-            slot.check_against();
-            let is_there = slot.shown_comparison().is_some_and(|shown| Some(shown.with) == slot.against.with);
-            let missing = slot.wanted_comparison().filter(|_| !is_there);
-            if missing.as_ref().is_some_and(|missing| !slot.against.wanted.has_failed(missing)) {
-                slot.against.problem = None;
+            slot.against.check(slot.burst.as_ref());
+            let with = slot.against.with;
+            let is_there = self.shown_comparison(side).is_some_and(|shown| Some(shown.with) == with);
+            let missing = self.wanted_comparison(side).filter(|_| !is_there);
+            let against = &mut self.slots[side].against;
+            if missing.as_ref().is_some_and(|missing| !against.wanted.has_failed(missing)) {
+                against.problem = None;
             }
-            slot.against.wanted.want(engine, missing);
+            against.wanted.want(engine, missing);
         }
+    }
+
+    /// Request for the comparison of `side` that is wanted now.
+    fn wanted_comparison(&self, side: Side) -> Option<AgainstRequest> {
+        self.slots[side].against.wanted_for(self.burst_of(side)?, self.found_of(side)?)
     }
 
     /// The comparison of `side` that is drawn over the pictures: that of the features on show.
     pub fn shown_comparison(&self, side: Side) -> Option<&Arc<Shown>> {
-        self.slots[side].shown_comparison()
+        let found = self.found_of(side)?;
+        self.slots[side].against.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
     }
 
     /// Comparison of `side` to save in a session; `None` where nothing is compared.

@@ -1,21 +1,18 @@
 //! Two bursts and the matches between them, as plain values. A is the burst that was opened first; B is opened beside
 //! it. Each has a pane that is always there.
 
-mod columns;
-mod found;
-mod look;
 mod lost;
+mod matches;
 mod sides;
 
-pub use columns::MatchColumn;
-pub use found::{MatchRow, Matches, SavedMatch};
-pub use look::MatchLook;
 pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
+pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, SavedMatch};
 pub use sides::Links;
 
 use crate::app::pane::{Content, Pane};
+use crate::app::project::against::With;
 use crate::app::project::cursor::Cursor;
-use crate::app::project::order::Order;
+use crate::app::project::filter::Order;
 use crate::app::project::slot::Slot;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
@@ -127,11 +124,20 @@ impl PairState {
     /// Selects the match after (or before) the selected one in the table's order.
     pub fn select_neighbour(&mut self, forward: bool) {
         self.refresh_listed();
-        self.selected = crate::app::project::listing::neighbour(&self.listed, self.selected, forward);
+        self.selected = crate::app::project::filter::neighbour(&self.listed, self.selected, forward);
     }
 }
 
 impl Model {
+    /// Shows the comparison of the features of `side` with `with`, or none. Of two bursts, the features are drawn too,
+    /// as the comparison is drawn in their place.
+    pub fn show_against(&mut self, side: Side, with: Option<With>) {
+        self.slots[side].against.show(with);
+        if self.workspace == Workspace::Pair && with.is_some() {
+            (self.pair.look.features, self.pair.tab) = (true, PairTab::Compared);
+        }
+    }
+
     /// Swaps A and B. The matches are made anew.
     pub fn swap_sides(&mut self) {
         self.slots.swap();
