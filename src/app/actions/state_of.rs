@@ -74,7 +74,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::SaveSession | A::ShowFrame | A::ShowStack | A::ShowDog | A::Fit | A::OneToOne | A::ZoomIn | A::ZoomOut => {
             has_burst
         }
-        A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => model.slots.a.found.is_some(),
+        A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => active.found.is_some(),
         A::ExportMatches => model.pair.matches.is_some(),
         A::ExportMatchPicture => model.pair.matches.is_some() && model.picture_of(Side::B).is_some(),
         A::ExportTiff | A::ExportPng | A::ExportSvg | A::ExportFigurePng | A::FigureOptions => {
