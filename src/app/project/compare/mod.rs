@@ -3,9 +3,6 @@
 //! With a second burst open, each method also runs on that one, and its features of both are matched, so that matches
 //! can be compared too.
 
-#[cfg(test)]
-mod tests;
-
 pub use crate::app::project::method::Contender;
 
 use crate::app::pane::MethodsPreset;
@@ -357,3 +354,6 @@ impl Model {
         self.panes.lay_out_methods(preset, &methods, both);
     }
 }
+
+#[cfg(test)]
+mod tests;
