@@ -4,7 +4,7 @@ use super::canvas::Readout;
 use super::pane::PaneId;
 use super::window::BurstscopeApp;
 use crate::app::project::Model;
-use crate::app::project::pair::{MatchColumn, MatchRow};
+use crate::app::project::pair::{MatchColumn, MatchRow, Side};
 use crate::app::project::workspace::Workspace;
 use crate::burst::OpenOptions;
 use crate::detector::Feature;
@@ -56,9 +56,10 @@ impl BurstscopeApp {
         }
     }
 
-    /// Copies the command that finds the features on show.
+    /// Copies the command that finds the features of the burst in focus.
     pub(super) fn copy_command(&mut self, ctx: &egui::Context) {
-        let Some(burst) = &self.model.slots.a.burst else { return };
+        let side = self.model.active_side();
+        let Some(burst) = self.model.burst_of(side) else { return };
         let inputs = match &burst.source {
             BurstSource::Demo => vec!["demo".to_owned()],
             BurstSource::DemoLater => vec!["demo-later".to_owned()],
@@ -70,14 +71,14 @@ impl BurstscopeApp {
                 return;
             }
         };
-        let line = crate::cli::detect_line(&inputs, &self.model.asked(), &self.calibration_of_open());
+        let line = crate::cli::detect_line(&inputs, &self.model.asked_of(side), &self.calibration_of(side));
         self.model.messages.note(format!("Copied {line}"));
         ctx.copy_text(line);
     }
 
-    /// Options with which the burst was opened; the default for built-in bursts.
-    fn calibration_of_open(&self) -> OpenOptions {
-        match self.model.slots.a.burst.as_ref().map(|open| &open.source) {
+    /// Options with which the burst of `side` was opened; the default for built-in bursts.
+    fn calibration_of(&self, side: Side) -> OpenOptions {
+        match self.model.burst_of(side).map(|open| &open.source) {
             Some(BurstSource::Paths(_)) => self.model.calibration.clone(),
             _ => OpenOptions::default(),
         }

@@ -86,7 +86,13 @@ impl BurstscopeApp {
     }
 
     fn suggested_name(&self, purpose: Purpose) -> String {
-        let burst = self.model.slots.a.burst.as_ref().map_or("burst", |b| b.burst.name.as_str());
+        // Features and pictures are those of the burst in focus.
+        let side = match purpose {
+            Purpose::Export(ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz) => self.model.active_side(),
+            Purpose::Export(ExportKind::Tiff | ExportKind::Png) => self.model.active_side(),
+            _ => Side::A,
+        };
+        let burst = self.model.burst_of(side).map_or("burst", |b| b.burst.name.as_str());
         let stem = std::path::Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
         match purpose {
             Purpose::SaveSession => format!("{stem}.burstscope.toml"),
@@ -138,8 +144,8 @@ impl BurstscopeApp {
             Purpose::OpenGold(side) => self.model.open_gold(side, BurstSource::Paths(paths), &self.engine),
             Purpose::OpenBias => self.overlays.calibration_draft(&self.model.calibration).bias = Some(first),
             Purpose::OpenFlat => self.overlays.calibration_draft(&self.model.calibration).flat = Some(first),
-            Purpose::OpenFeatures => {
-                self.model.lay_over(first);
+            Purpose::OpenFeatures(side) => {
+                self.model.lay_over(side, first);
                 self.model.bottom_tab = BottomTab::Compared;
             }
             Purpose::OpenLessons => self.open_lessons(&first),

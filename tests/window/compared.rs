@@ -2,6 +2,7 @@
 
 use crate::support::Start;
 use burstscope::app::project::against::{Kind, With};
+use burstscope::app::project::side::Side;
 use burstscope::export::{write_colmap, write_csv};
 use burstscope::inspect::changes::{Spot, compare};
 use egui::Key;
@@ -20,20 +21,20 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     let after: Vec<Spot> = window.app().model.features().iter().map(Spot::from).collect();
     let expected = compare(&before, &after);
     assert!(!expected.lost.is_empty() && !expected.same.is_empty());
-    let shown = window.app().model.shown_comparison().expect("a comparison");
+    let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
     assert_eq!((shown.with, shown.count(Kind::Theirs)), (With::Pinned, expected.lost.len()));
     assert_eq!((shown.count(Kind::Ours), shown.count(Kind::Moved)), (expected.gained.len(), expected.moved().count()));
     assert!(window.shows(&expected.summary()), "the counts in a line");
     window.harness.get_by_role_and_label(Role::Row, "Lost 1").click();
     window.settle();
-    assert_eq!(window.app().model.against.selected, Some(0));
+    assert_eq!(window.app().model.slots.a.against.selected, Some(0));
     assert_eq!(window.app().model.selected, None, "what is lost is none of ours");
     window.snapshot("compared_with_pinned");
     window.key(Key::Escape);
-    assert_eq!(window.app().model.against.selected, None);
+    assert_eq!(window.app().model.slots.a.against.selected, None);
     window.run_action("unpin");
     window.settle();
-    assert!(window.app().model.shown_comparison().is_none() && !window.shows("as before"));
+    assert!(window.app().model.shown_comparison(Side::A).is_none() && !window.shows("as before"));
 }
 
 #[test]
@@ -42,7 +43,7 @@ fn pinning_a_result_and_changing_nothing_shows_no_change() {
     let count = window.app().model.features().len();
     window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::D);
     window.settle();
-    let shown = window.app().model.shown_comparison().expect("a comparison");
+    let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
     assert!([Kind::Theirs, Kind::Ours, Kind::Moved].into_iter().all(|kind| shown.count(kind) == 0));
     // All orientations of one keypoint count as one.
     assert!(shown.count(Kind::Same) > 0 && shown.count(Kind::Same) <= count);
@@ -66,7 +67,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
         window.dialogs.will_choose(&path);
         window.run_action("open features");
         window.settle();
-        let shown = window.app().model.shown_comparison().expect("a comparison");
+        let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
         assert_eq!((shown.with, shown.count(Kind::Theirs)), (With::File, 1), "{}", path.display());
         let row = &shown.rows[0];
         assert!((row.pos_image[0] - 5.0).abs() < 0.01 && row.feature.is_none(), "{row:?}");
@@ -75,7 +76,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     window.snapshot("compared_with_theirs");
     window.run_action("close opened features");
     window.settle();
-    assert!(window.app().model.shown_comparison().is_none());
+    assert!(window.app().model.shown_comparison(Side::A).is_none());
 }
 
 #[test]
@@ -99,12 +100,12 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     window.run_action("pin this result");
     window.app_mut().model.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0);
     window.settle();
-    let pinned = window.app().model.shown_comparison().expect("a comparison").clone();
+    let pinned = window.app().model.shown_comparison(Side::A).expect("a comparison").clone();
     assert!(pinned.count(Kind::Theirs) > 0);
     window.dialogs.will_choose(&theirs);
     window.run_action("open features");
     window.settle();
-    let laid_over = window.app().model.shown_comparison().expect("a comparison").summary.clone();
+    let laid_over = window.app().model.shown_comparison(Side::A).expect("a comparison").summary.clone();
     window.dialogs.will_choose(&session);
     window.run_action("save session");
     window.settle();
@@ -119,18 +120,18 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     let shows_pinned = |window: &mut crate::support::Window| {
         window.click("Pinned result");
         window.settle();
-        let shown = window.app().model.shown_comparison().expect("a comparison");
+        let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
         // The features were found again, with equal bits.
         assert_eq!((&shown.rows, &shown.summary), (&pinned.rows, &pinned.summary));
     };
     let mut window = reopen();
-    let shown = window.app().model.shown_comparison().expect("a comparison");
+    let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
     assert_eq!((shown.with, &shown.summary), (With::File, &laid_over));
     shows_pinned(&mut window);
     // A missing file is reported where it belongs, and nothing else is lost.
     std::fs::remove_file(&theirs).unwrap();
     let mut window = reopen();
-    assert!(window.app().model.shown_comparison().is_none() && window.shows("theirs.csv"));
+    assert!(window.app().model.shown_comparison(Side::A).is_none() && window.shows("theirs.csv"));
     assert_eq!(window.app().model.params.noise_gate, burstscope::detector::NoiseGate::Factor(6.0));
     shows_pinned(&mut window);
 }

@@ -77,26 +77,27 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
         .find(|&index| found.lost[index] == Lost::NoKeypoint && !losses.of(index, 5).expected.is_empty())
         .expect("the geometry puts one where no keypoint is");
     let names = |window: &Window| Side::BOTH.map(|side| window.app().model.burst_of(side).unwrap().burst.name.clone());
-    assert_eq!(names(&window), ["demo", "demo-later"]);
+    let before = names(&window);
+    assert_eq!(before, ["demo", "demo-later"]);
     window.app_mut().model.ask_feature(Some(missing));
     window.settle();
     let place = window.app().model.expected_place().expect("a place in B");
     window.click("Probe its place in B");
     window.settle();
-    assert_eq!(
-        (window.app().model.workspace, names(&window)),
-        (Workspace::Inspect, ["demo-later", "demo"].map(String::from))
-    );
-    let probe = &window.app().model.probe;
-    assert!(probe.is_current() && probe.is_open, "{:?}", probe.problem);
-    let answer = probe.answer.as_ref().unwrap();
-    assert_eq!(answer.probe.pos_image, place);
-    assert_eq!(answer.request.traced.cache.burst.name, "demo-later");
-    // After swapping back, the place is not taken for one of the other burst.
+    assert_eq!((window.app().model.workspace, names(&window)), (Workspace::Pair, before.clone()), "nothing is swapped");
+    let probed = |window: &Window| {
+        let probe = &window.app().model.probe;
+        assert!(probe.is_current() && probe.is_open, "{:?}", probe.problem);
+        let answer = probe.answer.as_ref().unwrap();
+        assert_eq!(answer.probe.pos_image, place);
+        (probe.side, answer.request.traced.cache.burst.name.clone())
+    };
+    assert_eq!(probed(&window), (Side::B, before[1].clone()));
+    assert!(window.shows(" of B"), "the panel says of which burst");
+    // When the sides are swapped, the place stays one of its burst.
     window.run_action("swap a and b");
     window.settle();
-    assert_eq!(names(&window), ["demo", "demo-later"]);
-    assert!(window.app().model.probe.answer.is_none() && window.app().model.probe.place().is_none());
+    assert_eq!((names(&window), probed(&window)), ([1, 0].map(|i| before[i].clone()), (Side::A, before[1].clone())));
 }
 
 #[test]

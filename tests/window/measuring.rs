@@ -5,6 +5,7 @@ use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::measure::Tool;
 use burstscope::app::project::BottomTab;
 use burstscope::app::project::against::{Kind, With};
+use burstscope::app::project::side::Side;
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::truth::{against_truth, truth_of};
 use burstscope::plane::sample::{profile, region_statistics};
@@ -123,7 +124,7 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     let expected = against_truth(&cache, &truth, &Monitor::default()).unwrap();
     let detection: &Detection = &model.slots.a.found.as_ref().unwrap().detection;
     assert_eq!(cache.detection().features, detection.features, "the truth is held against the features on show");
-    let shown = model.shown_comparison().expect("a comparison");
+    let shown = model.shown_comparison(Side::A).expect("a comparison");
     assert_eq!(shown.with, With::Truth);
     let counts = [Kind::Same, Kind::Theirs, Kind::Repeated, Kind::Ours].map(|kind| shown.count(kind));
     let sizes = [expected.found.len(), expected.missed.len(), expected.repeated.len(), expected.elsewhere.len()];
@@ -131,7 +132,7 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     assert!(counts[0] > 0 && counts[1] > 0, "{counts:?}");
     // The truth of a scene lists only some of its features.
     assert!(expected.summary().ends_with("elsewhere") && window.shows(&expected.summary()));
-    assert!(!shown.is_whole_truth && !window.app().model.against.shows(Kind::Ours));
+    assert!(!shown.is_whole_truth && !window.app().model.slots.a.against.shows(Kind::Ours));
     // A miss tells its reason.
     assert_eq!(shown.rows[0].note, expected.missed[0].why);
     window.harness.get_by_role_and_label(Role::Row, "Missed 1").click();
@@ -151,8 +152,8 @@ fn a_burst_of_the_camera_has_no_truth_to_compare_with() {
     let mut window = Start::of(&noisy_stack(folder.path(), 4, 60, 80)).open();
     window.click("Detect");
     window.settle();
-    assert!(!window.app().model.against.has(With::Truth));
+    assert!(!window.app().model.slots.a.against.has(With::Truth));
     window.run_action("compare with the truth");
     window.settle();
-    assert_eq!(window.app().model.against.with, None);
+    assert_eq!(window.app().model.slots.a.against.with, None);
 }

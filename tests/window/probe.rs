@@ -7,15 +7,20 @@ use burstscope::Monitor;
 use burstscope::app::Startup;
 use burstscope::app::pane::{Content, SliceAxis};
 use burstscope::app::project::cursor::ViewKind;
+use burstscope::app::project::side::Side;
+use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
 use burstscope::detector::{DetectorParams, Slope, SlopeGrid, Test};
-use burstscope::inspect::ProbeCache;
 use burstscope::inspect::candidates::{SurveyOptions, survey};
-use burstscope::requests::Probed;
+use burstscope::inspect::probe::Wanted;
+use burstscope::inspect::words::{counted_from_one, number};
+use burstscope::inspect::{ProbeCache, ProbeOptions, probe};
+use burstscope::requests::{BurstSource, Probed};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
 use std::path::Path;
+use std::sync::Arc;
 
 fn demo() -> Window {
     Start { size: [1280.0, 800.0], ..Start::default() }.open()
@@ -113,6 +118,52 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     near(&window, 240.0 - later * cursor.slope.u, 100.0 - later * cursor.slope.v);
     window.click("Clear probe");
     assert!(window.app().model.probe.answer.is_none() && !window.app().model.probe.is_on());
+}
+
+#[test]
+fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
+    let startup = Startup { second: Some(BurstSource::DemoLater), ..given() };
+    let mut window = Start { size: [1400.0, 900.0], startup, ..Start::default() }.open();
+    let names = |window: &Window| Side::BOTH.map(|side| window.app().model.burst_of(side).unwrap().burst.name.clone());
+    assert_eq!(
+        (window.app().model.workspace, names(&window)),
+        (Workspace::Pair, ["demo", "demo-later"].map(String::from))
+    );
+    for (side, u, v) in [(Side::B, 92.0, 58.0), (Side::A, 200.0, 90.0), (Side::B, 300.0, 40.0)] {
+        let pos = window.app().ui_from_image_of(side, pos2(u, v)).unwrap();
+        window.shift_click_at(pos);
+        window.settle();
+        let (model, answer) = (&window.app().model, answer(&window));
+        assert_eq!((model.probe.side, model.workspace), (side, Workspace::Pair));
+        assert_eq!((model.pair.selected, model.asked_feature()), (None, None), "nothing else was clicked");
+        let place = answer.probe.pos_image;
+        assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?}");
+        // The answer is that of the library for this burst.
+        let burst = &model.burst_of(side).unwrap().burst;
+        let cache = ProbeCache::new(burst, &model.asked_of(side), &Monitor::default()).unwrap();
+        let options = ProbeOptions { wanted: Wanted::Best, ..ProbeOptions::default() };
+        assert_eq!(answer.probe.fates, probe(&cache, place, &options, &Monitor::default()).unwrap().fates);
+        let title = format!("Place ({}, {}) of {}", number(place[0], 1), number(place[1], 1), side.name());
+        assert!(window.shows(&title) && window.shows(&counted_from_one(&answer.probe.summary)), "{title}");
+    }
+    assert_eq!(names(&window), ["demo", "demo-later"], "nothing is swapped");
+    // A click in the map moves B's cursor.
+    let rect = rect_of(&window, "Response over slope and scale");
+    window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height()));
+    window.settle();
+    let (model, map) = (&window.app().model, &answer(&window).probe.response);
+    assert_eq!(model.active_side(), Side::B);
+    assert!(model.focused().shows(ViewKind::Dog) && map.columns.contains(&model.cursor_of(Side::B).slope));
+    // The truth of B is held against B's features.
+    window.run_action("compare with the truth");
+    window.settle();
+    let model = &window.app().model;
+    assert!(model.shown_comparison(Side::A).is_none() && window.shows("Features of B"));
+    let shown = model.shown_comparison(Side::B).expect("the later demo knows its truth");
+    assert!(Arc::ptr_eq(&shown.detection, &model.found_of(Side::B).unwrap().detection) && window.shows(&shown.summary));
+    // The other tab brings the match back.
+    window.click("Match and display");
+    assert!(!window.app().model.probe.is_open && window.shows("Selected match"));
 }
 
 #[test]

@@ -255,7 +255,7 @@ actions! {
     LinkRanges, Pair 1, "One value range", [], "Show all panes in the same range and colours, so that they can be compared";
     Match, Pair 2, "Match", [NONE H], "Match the features of both bursts with these parameters";
     ResetMatching, Pair 2, "Reset matching parameters", [], "Give every parameter of matching its default";
-    ProbeExpected, Pair 2, "Probe its place in B", [], "Make B the first burst, and probe it where the geometry puts the feature that is asked about";
+    ProbeExpected, Pair 2, "Probe its place in B", [], "Probe B where the geometry puts the feature that is asked about";
     ToggleInliers, Pair 3, "Inliers", [NONE I], "Show or hide the matches that agree with the geometry of the two views";
     ToggleOutliers, Pair 3, "Outliers", [NONE U], "Show or hide the matches that do not agree with the geometry of the two views";
     ToggleAlone, Pair 3, "Selected match alone", [NONE X], "Draw the selected match with or without the others";

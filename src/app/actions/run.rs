@@ -122,7 +122,6 @@ impl BurstscopeApp {
             A::OpenGoldB => self.ask(Purpose::OpenGold(Side::B)),
             A::CloseB => self.close_second(),
             A::SwapSides => self.swap_sides(),
-            A::ProbeExpected => self.probe_expected(),
             A::Match => self.model.start_matching(&self.engine),
             A::SplitRight => self.change_panes(Change::Split(self.model.focus(), Direction::Right)),
             A::SplitDown => self.change_panes(Change::Split(self.model.focus(), Direction::Down)),
@@ -149,24 +148,29 @@ impl BurstscopeApp {
                 (self.cursors_set, self.history_set) = (true, true);
             }
             A::ProbePlace => self.probe_here(),
-            A::ProbeFeature => self.model.selected.into_iter().for_each(|index| self.model.probe_feature(index)),
-            A::ProbeStrongest => self.model.ask_probe(ProbeQuestion::Strongest),
+            A::ProbeFeature => {
+                if let Some((side, index)) = self.model.feature_to_probe() {
+                    self.model.probe_feature(side, index);
+                }
+            }
+            A::ProbeStrongest => self.model.ask_probe(self.model.active_side(), ProbeQuestion::Strongest),
             A::ProbeFollow => self.model.follow_with_probe(),
             A::CloseProbe => {
                 self.model.probe.clear();
             }
             A::CopyRow => self.copy_row(ctx),
             A::PinResult => {
-                self.model.pin_result();
+                self.model.pin_result(self.model.active_side());
                 self.model.bottom_tab = BottomTab::Compared;
                 self.model.messages.note("Pinned: later detections are shown against these features");
             }
-            A::UnpinResult => self.model.unpin_result(),
-            A::OpenFeatures => self.ask(Purpose::OpenFeatures),
-            A::CloseFeatures => self.model.forget_foreign(),
+            A::UnpinResult => self.model.unpin_result(self.model.active_side()),
+            A::OpenFeatures => self.ask(Purpose::OpenFeatures(self.model.active_side())),
+            A::CloseFeatures => self.model.forget_foreign(self.model.active_side()),
             A::ShowTruth => {
-                let on = self.model.against.with == Some(With::Truth);
-                self.model.against.show((!on).then_some(With::Truth));
+                let side = self.model.active_side();
+                let on = self.model.slots[side].against.with == Some(With::Truth);
+                self.model.show_against(side, (!on).then_some(With::Truth));
                 self.model.bottom_tab = BottomTab::Compared;
             }
             A::CopyCommand => self.copy_command(ctx),
@@ -188,13 +192,13 @@ impl BurstscopeApp {
     fn probe_here(&mut self) {
         let middle = || {
             let visible = self.widgets.get(self.model.focus())?.picture.visible_image?.center();
-            let (width, height) = self.model.size();
+            let (width, height) = self.model.focused_size();
             let within = |x: f32, n: usize| x.clamp(0.0, n.saturating_sub(1) as f32);
-            Some([within(visible.x, width), within(visible.y, height)])
+            Some((self.model.focused().side, [within(visible.x, width), within(visible.y, height)]))
         };
-        if let Some(place) = self.model.probe.pointer.or_else(middle) {
+        if let Some((side, place)) = self.model.probe.pointer.or_else(middle) {
             self.model.probe.follows = false;
-            self.model.probe_place(place);
+            self.model.probe_place(side, place);
         }
     }
 

@@ -20,6 +20,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
     let (in_inspect, has_panes) = (model.workspace == Workspace::Inspect, model.workspace.needs_burst());
     let many_panes = has_panes && model.panes.are_many();
     let has_second = model.slots.b.burst.is_some();
+    let active = &model.slots[model.active_side()];
     match id {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature if in_pair => !model.pair.listed.is_empty(),
         A::ClearSelection if in_pair => model.asked_feature().is_some(),
@@ -27,12 +28,12 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Undo => model.history.can_undo(),
         A::Redo => model.history.can_redo(),
         A::CopyRow => has_burst,
-        A::CopyCommand => has_burst && model.slots.a.param_error.is_none(),
-        A::PinResult => model.slots.a.found.is_some(),
-        A::UnpinResult => model.against.has(With::Pinned),
+        A::CopyCommand => has_burst && active.param_error.is_none(),
+        A::PinResult => active.found.is_some(),
+        A::UnpinResult => active.against.has(With::Pinned),
         A::OpenFeatures => has_burst,
-        A::CloseFeatures => model.against.has(With::File),
-        A::ShowTruth => model.against.has(With::Truth),
+        A::CloseFeatures => active.against.has(With::File),
+        A::ShowTruth => active.against.has(With::Truth),
         A::CopyPicture => model.picture().is_some(),
         A::MeasureLine | A::MeasureRegion => has_burst && in_inspect,
         A::ClearMeasure => !model.measure.is_empty(),
@@ -73,7 +74,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::SaveSession | A::ShowFrame | A::ShowStack | A::ShowDog | A::Fit | A::OneToOne | A::ZoomIn | A::ZoomOut => {
             has_burst
         }
-        A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => model.slots.a.found.is_some(),
+        A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => active.found.is_some(),
         A::ExportMatches => model.pair.matches.is_some(),
         A::ExportMatchPicture => model.pair.matches.is_some() && model.picture_of(Side::B).is_some(),
         A::ExportTiff | A::ExportPng | A::ExportSvg | A::ExportFigurePng | A::FigureOptions => {
@@ -91,12 +92,13 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Cancel => model.is_searching(),
         A::ResetParams => model.asked() != SearchParams::default(),
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
-        A::ClearSelection => model.selected_feature().is_some() || model.against.selected.is_some(),
+        A::ClearSelection => model.selected_feature().is_some() || model.slots.a.against.selected.is_some(),
         A::GoToFeature => model.selected_feature().is_some(),
         A::ProbePlace | A::ProbeFollow | A::ProbeStrongest => {
-            has_burst && in_inspect && (model.slots.a.found.is_some() || model.slots.a.param_error.is_none())
+            let can_search = active.found.is_some() || active.param_error.is_none();
+            has_burst && (in_inspect || in_pair) && can_search
         }
-        A::ProbeFeature => in_inspect && model.selected_feature().is_some(),
+        A::ProbeFeature => (in_inspect || in_pair) && model.feature_to_probe().is_some(),
         A::CloseProbe => model.probe.is_on() || model.probe.answer.is_some(),
         A::ClearFilter => !model.filter.is_open(),
         A::DetectAll => model.datasets.can_detect(model.asked().validate().is_ok()),
@@ -161,7 +163,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ThemeSystem => Some(model.theme == egui::ThemePreference::System),
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),
-        A::ShowTruth => Some(model.against.with == Some(With::Truth)),
+        A::ShowTruth => Some(model.slots[model.active_side()].against.with == Some(With::Truth)),
         A::ProbeFollow => Some(model.probe.follows),
         A::Play => Some(model.playing),
         A::MeasureLine => Some(model.measure.tool == Tool::Line),

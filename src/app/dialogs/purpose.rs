@@ -31,8 +31,8 @@ pub enum Purpose {
     OpenPathB,
     /// A sharp image of the view of a side, used as its gold standard.
     OpenGold(Side),
-    /// Features of another program.
-    OpenFeatures,
+    /// Features of another program, to be compared with those of a side.
+    OpenFeatures(Side),
     /// A bias frame.
     OpenBias,
     /// A flat frame.
@@ -130,7 +130,7 @@ impl Purpose {
             Self::OpenPathB => "Open a path as B",
             Self::OpenGold(Side::A) => "Open the gold standard of A",
             Self::OpenGold(Side::B) => "Open the gold standard of B",
-            Self::OpenFeatures => "Open features",
+            Self::OpenFeatures(_) => "Open features",
             Self::OpenBias => "Choose a bias frame",
             Self::OpenFlat => "Choose a flat frame",
             Self::OpenLessons => "Open lessons",
@@ -168,7 +168,7 @@ impl Purpose {
             }
             Self::PaperFigures => "A new or an empty folder, or one with figures: finished ones are kept",
             Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
-            Self::OpenFeatures => "A table of features (CSV), or the text that COLMAP imports",
+            Self::OpenFeatures(_) => "A table of features (CSV), or the text that COLMAP imports",
             Self::OpenLessons => "A folder of lessons (TOML files), or one of them",
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
             Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
@@ -194,7 +194,7 @@ impl Purpose {
                 crate::burst::supported_extensions()
             }
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
-            Self::OpenFeatures => vec!["csv", "txt"],
+            Self::OpenFeatures(_) => vec!["csv", "txt"],
             Self::Export(kind) => vec![kind.extension()],
         }
     }

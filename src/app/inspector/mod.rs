@@ -28,6 +28,7 @@ pub use names::compact_description;
 pub use pane_ui::Drawn;
 pub(in crate::app) use pane_ui::chip_ui;
 pub(in crate::app) use picture_menu::{copy_ui, match_menu_ui};
+pub(in crate::app) use probe_marks::is_with_shift;
 pub use widgets::{PaneWidget, PaneWidgets, PlaceValue};
 
 use super::actions::Queue;
@@ -56,7 +57,7 @@ pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, q
         model.panes.rearrange(arrangement);
     }
     marks::marks_ui(model, widgets, &drawn);
-    if model.workspace == Workspace::Inspect {
+    if matches!(model.workspace, Workspace::Inspect | Workspace::Pair) {
         probe_marks::probe_ui(ui, model, &drawn);
     }
     Inspected { drawn, changes }

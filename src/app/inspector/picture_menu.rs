@@ -11,7 +11,7 @@ use crate::app::canvas::number;
 use crate::app::clipboard;
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
-use crate::app::project::pair::MatchRow;
+use crate::app::project::pair::{MatchRow, Side};
 use crate::app::project::workspace::Workspace;
 use egui::{RichText, Ui};
 
@@ -27,14 +27,14 @@ pub(super) fn picture_menu_ui(
     let response = &drawn.output.response;
     if response.secondary_clicked() {
         let readout = widgets.get(drawn.shown).and_then(|widget| widget.picture.readout);
-        let pos = drawn.output.hover_image.and_then(|pos| mid_burst(model, drawn.shown, pos));
-        let mid_burst = pos.map(|pos| [pos.x, pos.y]);
+        let mid_burst = drawn.output.hover_image.and_then(|pos| mid_burst(model, drawn.shown, pos));
         let inspected = model.workspace == Workspace::Inspect;
+        let can_probe = inspected || model.workspace == Workspace::Pair;
         widgets.of(id).menu = MenuPlace {
             feature: model.hovered.filter(|_| inspected),
             matched: model.pair.hovered.filter(|_| model.workspace == Workspace::Pair),
             readout,
-            mid_burst: mid_burst.filter(|_| inspected),
+            mid_burst: mid_burst.filter(|_| can_probe),
         };
     }
     let place = widgets.get(id).map(|widget| widget.menu).unwrap_or_default();
@@ -53,10 +53,10 @@ pub(super) fn picture_menu_ui(
             }
             ui.separator();
         }
-        if let Some(place) = place.mid_burst {
+        if let Some((side, place)) = place.mid_burst {
             let button = ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help);
             if button.clicked() {
-                model.probe_place(place);
+                model.probe_place(side, place);
             }
         }
         if let Some(readout) = &place.readout {
@@ -88,7 +88,7 @@ fn feature_menu_ui(ui: &mut Ui, model: &mut Model, index: usize, queue: &mut Que
         queue.push(ActionId::GoToFeature);
     }
     if ui.button("Why this feature?").on_hover_text(ActionId::ProbeFeature.action().help).clicked() {
-        model.probe_feature(index);
+        model.probe_feature(Side::A, index);
     }
     copy_ui(ui, "Copy row", || clipboard::feature_text(&feature));
 }

@@ -1,39 +1,38 @@
-//! Probed place: its marks in the panes of burst A, and its choice by the pointer.
+//! Probed place: its marks in the panes of its burst, and its choice by the pointer.
 
 use super::pane_ui::Drawn;
 use crate::app::canvas::CanvasOutput;
-use crate::app::pane::{Link, Pane, PaneId, place_in};
+use crate::app::pane::{Link, PaneId, place_in};
 use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
 use crate::detector::Slope;
 use crate::requests::PictureKind;
 use egui::{Color32, Pos2, Stroke, pos2, vec2};
 
-/// Maps a place of pane `id` to mid-burst; `None` for panes of B and for panes without a picture.
-pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
-    let (pane, used) = (pane_of_a(model, id)?, used(model)?);
+/// Maps a place of pane `id` to mid-burst of the pane's burst; `None` for panes without a picture.
+pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> Option<(Side, [f32; 2])> {
+    let pane = model.panes.get(id)?;
     let kind = pane.picture.as_ref()?.request.kind;
     let middle = PictureKind::Stack { slope: pane.cursor.slope };
-    Some(place_in(pos_image, (kind, &pane.cursor), (middle, &pane.cursor), &used))
+    let place = place_in(pos_image, (kind, &pane.cursor), (middle, &pane.cursor), &used(model, pane.side)?);
+    Some((pane.side, [place.x, place.y]))
 }
 
-/// Maps a place of mid-burst that moves by `slope` to pane `id`.
+/// Maps a place of mid-burst of the probed burst that moves by `slope` to pane `id`; `None` for panes of the other
+/// burst.
 fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<Pos2> {
-    let (pane, used) = (pane_of_a(model, id)?, used(model)?);
+    let pane = model.panes.get(id).filter(|pane| pane.side == model.probe.side)?;
     let kind = pane.picture.as_ref()?.request.kind;
     let cursor = Cursor { slope, ..pane.cursor };
     let [u, v] = place;
-    Some(place_in(pos2(u, v), (PictureKind::Stack { slope }, &cursor), (kind, &cursor), &used))
+    Some(place_in(pos2(u, v), (PictureKind::Stack { slope }, &cursor), (kind, &cursor), &used(model, pane.side)?))
 }
 
-fn pane_of_a(model: &Model, id: PaneId) -> Option<&Pane> {
-    model.panes.get(id).filter(|pane| pane.side == Side::A)
-}
-
-/// Frames that are searched.
-fn used(model: &Model) -> Option<std::ops::Range<usize>> {
-    Some(model.slots.a.usable_params.used_frames(model.slots.a.burst.as_ref()?.burst.len()))
+/// Frames of the burst of `side` that are searched.
+fn used(model: &Model, side: Side) -> Option<std::ops::Range<usize>> {
+    Some(model.usable_params_of(side).used_frames(model.burst_of(side)?.burst.len()))
 }
 
 /// Draws the marks over the drawn panes, and takes the place under the pointer: a click with Shift probes it, any click
@@ -41,29 +40,28 @@ fn used(model: &Model) -> Option<std::ops::Range<usize>> {
 pub(super) fn probe_ui(ui: &egui::Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) {
     marks_ui(model, drawn);
     let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
-    model.probe.pointer = pointed.and_then(|(_, drawn, pos)| {
-        let place = mid_burst(model, drawn.shown, pos)?;
-        Some([place.x, place.y])
-    });
+    model.probe.pointer = pointed.and_then(|(_, drawn, pos)| mid_burst(model, drawn.shown, pos));
     let Some((_, drawn, _)) = pointed else { return };
     if !drawn.output.response.clicked() {
         return;
     }
     if is_with_shift(ui) {
-        match (model.hovered, model.probe.pointer) {
-            (Some(feature), _) => model.probe_feature(feature),
-            (None, Some(place)) => model.probe_place(place),
+        // Features can be pointed at where they are listed.
+        let feature = model.hovered.filter(|_| model.workspace == Workspace::Inspect);
+        match (feature, model.probe.pointer) {
+            (Some(feature), _) => model.probe_feature(Side::A, feature),
+            (None, Some((side, place))) => model.probe_place(side, place),
             (None, None) => {}
         }
         model.probe.follows = false;
-    } else if let Some(place) = model.probe.pointer.filter(|_| model.probe.follows) {
+    } else if let Some((side, place)) = model.probe.pointer.filter(|_| model.probe.follows) {
         model.probe.follows = false;
-        model.probe_place(place);
+        model.probe_place(side, place);
     }
 }
 
 /// Whether Shift was held when the button was released.
-fn is_with_shift(ui: &egui::Ui) -> bool {
+pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {
     ui.input(|i| {
         let let_go = i.events.iter().rev().find_map(|event| match event {
             egui::Event::PointerButton { pressed: false, modifiers, .. } => Some(modifiers.shift),
@@ -76,8 +74,11 @@ fn is_with_shift(ui: &egui::Ui) -> bool {
 fn marks_ui(model: &Model, drawn: &[(PaneId, Drawn)]) {
     let Some(place) = model.probe.place() else { return };
     let answer = model.probe.answer.as_ref().filter(|_| model.probe.is_current());
-    let linked = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
-    for (id, drawn) in drawn.iter().filter(|(id, _)| linked(*id)) {
+    let is_linked = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
+    let is_probed = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);
+    // B's panes are not linked to A's; where none of the probed burst's panes is linked, all of them show the marks.
+    let any_linked = drawn.iter().any(|(id, _)| is_probed(*id) && is_linked(*id));
+    for (id, drawn) in drawn.iter().filter(|(id, _)| is_linked(*id) || !any_linked) {
         let own = model.panes.get(*id).map_or_else(Slope::default, |pane| pane.cursor.slope);
         let slope = answer.map_or(own, |answer| answer.probe.subject.slope);
         if let Some(pos) = in_pane(model, drawn.shown, place, slope) {

@@ -27,8 +27,9 @@ pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAx
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
     ui.painter().rect_filled(whole, 0.0, canvas::backdrop(ui));
     let touched = response.clicked() || response.drag_started();
-    let Some(answer) = model.probe.answer.clone() else {
-        let text = if model.probe.question.is_some() { "The place is being probed…" } else { HOW };
+    let is_probed = model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);
+    let Some(answer) = model.probe.answer.clone().filter(|_| is_probed) else {
+        let text = if is_probed && model.probe.question.is_some() { "The place is being probed…" } else { HOW };
         canvas::message(ui, ui.painter(), whole, text);
         return touched;
     };

@@ -129,11 +129,9 @@ impl BurstscopeApp {
         open.opens = wanted.iter().map(|(_, source)| source.clone()).collect();
         for (side, source) in wanted {
             match (side, self.burst_that_is_kept(&source)) {
-                (Side::A, Some(burst)) => {
-                    self.model.take_burst(burst);
-                }
-                (Side::A, None) => self.open(source),
-                (Side::B, _) => self.open_second(source),
+                (Side::A, Some(burst)) => self.model.take_burst(burst),
+                (Side::B, Some(burst)) => self.model.take_second_burst(burst),
+                (side, None) => self.open_for(side, source),
             }
         }
         self.lessons.remember();
@@ -142,8 +140,9 @@ impl BurstscopeApp {
 
     /// Finds the burst of `source` if it was open before the lesson, so that it need not be opened again.
     fn burst_that_is_kept(&self, source: &BurstSource) -> Option<OpenBurst> {
-        let kept = self.lessons.open.as_ref()?.before().slots.a.burst.as_ref()?;
-        (kept.source == *source).then(|| kept.clone())
+        let before = self.lessons.open.as_ref()?.before();
+        let mut kept = before.slots.both().into_iter().filter_map(|slot| slot.burst.as_ref());
+        kept.find(|kept| kept.source == *source).cloned()
     }
 
     /// Sets the open step up, if its bursts are open.

@@ -180,16 +180,8 @@ impl BurstscopeApp {
     pub(in crate::app) fn swap_sides(&mut self) {
         self.model.swap_sides();
         self.restoring = Restoring::default();
-    }
-
-    /// Probes the place in B where the geometry expects the feature that is asked about. Only A can be probed, so A and
-    /// B are swapped.
-    pub(in crate::app) fn probe_expected(&mut self) {
-        let Some(place) = self.model.expected_place() else { return };
-        self.swap_sides();
-        self.model.workspace = Workspace::Inspect;
-        self.model.probe_place(place);
-        self.model.messages.note("B is A now, so that it can be probed; Swap A and B takes that back");
+        // No cursor was moved: the panes changed places.
+        (self.cursors_set, self.history_set) = (true, true);
     }
 
     /// Drops the trails of bursts that are not open any more.

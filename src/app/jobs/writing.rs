@@ -54,7 +54,8 @@ fn text_work(text: String) -> Work {
 }
 
 fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {
-    let detection = model.slots.a.found.as_ref().ok_or("there are no features; press Detect first")?.detection.clone();
+    let found = model.found_of(model.active_side()).ok_or("there are no features; press Detect first")?;
+    let detection = found.detection.clone();
     Ok(Box::new(move |path| format.write(path, &detection).map_err(|e| e.to_string())))
 }
 

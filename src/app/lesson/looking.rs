@@ -2,6 +2,7 @@
 
 use crate::app::pane::Content;
 use crate::app::project::cursor::ViewKind;
+use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use crate::teach::{Holds, Layout, Place, Tab};
@@ -21,7 +22,7 @@ pub(in crate::app) fn seen(model: &Model) -> Holds<'_> {
         frames_used: model.params.used_frames(model.frame_count()).len(),
         features: current.then(|| model.features().len()),
         selected: model.selected_feature().is_some(),
-        probe: model.probe.place().filter(|_| model.probe.is_current()),
+        probe: model.probe.place().filter(|_| model.probe.side == Side::A && model.probe.is_current()),
         params: &model.params,
         matching: &model.pair.params,
         tab: tab(model.bottom_tab).filter(|_| model.panels.bottom),

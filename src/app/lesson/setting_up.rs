@@ -31,9 +31,10 @@ pub(in crate::app) fn set_up(model: &mut Model, state: &State) {
         Tab::Slopes => BottomTab::Slopes,
         Tab::Compared => BottomTab::Compared,
     };
-    let asked = model.asked();
-    if !model.auto_detect || model.slots.a.found.as_ref().is_some_and(|found| found.asked != asked) {
-        model.slots.a.found = None;
+    for side in Side::BOTH {
+        if !model.auto_detect || !model.features_are_current(side) {
+            model.slots[side].found = None;
+        }
     }
     (model.selected, model.hovered, model.reselect) = (None, None, None);
     (model.pair.selected, model.playing, model.filter) = (None, false, Default::default());
@@ -48,7 +49,7 @@ pub(in crate::app) fn set_up(model: &mut Model, state: &State) {
         model.lay_out(preset_of(layout));
     }
     if let Some(place) = state.probe {
-        model.probe_place(place);
+        model.probe_place(Side::A, place);
         // Slices need the space that the probe's panel would take.
         model.panels.right = state.layout != Some(Layout::Slice);
     }

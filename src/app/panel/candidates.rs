@@ -138,7 +138,7 @@ pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
             if ui.button("Probe candidate").on_hover_text("Every test of it in order, and what would keep it").clicked()
             {
                 let wanted = Wanted::Candidate(mark.of_sample());
-                model.ask_probe(ProbeQuestion::At { place: mark.pos_image, wanted });
+                model.ask_probe(Side::A, ProbeQuestion::At { place: mark.pos_image, wanted });
             }
             if ui.button("Clear").on_hover_text("Select no candidate").clicked() {
                 model.explained.selected = None;

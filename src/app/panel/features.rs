@@ -5,7 +5,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::against::{self, marks_ui};
 use crate::app::panel::picture::PictureState;
 use crate::app::project::Model;
-use crate::app::project::coherence::coherence_words;
+use crate::app::project::explained::coherence_words;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
@@ -112,12 +112,14 @@ pub fn features_ui(
     options: FeatureOptions,
 ) {
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
-    if let Some(shown) = model.shown_comparison().filter(|_| layer.is_listed).cloned() {
+    let Some(pane) = model.panes.get(id) else { return };
+    let (side, is_of_burst) = (pane.side, matches!(model.workspace, Workspace::Inspect | Workspace::Pair));
+    if let Some(shown) = model.shown_comparison(side).filter(|_| is_of_burst).cloned() {
         // The colours now show the comparison's outcome.
-        let picture = model.panes.get(id).and_then(|pane| pane.picture.clone());
-        marks_ui(ui, model, &shown, picture.as_ref(), output);
+        let picture = pane.picture.clone();
+        marks_ui(ui, model, side, &shown, picture.as_ref(), output);
         if options.legend && model.look.legend {
-            against::legend_ui(ui, model, &shown, output);
+            against::legend_ui(ui, model, side, &shown, output);
         }
         return;
     }

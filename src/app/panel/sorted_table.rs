@@ -1,7 +1,7 @@
 //! Table in which a click on a heading sorts and a click on a row selects. Only the visible rows are drawn, so that it
 //! can be long.
 
-use crate::app::project::order::Order;
+use crate::app::project::filter::Order;
 use crate::app::words::{explained, word};
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};

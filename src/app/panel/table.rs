@@ -6,6 +6,7 @@ use crate::app::inspector::copy_ui;
 use crate::app::panel::sorted_table::{Listed, SortedColumn, sorted_table_ui};
 use crate::app::project::Model;
 use crate::app::project::filter::Column;
+use crate::app::project::side::Side;
 use egui::Ui;
 
 impl SortedColumn for Column {
@@ -78,6 +79,6 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         model.hovered = pointed.hovered;
     }
     if let Some(index) = asked {
-        model.probe_feature(index);
+        model.probe_feature(Side::A, index);
     }
 }

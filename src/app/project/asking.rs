@@ -20,12 +20,13 @@ pub enum Effect {
 impl Model {
     /// Requests of all parts to the engine, except those for panes' pictures and datasets' thumbnails.
     pub fn wants(&self) -> Vec<&dyn Want> {
-        let Self { slots, pair, compare, against, explained, coherence, probe, datasets, trajectories, lab, .. } = self;
+        let Self { slots, pair, compare, explained, coherence, probe, datasets, trajectories, lab, .. } = self;
         let opening: [&dyn Want; 2] = slots.both().map(|slot| &slot.opening as _);
         let detecting: [&dyn Want; 2] = slots.both().map(|slot| &slot.detecting as _);
+        let against: [&dyn Want; 2] = slots.both().map(|slot| &slot.against.wanted as _);
         let gold: [&dyn Want; 2] = compare.opening_gold.both().map(|gold| gold as _);
         let coherences: [&dyn Want; 2] = coherence.wanted.both().map(|wanted| wanted as _);
-        let others: [&dyn Want; 16] = [
+        let others: [&dyn Want; 15] = [
             &self.wanted_patch,
             &self.figures,
             &pair.matching,
@@ -33,7 +34,6 @@ impl Model {
             &pair.lost.wanted,
             &pair.lost.wanted_pictures,
             &compare.wanted,
-            &against.wanted,
             &explained.asked_slopes,
             &explained.asked_candidates,
             &probe.wanted_trail,
@@ -43,7 +43,7 @@ impl Model {
             &lab.wanted,
             &lab.wanted_chart,
         ];
-        [opening, detecting, gold, coherences].into_iter().flatten().chain(others).collect()
+        [opening, detecting, against, gold, coherences].into_iter().flatten().chain(others).collect()
     }
 
     /// Whether a search runs that [`Self::cancel_searches`] would cancel.
@@ -110,7 +110,7 @@ impl Model {
         self.ask_for_pair(engine, dragging);
         self.ask_for_compared(engine, dragging);
         self.ask_for_explanations(engine);
-        self.ask_for_comparison(engine);
+        self.ask_for_comparisons(engine);
         self.ask_for_coherences(engine);
         self.ask_for_losses(engine);
         self.ask_for_chart(engine);
@@ -118,32 +118,32 @@ impl Model {
 }
 
 #[cfg(test)]
-mod tests {
+pub(in crate::app::project) mod tests {
     use super::*;
     use crate::app::project::tests::open;
     use crate::app::project::workspace::Workspace;
     use crate::detector::{DetectorParams, SlopeChoice, SlopeGrid};
     use crate::engine::DEFAULT_CACHE_BYTES;
     use crate::requests::{BurstSource, JobError};
-    use crate::synth::Example;
+    use crate::synth::{ChartParams, Example};
     use std::sync::Arc;
     use std::time::{Duration, Instant};
 
     /// A project with an engine, and no window.
-    struct Bench {
-        model: Model,
+    pub(in crate::app::project) struct Bench {
+        pub model: Model,
         engine: Engine,
     }
 
     impl Bench {
-        fn new() -> Self {
+        pub fn new() -> Self {
             let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..Default::default() };
             let model = Model { params, slopes: SlopeChoice::Given, auto_detect: true, ..Model::default() };
             Self { model, engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
         }
 
         /// Makes passes until `done` holds; returns the effects.
-        fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {
+        pub fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {
             let (end, mut effects) = (Instant::now() + Duration::from_secs(60), Vec::new());
             loop {
                 effects.extend(self.model.take_answers(&self.engine));
@@ -158,8 +158,24 @@ mod tests {
             }
         }
 
-        fn settle(&mut self) {
+        pub fn settle(&mut self) {
             self.run_until(|model, _| model.is_settled());
+        }
+
+        /// A bench with a chart as A and another one, of another size, as B, both searched; *Two bursts* is open.
+        pub fn with_two_charts() -> Self {
+            let chart = |width, seed| {
+                let discs = ChartParams { width, height: 72, discs: 5, radius: 3.0..=5.0, ..ChartParams::default() };
+                let chart = ChartParams { frames: 5, max_slope: 1.0, snr: 20.0, seed, ..discs };
+                let source = BurstSource::Chart(Box::new(chart));
+                source.open(&Default::default(), &crate::Monitor::default()).expect("valid")
+            };
+            let mut bench = Self::new();
+            bench.model.take_burst(chart(120, 1));
+            bench.model.take_second_burst(chart(96, 2));
+            bench.model.open_workspace(Workspace::Pair);
+            bench.settle();
+            bench
         }
     }
 

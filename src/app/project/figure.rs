@@ -1,7 +1,12 @@
-//! Contents and style of figures.
+//! Figures: contents and style of those of the window, and the request for those of the paper.
 
+use crate::app::project::Model;
+use crate::engine::Engine;
 use crate::export::FigureOptions;
+use crate::figures::{FigureSize, FiguresJob, find_colmap};
+use crate::requests::JobError;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Contents and style of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -55,6 +60,33 @@ impl FigureChoice {
             font_size_px: self.font_size_px,
             letters: self.letters,
             scale_bar: self.scale_bar,
+        }
+    }
+}
+
+const TITLE: &str = "Figures of the paper";
+
+impl Model {
+    /// Requests all figures of the paper, written into the folder `out`.
+    pub(in crate::app) fn make_figures(&mut self, out: PathBuf, engine: &Engine) {
+        self.messages.resolved(TITLE);
+        let job = FiguresJob { out, only: Vec::new(), size: FigureSize::Full, colmap: find_colmap() };
+        self.figures.ask(engine, job);
+    }
+
+    /// Takes the result: a message says where the figures are, or why there are none.
+    pub(in crate::app) fn take_figures(&mut self) {
+        for ended in self.figures.take() {
+            match ended.result {
+                Ok(report) => {
+                    self.messages.resolved(TITLE);
+                    self.messages.note(format!("The figures are there: open {}", report.page.display()));
+                }
+                Err(JobError::Cancelled) => {
+                    self.messages.note("Figures of the paper cancelled; what is finished is kept");
+                }
+                Err(error) => self.messages.error(TITLE, error.to_string()),
+            }
         }
     }
 }

@@ -7,6 +7,7 @@
 
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
+use crate::app::project::side::Side;
 use crate::detector::{DetectorParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
 
@@ -111,6 +112,21 @@ impl History {
         }
     }
 
+    /// Exchanges A and B in all steps, as their bursts and panes were.
+    pub fn swap_sides(&mut self) {
+        let [a, b] = Side::BOTH.map(PaneId::of);
+        for (id, _) in self.past.iter_mut().chain(&mut self.future).chain(&mut self.begun).flat_map(|s| &mut s.cursors)
+        {
+            *id = if *id == a {
+                b
+            } else if *id == b {
+                a
+            } else {
+                *id
+            };
+        }
+    }
+
     /// Forgets all steps: another burst is open, or a session was restored.
     pub fn clear(&mut self) {
         *self = Self::default();
@@ -120,6 +136,8 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::project::pair::tests::pair;
+    use crate::app::project::workspace::Workspace;
 
     /// A pass in which `change` was done.
     fn pass(history: &mut History, model: &mut Model, goes_on: bool, change: impl FnOnce(&mut Model)) {
@@ -149,6 +167,27 @@ mod tests {
         }
         assert!(!history.can_undo());
         assert_eq!(model.params, DetectorParams::default());
+    }
+
+    #[test]
+    fn steps_in_b_are_undone_in_b_also_after_the_sides_were_swapped() {
+        let mut model = pair();
+        model.open_workspace(Workspace::Pair);
+        let mut history = std::mem::take(&mut model.history);
+        let slopes = |model: &Model| Side::BOTH.map(|side| model.cursor_of(side).slope.u);
+        model.focus_on_side(Side::B);
+        let (a, before) = (slopes(&model)[0], slopes(&model)[1]);
+        pass(&mut history, &mut model, false, |m| m.focused_mut().cursor.slope.u = 0.25);
+        assert_eq!(slopes(&model), [a, 0.25]);
+        history.undo(&mut model);
+        assert_eq!(slopes(&model), [a, before]);
+        history.redo(&mut model);
+        model.history = history;
+        model.swap_sides();
+        history = std::mem::take(&mut model.history);
+        assert_eq!(slopes(&model), [0.25, a]);
+        history.undo(&mut model);
+        assert_eq!(slopes(&model), [before, a], "the burst that was B");
     }
 
     #[test]

@@ -5,36 +5,28 @@
 
 pub mod against;
 mod asking;
-mod checking;
-pub mod coherence;
 pub mod compare;
 pub mod cursor;
 pub mod datasets;
 pub mod explained;
 pub mod figure;
 pub mod filter;
-mod found;
 pub mod history;
 pub mod lab;
-mod listing;
 pub mod look;
 pub mod measure;
 pub mod messages;
 pub mod method;
-mod opened;
-pub mod order;
 pub mod pair;
-mod paper;
 mod pictures;
 pub mod probe;
-mod ranges;
 pub mod side;
 pub mod slot;
 pub mod trajectories;
 pub mod workspace;
 
 pub use asking::Effect;
-pub use found::{FoundFeatures, SavedSelection, Stale};
+pub use slot::{FoundFeatures, SavedSelection, Stale};
 
 use crate::app::pane::{PaneId, Panes};
 use crate::app::project::history::History;
@@ -44,16 +36,14 @@ use crate::detector::{DetectorParams, SearchParams, SlopeChoice};
 use crate::engine::Wanted;
 use crate::figures::FiguresJob;
 use crate::requests::{Picture, PictureRequest};
-use coherence::CoherenceState;
 use compare::Compare;
 use datasets::Datasets;
-use explained::ExplainedState;
+use explained::{CoherenceState, ExplainedState};
 use figure::FigureChoice;
-use filter::{Column, Filter};
+use filter::{Column, Filter, Order};
 use look::Look;
 use measure::Measure;
 use messages::Messages;
-use order::Order;
 use pair::PairState;
 use probe::ProbeModel;
 use serde::{Deserialize, Serialize};
@@ -156,8 +146,6 @@ pub struct Model {
     pub pair: PairState,
     /// Several methods on the same burst.
     pub compare: Compare,
-    /// Comparison of the burst's features with others.
-    pub against: against::Against,
     /// Errors and the last note.
     pub messages: Messages,
     /// Contents and style of figures.
@@ -182,7 +170,7 @@ pub struct Model {
     pub trajectories: Trajectories,
     /// Studies of charts.
     pub lab: lab::Lab,
-    listed_for: Option<listing::ListedFor>,
+    listed_for: Option<filter::ListedFor>,
 }
 
 impl Model {

@@ -1,8 +1,12 @@
-//! The probe of the window: the probed place, the trail from which answers come, and the answer.
+//! The probe of the window: the burst and the place that are probed, the trail from which answers come, and the answer.
+//!
+//! One place of one burst is probed at a time; the [`ProbeModel`] says of which side it is. Swapping the sides takes the
+//! probe along with its burst.
 
+use crate::app::pane::Pane;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
-use crate::detector::params::doc;
+use crate::app::project::workspace::Workspace;
 use crate::detector::{ParamChange, Slope, SlopeChoice, SlopeGrid};
 use crate::engine::{Engine, Wanted};
 use crate::inspect::probe::Wanted as Subject;
@@ -13,7 +17,7 @@ use crate::requests::{
 use crate::synth::Example;
 use serde::{Deserialize, Serialize};
 
-/// The probe as a session file stores it.
+/// The probe of a burst as a session file stores it; the file stores the two bursts apart.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedProbe {
@@ -27,6 +31,8 @@ pub struct SavedProbe {
 /// The probed place, its request, and the answer.
 #[derive(Debug, Default)]
 pub struct ProbeModel {
+    /// Side of the burst that the question, the trail and the answer are about.
+    pub side: Side,
     /// Whether the panel on the right shows the probe.
     pub is_open: bool,
     /// Whether the place follows the pointer.
@@ -39,8 +45,8 @@ pub struct ProbeModel {
     pub answer: Option<Probed>,
     /// Why there is no answer.
     pub problem: Option<String>,
-    /// The place under the pointer, pixels at mid-burst, as of the last pass.
-    pub pointer: Option<[f32; 2]>,
+    /// The place under the pointer as of the last pass: its burst, and pixels at mid-burst.
+    pub pointer: Option<(Side, [f32; 2])>,
     /// The request for the trail.
     pub wanted_trail: Wanted<DetectionSource>,
     /// The request for the answer.
@@ -63,6 +69,14 @@ impl ProbeModel {
         *self = Self::default();
     }
 
+    /// Probes the burst of `side` from now on. Question and answer about the other burst are forgotten.
+    fn turn_to(&mut self, side: Side) {
+        if self.side != side {
+            let Self { is_open, follows, pointer, .. } = *self;
+            *self = Self { side, is_open, follows, pointer, ..Self::default() };
+        }
+    }
+
     /// The place that is probed, pixels at mid-burst: that of the question, or of the answer while that is not known.
     pub fn place(&self) -> Option<[f32; 2]> {
         match self.question? {
@@ -80,9 +94,10 @@ impl ProbeModel {
         Some(ProbeRequest { traced: self.traced.clone()?, question: self.question? })
     }
 
-    /// The probe for a session file; `None` while no place is known.
-    pub fn saved(&self) -> Option<SavedProbe> {
-        Some(SavedProbe { place: self.place()?, is_open: self.is_open })
+    /// The probe of the burst of `side` for a session file; `None` while no place in it is known.
+    pub fn saved(&self, side: Side) -> Option<SavedProbe> {
+        let place = self.place().filter(|_| self.side == side)?;
+        Some(SavedProbe { place, is_open: self.is_open })
     }
 
     /// Whether the answer is that to the present question.
@@ -131,7 +146,7 @@ impl ProbeModel {
 impl Model {
     /// Takes the trail and the answer, or the reason why there is none.
     pub(in crate::app) fn take_probed(&mut self) {
-        let open = self.slots.a.burst.as_ref().map(|burst| burst.id);
+        let open = self.burst_of(self.probe.side).map(|burst| burst.id);
         for ended in self.probe.wanted_trail.take() {
             match ended.result {
                 Ok(traced) if Some(traced.burst) == open => self.probe.take_trail(traced),
@@ -155,17 +170,19 @@ impl Model {
     /// Requests the trail and the answer that are missing. A running detection comes first: it leaves its trail.
     pub(in crate::app) fn ask_for_probed(&mut self, engine: &Engine, dragging: bool) {
         let probe = &mut self.probe;
-        if let Some(place) = probe.pointer.filter(|_| probe.follows) {
+        if let Some((side, place)) = probe.pointer.filter(|_| probe.follows) {
+            probe.turn_to(side);
             probe.question = Some(ProbeQuestion::At { place, wanted: Subject::Best });
         }
         if !probe.is_on() {
             return;
         }
-        if !dragging && !self.slots.a.detecting.is_pending() && self.probe.problem.is_none() {
+        let side = probe.side;
+        if !dragging && !self.slots[side].detecting.is_pending() && self.probe.problem.is_none() {
             match self.untraced() {
                 Some(source) => self.probe.wanted_trail.want(engine, Some(source)),
-                None if self.slots.a.found.is_none() && self.wants_detection(Side::A) => {
-                    self.start_detection(Side::A, engine);
+                None if self.slots[side].found.is_none() && self.wants_detection(side) => {
+                    self.start_detection(side, engine);
                 }
                 None => {}
             }
@@ -187,16 +204,17 @@ impl Model {
 
     /// Whether the question is answered or cannot be answered, or there is none.
     pub(in crate::app) fn probe_is_settled(&self) -> bool {
-        let (probe, a) = (&self.probe, &self.slots.a);
-        let can = a.burst.is_some() && (a.found.is_some() || self.wants_detection(Side::A));
+        let (probe, slot) = (&self.probe, &self.slots[self.probe.side]);
+        let can = slot.burst.is_some() && (slot.found.is_some() || self.wants_detection(probe.side));
         !probe.is_on() || !can || probe.question.is_none() || probe.problem.is_some() || probe.is_current()
     }
 
-    /// Asks a question, and shows the panel with the answer. A place outside the picture only gives a note.
-    pub fn ask_probe(&mut self, question: ProbeQuestion) {
+    /// Asks a question about the burst of `side`, and shows the panel with the answer. A place outside the picture only
+    /// gives a note. Does nothing without the burst.
+    pub fn ask_probe(&mut self, side: Side, question: ProbeQuestion) {
+        let Some((width, height)) = self.burst_of(side).map(|open| open.burst.size()) else { return };
         let inside = match question {
             ProbeQuestion::At { place: [u, v], .. } => {
-                let (width, height) = self.size();
                 let last = |n: usize| n.saturating_sub(1) as f32;
                 (-0.5..=last(width) + 0.5).contains(&u) && (-0.5..=last(height) + 0.5).contains(&v)
             }
@@ -206,65 +224,105 @@ impl Model {
             self.messages.note("That place lies outside the picture at mid-burst");
             return;
         }
+        self.probe.turn_to(side);
         self.probe.question = Some(question);
         (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
     }
 
-    /// The detection on show, if the present trail is not of it.
+    /// The detection of the probed burst, if the present trail is not of it.
     pub fn untraced(&self) -> Option<DetectionSource> {
-        let (burst, found) = (self.slots.a.burst.as_ref()?, self.slots.a.found.as_ref()?);
+        let side = self.probe.side;
+        let (burst, found) = (self.burst_of(side)?, self.found_of(side)?);
         let is_of = |traced: &Traced| {
             traced.burst == burst.id && traced.cache.asked == found.asked && traced.cache.made_with() == found.params
         };
-        if self.probe.traced.as_ref().is_some_and(is_of) { None } else { self.found_source(Side::A) }
+        if self.probe.traced.as_ref().is_some_and(is_of) { None } else { self.found_source(side) }
     }
 
-    /// Asks about a place, pixels at mid-burst.
-    pub fn probe_place(&mut self, place: [f32; 2]) {
-        self.ask_probe(ProbeQuestion::At { place, wanted: Subject::Best });
+    /// Asks about a place of the burst of `side`, pixels at mid-burst.
+    pub fn probe_place(&mut self, side: Side, place: [f32; 2]) {
+        self.ask_probe(side, ProbeQuestion::At { place, wanted: Subject::Best });
     }
 
-    /// Asks about a feature.
-    pub fn probe_feature(&mut self, index: usize) {
-        if let Some(feature) = self.features().get(index) {
-            let place = [feature.u, feature.v];
-            self.selected = Some(index);
-            self.ask_probe(ProbeQuestion::At { place, wanted: Subject::Feature(index) });
+    /// Asks about a feature of the burst of `side`, and selects it where features can be selected: in A.
+    pub fn probe_feature(&mut self, side: Side, index: usize) {
+        let feature = self.found_of(side).and_then(|found| found.detection.features.get(index));
+        if let Some(place) = feature.map(|feature| [feature.u, feature.v]) {
+            if side == Side::A {
+                self.selected = Some(index);
+            }
+            self.ask_probe(side, ProbeQuestion::At { place, wanted: Subject::Feature(index) });
         }
     }
 
-    /// Restores the probe of a session; without one nothing is probed.
-    pub fn restore_probe(&mut self, saved: Option<SavedProbe>) {
-        self.probe.clear();
-        self.probe.is_open = saved.is_some_and(|saved| saved.is_open);
+    /// The feature that is looked at, with its side: the selected one, or of two bursts that of the match or of the
+    /// feature of A that is asked about, on the side in focus.
+    pub fn feature_to_probe(&self) -> Option<(Side, usize)> {
+        if self.workspace != Workspace::Pair {
+            return self.selected_feature().and(self.selected).map(|index| (Side::A, index));
+        }
+        let of_match = self.pair.matches.as_ref().zip(self.pair.selected).and_then(|(matches, index)| {
+            let found = matches.row(index)?.found;
+            Some(match self.active_side() {
+                Side::A => (Side::A, found.a),
+                Side::B => (Side::B, found.b),
+            })
+        });
+        of_match.or_else(|| Some((Side::A, self.asked_feature()?)))
+    }
+
+    /// Probes the place in B where the geometry expects the feature of A that is asked about.
+    pub(in crate::app) fn probe_expected(&mut self) {
+        if let Some(place) = self.expected_place() {
+            self.probe_place(Side::B, place);
+        }
+    }
+
+    /// Whether the open workspace shows the burst that is probed.
+    pub fn probe_is_here(&self) -> bool {
+        self.probe.side == Side::A || self.workspace == Workspace::Pair
+    }
+
+    /// The pane that stands for the probed burst: the one in focus, if it shows this burst.
+    pub fn probed_pane(&self) -> &Pane {
+        let (focused, side) = (self.focused(), self.probe.side);
+        let other = || self.panes.get(self.pane_for(side)).unwrap_or_else(|| self.panes.of(side));
+        if focused.side == side { focused } else { other() }
+    }
+
+    /// Probes nothing any more if the burst of `side` was probed.
+    pub(in crate::app) fn clear_probe_of(&mut self, side: Side) {
+        if self.probe.side == side {
+            self.probe.clear();
+        }
+    }
+
+    /// Restores the probe of the burst of `side` from a session; without one nothing of it is probed.
+    pub fn restore_probe(&mut self, side: Side, saved: Option<SavedProbe>) {
+        self.clear_probe_of(side);
         if let Some(SavedProbe { place, is_open }) = saved {
             let right = self.panels.right;
-            self.probe_place(place);
+            self.probe_place(side, place);
             (self.probe.is_open, self.panels.right) = (is_open, right);
         }
     }
 
     /// Whether the answer was made with other parameters than the present ones.
     pub fn probe_is_stale(&self) -> bool {
-        self.probe.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != self.asked())
+        let asked = || self.asked_of(self.probe.side);
+        self.probe.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != asked())
     }
 
-    /// Changes a parameter, as its row in the panel does; a message gives the change or the error.
+    /// Applies a change that the answer proposes, as the parameter's row in the panel does; a message gives the change
+    /// or the error.
     pub fn apply_change(&mut self, change: &ParamChange) {
-        match change.applied(&self.params) {
-            Ok(params) => {
-                let slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
-                if slopes.iter().any(|doc| doc.name == change.parameter.name) {
-                    self.slopes = SlopeChoice::Given;
-                }
-                self.params = params;
-                self.messages.note(format!("Set {}", change.label()));
-            }
+        match self.apply_changes(self.probe.side, std::slice::from_ref(change)) {
+            Ok(()) => self.messages.note(format!("Set {}", change.label())),
             Err(error) => self.messages.error("Apply", error.to_string()),
         }
     }
 
-    /// Prepares the probe for a newly opened burst; `before` is the earlier one. An example gets its own grid of slopes
+    /// Prepares the probe for a burst that was newly opened as A; `before` is the earlier one. An example gets its own grid of slopes
     /// if none was given, and is probed at its place of interest if detections start automatically. The next burst
     /// drops that grid again.
     pub fn start_probe(&mut self, before: Option<&BurstSource>) {
@@ -272,7 +330,7 @@ impl Model {
             let (range, count) = example.slopes_u();
             SlopeGrid::line(range, count)
         };
-        self.probe.clear();
+        self.clear_probe_of(Side::A);
         if let Some(BurstSource::Example(example)) = before
             && !self.slopes.is_auto()
             && self.params.slopes == grid(*example)
@@ -296,9 +354,116 @@ impl Model {
                     }
                     _ => Subject::Best,
                 };
-                self.ask_probe(ProbeQuestion::At { place: example.place(), wanted });
+                self.ask_probe(Side::A, ProbeQuestion::At { place: example.place(), wanted });
             }
         }
         self.check_params();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::asking::tests::Bench;
+    use crate::detector::params::doc;
+    use crate::inspect::{ProbeOptions, probe};
+    use crate::monitor::Monitor;
+
+    /// Side, burst and place of the answer, which is one to the present question.
+    fn answered(model: &Model) -> (Side, crate::requests::BurstId, [f32; 2]) {
+        let answer = model.probe.answer.as_ref().filter(|_| model.probe.is_current()).expect("answered");
+        (model.probe.side, answer.request.traced.burst, answer.probe.pos_image)
+    }
+
+    #[test]
+    fn each_burst_is_probed_where_it_lies_and_the_answer_is_that_of_its_own_search() {
+        let mut bench = Bench::with_two_charts();
+        let ids = Side::BOTH.map(|side| bench.model.burst_of(side).expect("open").id);
+        for (side, place) in [(Side::B, [80.0, 30.0]), (Side::A, [110.0, 30.0]), (Side::B, [20.0, 40.0])] {
+            bench.model.probe_place(side, place);
+            assert!(bench.model.probe.answer.is_none(), "what was said of the other burst is not shown");
+            bench.settle();
+            assert_eq!(answered(&bench.model), (side, ids[side as usize], place));
+            let model = &bench.model;
+            let answer = model.probe.answer.as_ref().expect("there");
+            let cache = &answer.request.traced.cache;
+            assert_eq!(cache.detection().features, model.found_of(side).expect("found").detection.features);
+            let expected = probe(cache, place, &ProbeOptions::default(), &Monitor::default()).expect("inside");
+            assert_eq!(answer.probe.fates, expected.fates);
+            assert!(model.untraced().is_none() && !model.probe_is_stale() && model.probe_is_here());
+        }
+        assert_eq!(Side::BOTH.map(|side| bench.model.burst_of(side).expect("open").id), ids, "nothing was swapped");
+        // This place is inside of A only.
+        bench.model.probe_place(Side::B, [110.0, 30.0]);
+        assert_eq!((bench.model.probe.side, bench.model.probe.place()), (Side::B, Some([20.0, 40.0])));
+        // In *One burst* only A is looked at, and B's probe waits.
+        bench.model.open_workspace(Workspace::Inspect);
+        assert!(!bench.model.probe_is_here() && bench.model.probe.is_current());
+    }
+
+    #[test]
+    fn the_probe_follows_the_pointer_into_either_burst_and_asks_about_features_of_either() {
+        let mut bench = Bench::with_two_charts();
+        bench.model.follow_with_probe();
+        for (side, place) in [(Side::A, [50.0, 30.0]), (Side::B, [50.0, 30.0])] {
+            bench.model.probe.pointer = Some((side, place));
+            bench.settle();
+            let (of, burst, at) = answered(&bench.model);
+            assert_eq!((of, burst, at), (side, bench.model.burst_of(side).expect("open").id, place));
+        }
+        bench.model.probe.follows = false;
+        bench.model.probe_feature(Side::B, 0);
+        bench.settle();
+        let feature = bench.model.found_of(Side::B).expect("found").detection.features[0];
+        assert_eq!(bench.model.probe.place(), Some([feature.u, feature.v]));
+        assert!(bench.model.selected.is_none(), "the selection is one of A's features");
+        bench.model.probe_feature(Side::A, 1);
+        assert_eq!((bench.model.probe.side, bench.model.selected), (Side::A, Some(1)));
+        // Of a match, the feature on the side in focus.
+        bench.model.pair.selected = Some(0);
+        let found = bench.model.pair.matches.as_ref().and_then(|m| m.row(0)).expect("they match").found.clone();
+        for (side, index) in [(Side::A, found.a), (Side::B, found.b)] {
+            bench.model.focus_on_side(side);
+            assert_eq!(bench.model.feature_to_probe(), Some((side, index)));
+        }
+    }
+
+    #[test]
+    fn a_probe_stays_with_its_burst_and_ends_with_it() {
+        let mut bench = Bench::with_two_charts();
+        bench.model.probe_place(Side::B, [20.0, 40.0]);
+        bench.settle();
+        let (_, burst, place) = answered(&bench.model);
+        bench.model.swap_sides();
+        bench.settle();
+        assert_eq!(answered(&bench.model), (Side::A, burst, place));
+        bench.model.close_second();
+        bench.settle();
+        assert_eq!(answered(&bench.model), (Side::A, burst, place), "another burst was closed");
+        let mut bench = Bench::with_two_charts();
+        bench.model.probe_place(Side::B, [20.0, 40.0]);
+        bench.settle();
+        bench.model.start_probe(None);
+        assert_eq!(bench.model.probe.place(), Some([20.0, 40.0]), "another burst was opened as A");
+        bench.model.close_second();
+        assert!(!bench.model.probe.is_in_use());
+        bench.settle();
+    }
+
+    #[test]
+    fn a_change_of_the_slopes_that_is_advised_for_b_begins_with_the_slopes_of_b() {
+        let mut bench = Bench::with_two_charts();
+        bench.model.slopes = SlopeChoice::AUTO;
+        let own = SlopeGrid::line(-4.0..=4.0, 9);
+        bench.model.slots.b.found.as_mut().expect("found").params.slopes = own;
+        let before = bench.model.params.clone();
+        let change = |parameter, value: &str| ParamChange { parameter, value: value.to_owned() };
+        bench.model.probe.side = Side::B;
+        bench.model.apply_change(&change(doc::EDGE_THRESHOLD, "7"));
+        assert_eq!((bench.model.params.edge_threshold, bench.model.params.slopes), (7.0, before.slopes));
+        assert!(bench.model.slopes.is_auto(), "slopes were not touched");
+        bench.model.apply_change(&change(doc::SLOPE_DIRECTION, "90"));
+        let slopes = bench.model.params.slopes;
+        assert_eq!((slopes.u.count, slopes.u.max, bench.model.slopes), (9, 4.0, SlopeChoice::Given));
     }
 }

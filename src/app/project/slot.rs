@@ -1,10 +1,26 @@
-//! Slot of one of the two bursts: the burst, its features, and the requests for it.
+//! Slot of one of the two bursts: the burst, its features, their comparison with others, and the requests for it.
+//!
+//! A slot takes a newly opened burst, keeps the parameters and cursors valid for it, and takes the features that were
+//! found. The selected feature is kept across detections. What was opened is never overwritten.
 
+use crate::app::pane::PaneId;
+use crate::app::project::Model;
+use crate::app::project::against::Against;
+use crate::app::project::cursor::Cursor;
 use crate::app::project::side::Side;
-use crate::app::project::{FoundFeatures, Model};
-use crate::detector::{DetectorParams, ParamError};
+use crate::app::view::View;
+use crate::burst;
+use crate::detector::{
+    Advice, Detection, DetectorParams, Feature, Method, ParamError, SearchParams, Slope, SlopeFinding, SlopeGrid,
+    explain,
+};
 use crate::engine::{Engine, Wanted};
-use crate::requests::{BurstSource, DetectRequest, JobError, JobId, OpenBurst, OpenRequest};
+use crate::inspect::spectrum::{features_at_slopes, slope_with_most_features};
+use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, JobId, OpenBurst, OpenRequest};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
 
 /// Slot of a burst.
 #[derive(Debug, Default)]
@@ -17,6 +33,8 @@ pub struct Slot {
     pub param_error: Option<ParamError>,
     /// The features of the burst.
     pub found: Option<FoundFeatures>,
+    /// Comparison of the features with others.
+    pub against: Against,
     /// The request that opens a burst here.
     pub opening: Wanted<OpenRequest>,
     /// The request for features.
@@ -88,4 +106,303 @@ impl Model {
             error => self.messages.error(what, error.to_string()),
         }
     }
+}
+
+impl Model {
+    /// Replaces the first burst by a newly opened one.
+    pub fn take_burst(&mut self, burst: OpenBurst) {
+        let middle = burst.burst.len() / 2;
+        let slot = &mut self.slots.a;
+        (slot.burst, slot.found, self.patch) = (Some(burst), None, None);
+        slot.detecting.forget();
+        self.forget_asked_pictures();
+        (self.selected, self.hovered, self.playing) = (None, None, false);
+        self.look.ranges.forget();
+        self.explained.forget();
+        self.pair.forget_matches();
+        self.compare.gold[0] = None;
+        self.start_panes(Side::A, |cursor| Cursor { kind: cursor.kind, frame: middle, ..Cursor::default() });
+        self.check_params();
+    }
+
+    /// Resets the panes on the burst of `side` for a newly opened burst: the leading pane (that in focus, if it is on
+    /// `side`) gets the cursor from `begin`, the others keep their distance to it.
+    pub(crate) fn start_panes(&mut self, side: Side, begin: impl Fn(&Cursor) -> Cursor) {
+        let focus = self.panes.focus();
+        let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
+        let Some(before) = self.panes.get(leader).map(|pane| pane.cursor) else { return };
+        let after = begin(&before);
+        for (id, pane) in self.panes.iter_mut().filter(|(_, pane)| pane.side == side) {
+            pane.cursor = if id == leader { after } else { pane.cursor.moved_as(&before, &after) };
+            (pane.picture, pane.problem, pane.slope_chosen) = (None, None, false);
+            pane.view = View::fit();
+            pane.own_ranges.iter_mut().for_each(|own| own.forget());
+        }
+    }
+
+    /// Checks the edited parameters against A's burst and brings all cursors into range.
+    pub fn check_params(&mut self) {
+        let auto = self.slopes.is_auto();
+        self.slots.a.param_error =
+            checked(self.slots.a.burst.as_ref(), self.params.clone(), auto, &mut self.slots.a.usable_params);
+        self.check_cursors();
+    }
+
+    /// Checks the parameters of matching, and those of the detector against B.
+    pub fn check_pair(&mut self) {
+        self.pair.param_error = self.pair.params.validate().err();
+        if self.slots.b.burst.is_some() {
+            let (params, auto) = (self.params_of(Side::B), self.slopes.is_auto());
+            let b = &mut self.slots.b;
+            b.param_error = checked(b.burst.as_ref(), params, auto, &mut b.usable_params);
+            self.check_cursors();
+        }
+    }
+
+    /// Clamps cursors to their ranges. Those of panes that follow the one in focus may lie outside, so that they keep
+    /// their distance to it.
+    fn check_cursors(&mut self) {
+        let follows = self.panes.followers();
+        let bursts = [
+            (self.slots.a.burst.as_ref(), &self.slots.a.usable_params),
+            (self.slots.b.burst.as_ref(), &self.slots.b.usable_params),
+        ];
+        for (id, pane) in self.panes.iter_mut() {
+            if let (Some(burst), params) = bursts[pane.side as usize]
+                && !follows.contains(&id)
+            {
+                pane.cursor = pane.cursor_within(burst, params);
+            }
+        }
+    }
+}
+
+/// Checks `params` against `burst`. Returns why they are invalid, and keeps the last valid ones in `usable`.
+fn checked(
+    burst: Option<&OpenBurst>,
+    mut params: DetectorParams,
+    slopes_are_found: bool,
+    usable: &mut DetectorParams,
+) -> Option<ParamError> {
+    let check = |params: &DetectorParams| match burst {
+        Some(open) => params.validate_for(open.burst.len(), open.burst.size()),
+        None => params.validate(),
+    };
+    if slopes_are_found && check(&params).is_err() {
+        // Slopes that are still to be found cannot be invalid.
+        params.slopes = SlopeGrid::single(Slope::default());
+    }
+    let error = check(&params).err();
+    if error.is_none() {
+        *usable = params;
+    } else if let Some(open) = burst
+        && usable.validate_for(open.burst.len(), open.burst.size()).is_err()
+    {
+        *usable = usable_for(open.burst.len());
+    }
+    error
+}
+
+/// Parameters that are valid for any burst of `frame_count` frames whose frames are not tiny.
+fn usable_for(frame_count: usize) -> DetectorParams {
+    let mut params = DetectorParams::default();
+    if frame_count <= 1 {
+        params.method = Method::Sift;
+    }
+    params
+}
+
+/// Features of a burst, with the parameters that they were found with.
+#[derive(Debug, Clone)]
+pub struct FoundFeatures {
+    /// The parameters that were requested.
+    pub asked: SearchParams,
+    /// The parameters that were used: with the slopes found, if slopes were to be found.
+    pub params: DetectorParams,
+    /// The search for slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
+    /// The features, descriptors and the tally.
+    pub detection: Arc<Detection>,
+    /// Wall-clock time that the detection took.
+    pub elapsed: Duration,
+    /// Advice where there are few or no features, or most of them at the slope limit: the reason, and what to change.
+    pub advice: Option<Advice>,
+}
+
+impl FoundFeatures {
+    /// Combines the engine's answer for `burst`, after `elapsed`, with advice.
+    pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
+        let Detected { asked, params, finding, detection, .. } = detected;
+        let advice = explain(&detection, &params, burst.burst.size());
+        Self { asked, params, finding, detection, elapsed, advice }
+    }
+}
+
+/// A selected feature, to be selected again after the next detection.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SavedSelection {
+    /// Index of the feature when it was saved.
+    pub index: usize,
+    /// Column, input pixels.
+    pub u: f32,
+    /// Row, input pixels.
+    pub v: f32,
+    /// Scale σ, input pixels.
+    pub sigma: f32,
+    /// Slope, pixels per frame.
+    pub slope: Slope,
+}
+
+/// Reason why the features on show are not those of the present parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stale {
+    /// The parameters changed since the detection.
+    Parameters,
+    /// The present parameters are invalid.
+    InvalidParameters,
+}
+
+impl Model {
+    /// Takes the features, unless they are of another burst. The selection stays if the same feature was found again.
+    pub fn take_detection(&mut self, side: Side, detected: Detected, elapsed: Duration) {
+        let Some(burst) = self.burst_of(side).filter(|burst| burst.id == detected.burst) else { return };
+        let found = FoundFeatures::new(detected, burst, elapsed);
+        if side == Side::B {
+            self.slots.b.found = Some(found);
+            self.check_pair();
+            self.go_to_first_slope(Side::B);
+            return;
+        }
+        let keep = self.reselect.take().or_else(|| self.saved_selection());
+        if self.slopes.is_auto() && found.asked.slopes == self.slopes {
+            self.params.slopes = found.params.slopes;
+            self.check_params();
+        }
+        self.slots.a.found = Some(found);
+        self.explained.slopes_wanted = false;
+        self.hovered = None;
+        self.selected = keep.and_then(|saved| self.find_again(&saved));
+        self.refresh_listed();
+        self.go_to_first_slope(Side::A);
+    }
+
+    /// The detection from which the features of `side` come.
+    pub fn found_source(&self, side: Side) -> Option<DetectionSource> {
+        let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
+        let FoundFeatures { asked, params, finding, .. } = found.clone();
+        Some(DetectionSource { burst, asked, params, finding })
+    }
+
+    /// The features on show; none without a detection.
+    pub fn features(&self) -> &[Feature] {
+        self.slots.a.found.as_ref().map_or(&[], |f| &f.detection.features)
+    }
+
+    /// The selected feature.
+    pub fn selected_feature(&self) -> Option<&Feature> {
+        self.features().get(self.selected?)
+    }
+
+    /// Reason why the features on show are not those of the present parameters; `None` when they are.
+    pub fn stale(&self) -> Option<Stale> {
+        let found = self.slots.a.found.as_ref()?;
+        if found.asked == self.asked() {
+            None
+        } else if self.slots.a.param_error.is_some() {
+            Some(Stale::InvalidParameters)
+        } else {
+            Some(Stale::Parameters)
+        }
+    }
+
+    /// The selection as a session stores it.
+    pub fn saved_selection(&self) -> Option<SavedSelection> {
+        let feature = self.selected_feature()?;
+        let index = self.selected?;
+        Some(SavedSelection { index, u: feature.u, v: feature.v, sigma: feature.sigma, slope: feature.slope })
+    }
+
+    /// Index of the feature nearest to `saved` in place, scale and slope, if it is near enough to be the same feature.
+    fn find_again(&self, saved: &SavedSelection) -> Option<usize> {
+        let distance = |f: &Feature| {
+            let place = (f.u - saved.u).hypot(f.v - saved.v) / saved.sigma.max(0.5);
+            let scale = (f.sigma / saved.sigma).log2().abs();
+            let slope = (f.slope.u - saved.slope.u).hypot(f.slope.v - saved.slope.v);
+            place + scale + slope
+        };
+        let features = self.features();
+        let nearest = (0..features.len()).min_by(|&a, &b| {
+            distance(&features[a])
+                .total_cmp(&distance(&features[b]))
+                .then(a.abs_diff(saved.index).cmp(&b.abs_diff(saved.index)))
+        })?;
+        (distance(&features[nearest]) < 1.0).then_some(nearest)
+    }
+
+    /// Moves the cursor to the slope with most features in the burst of `side`, unless a slope was chosen since that
+    /// burst was opened.
+    pub(crate) fn go_to_first_slope(&mut self, side: Side) {
+        let (focus, own) = (self.panes.focus(), PaneId::of(side));
+        let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { own };
+        // The burst's own pane, which other workspaces show, moves too if it is not on the screen.
+        let alone = own != leader && !self.panes.shown().contains(&own);
+        for id in [Some(leader), alone.then_some(own)].into_iter().flatten() {
+            if self.panes.get(id).is_some_and(|pane| !pane.slope_chosen) {
+                self.go_to_busiest_slope(id);
+            }
+        }
+    }
+
+    /// Moves the cursor of pane `id` to the slope of the grid with most features, and shows a note. Slopes on the
+    /// grid's rim count only if there are features nowhere else. Does nothing without features.
+    pub fn go_to_busiest_slope(&mut self, id: PaneId) {
+        let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
+        let Some(found) = self.found_of(side) else { return };
+        let grid = found.detection.slopes;
+        if let Some((index, count)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
+            let slope = grid.slope(index);
+            self.panes.get_mut(id).into_iter().for_each(|pane| pane.cursor.slope = slope);
+            let Slope { u, v } = slope;
+            self.messages.note(format!("Most features ({count}) are at slope ({u:.2}, {v:.2}) px/frame"));
+        }
+    }
+}
+
+impl Model {
+    /// All files that are open: frames of the bursts and datasets, calibration, gold standards, features of others,
+    /// trajectories. Parameter and session files are not among them, because they may be saved again after changes.
+    pub fn opened_files(&self) -> Vec<PathBuf> {
+        let gold = self.compare.gold.iter().flatten();
+        let bursts = self.slots.both().into_iter().flat_map(|slot| &slot.burst).chain(gold);
+        let mut files: Vec<PathBuf> = bursts.flat_map(|open| files_of(&open.source)).collect();
+        for burst in self.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
+            files.extend(files_at(burst.paths.clone()));
+        }
+        let calibration = [&self.calibration.bias, &self.calibration.flat];
+        files.extend(calibration.into_iter().flatten().flat_map(|path| files_at(vec![path.clone()])));
+        let others = self.slots.both().into_iter().filter_map(|slot| slot.against.file.as_ref());
+        files.extend(others.map(|file| file.path.clone()));
+        let trajectories = [&self.trajectories.compared.estimate, &self.trajectories.compared.truth];
+        files.extend(trajectories.into_iter().flatten().flat_map(|(path, _)| files_of_model(path)));
+        files
+    }
+}
+
+fn files_of(source: &BurstSource) -> Vec<PathBuf> {
+    match source {
+        BurstSource::Paths(paths) => files_at(paths.clone()),
+        BurstSource::DarkCopy { of, .. } => files_of(of),
+        BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => Vec::new(),
+    }
+}
+
+fn files_at(paths: Vec<PathBuf>) -> Vec<PathBuf> {
+    let source = burst::BurstSource { name: String::new(), paths };
+    source.files().unwrap_or(source.paths)
+}
+
+/// A trajectory file, or the files in the folder of a sparse model.
+fn files_of_model(path: &Path) -> Vec<PathBuf> {
+    let inside = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
+    inside.chain([path.to_path_buf()]).collect()
 }

@@ -17,9 +17,8 @@ use super::pane::{Content, PaneId, SavedPanes, SavedWorkspaces};
 use crate::app::project::against::SavedAgainst;
 use crate::app::project::compare::CompareLook;
 use crate::app::project::cursor::Cursor;
-use crate::app::project::filter::{Column, Filter};
+use crate::app::project::filter::{Column, Filter, Order};
 use crate::app::project::look::Look;
-use crate::app::project::order::Order;
 use crate::app::project::pair::Side;
 use crate::app::project::probe::SavedProbe;
 use crate::app::project::workspace::Workspace;
@@ -29,7 +28,7 @@ use crate::detector::SearchParams;
 use crate::requests::BurstSource;
 use before::MethodsBefore;
 use serde::{Deserialize, Serialize};
-use sources::{absolute, absolute_calibration, absolute_path, gold_source, saved_dataset, saved_trajectories};
+use sources::{absolute, absolute_calibration, gold_source, saved_against, saved_dataset, saved_trajectories};
 use unknown::read_noting_unknown_keys;
 
 /// The version that this program writes; it reads this and older ones.
@@ -88,10 +87,10 @@ pub struct Session {
     /// The selected feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedSelection>,
-    /// The place that is probed.
+    /// The place of A that is probed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub probe: Option<SavedProbe>,
-    /// Features with which those of the burst were compared.
+    /// Features with which those of A were compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub against: Option<SavedAgainst>,
     /// The dataset.
@@ -137,10 +136,8 @@ impl Session {
             filter: model.filter,
             order: model.order,
             selection: model.saved_selection(),
-            probe: model.probe.saved(),
-            against: model
-                .saved_against()
-                .map(|saved| SavedAgainst { file: saved.file.as_deref().map(absolute_path), ..saved }),
+            probe: model.probe.saved(Side::A),
+            against: saved_against(model, Side::A),
             workspace: model.workspace,
             pair: PairSession::of(model),
             methods: model.compare.look.clone(),
@@ -207,8 +204,8 @@ impl Session {
             before.apply(model, self.pair.burst.is_some());
         }
         model.keep_methods_arranged();
-        model.restore_probe(self.probe);
-        model.restore_against(self.against.clone());
+        model.restore_probe(Side::A, self.probe);
+        model.restore_against(Side::A, self.against.clone());
         model.check_params();
     }
 

@@ -1,13 +1,15 @@
 //! The second burst and the matches in a session.
 
-use super::sources::{absolute, gold_source};
+use super::sources::{absolute, gold_source, saved_against};
 use crate::app::canvas::View;
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
+use crate::app::project::against::SavedAgainst;
 use crate::app::project::cursor::Cursor;
+use crate::app::project::filter::Order;
 use crate::app::project::look::Look;
-use crate::app::project::order::Order;
 use crate::app::project::pair::{Links, MatchColumn, MatchLook, SavedMatch, Side};
+use crate::app::project::probe::SavedProbe;
 use crate::app::project::workspace::Workspace;
 use crate::matching::MatchParams;
 use crate::requests::BurstSource;
@@ -23,6 +25,12 @@ pub struct PairSession {
     /// Source of its gold standard.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gold: Option<BurstSource>,
+    /// The place of the second burst that is probed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probe: Option<SavedProbe>,
+    /// Features with which those of the second burst were compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub against: Option<SavedAgainst>,
     /// Side of the pane in focus.
     pub active: Side,
     /// Links between the two bursts' panes.
@@ -51,6 +59,8 @@ impl PairSession {
         Self {
             burst: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
             gold: gold_source(model, Side::B),
+            probe: model.probe.saved(Side::B),
+            against: saved_against(model, Side::B),
             active: model.panes.get(model.panes.placed_in(Workspace::Pair).1).map_or(Side::A, |pane| pane.side),
             links: model.pair_links(),
             params: pair.params.clone(),
@@ -75,6 +85,8 @@ impl PairSession {
         if let (Some(own), Some(look)) = (&mut pane.own_ranges, &self.look) {
             *own = look.ranges;
         }
+        model.restore_probe(Side::B, self.probe);
+        model.restore_against(Side::B, self.against.clone());
         model.check_pair();
     }
 }

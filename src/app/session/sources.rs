@@ -1,6 +1,7 @@
 //! Sources of a session's bursts, dataset and trajectories, all by absolute paths.
 
 use crate::app::project::Model;
+use crate::app::project::against::SavedAgainst;
 use crate::app::project::datasets::Dataset;
 use crate::app::project::pair::Side;
 use crate::app::project::trajectories::Trajectories;
@@ -45,6 +46,12 @@ pub struct SavedTrajectories {
 
 pub(super) fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
     model.compare.gold[side as usize].as_ref().map(|gold| absolute(&gold.source))
+}
+
+/// Comparison of the features of `side`, with an absolute path.
+pub(super) fn saved_against(model: &Model, side: Side) -> Option<SavedAgainst> {
+    let saved = model.saved_against(side)?;
+    Some(SavedAgainst { file: saved.file.as_deref().map(absolute_path), ..saved })
 }
 
 /// `source` with absolute paths, so that the session can be opened from any folder.

@@ -49,12 +49,42 @@ fn with_what_features_were_compared_comes_back_and_older_sessions_have_none() {
     assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
     let mut restored = self::model();
     session.apply(&mut restored);
-    assert_eq!(restored.saved_against(), session.against);
+    assert_eq!(restored.saved_against(Side::A), session.against);
     assert_eq!(Session::of(&restored).expect("a burst is open").against, session.against);
     // A session without a comparison removes it.
     session.against = None;
     session.apply(&mut restored);
-    assert!(restored.saved_against().is_none());
+    assert!(restored.saved_against(Side::A).is_none());
+}
+
+#[test]
+fn what_is_probed_and_compared_in_b_comes_back_with_b_and_older_sessions_have_nothing() {
+    let mut model = model();
+    let second = || {
+        let burst = Burst::from_planes("second", vec![Plane::zeros(80, 48), Plane::zeros(80, 48)]);
+        OpenBurst::new(burst, BurstSource::Paths(vec!["others".into()]))
+    };
+    model.take_second_burst(second());
+    let before = Session::of(&model).expect("a burst is open");
+    let text = before.to_toml();
+    assert!(!text.contains("probe") && !text.contains("against"), "{text}");
+    model.probe_place(Side::B, [70.0, 20.0]);
+    model.lay_over(Side::B, "theirs.csv".into());
+    let session = Session::of(&model).expect("a burst is open");
+    assert!(session.probe.is_none() && session.against.is_none(), "they are of B");
+    let text = session.to_toml();
+    assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
+    let mut restored = self::model();
+    session.apply(&mut restored);
+    restored.take_second_burst(second());
+    session.pair.apply(&mut restored);
+    assert_eq!((restored.probe.side, restored.probe.place()), (Side::B, Some([70.0, 20.0])));
+    let file = restored.slots.b.against.file.as_ref().expect("it was opened").path.clone();
+    assert!(file.is_absolute() && file.ends_with("theirs.csv"));
+    assert_eq!(Session::of(&restored).expect("a burst is open").pair, session.pair);
+    // A session of before says nothing of B's probe, and takes it away.
+    before.pair.apply(&mut restored);
+    assert!(!restored.probe.is_on() && restored.saved_against(Side::B).is_none());
 }
 
 #[test]

@@ -21,11 +21,8 @@ pub(super) fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts
     }
     if model.panels.right {
         Panel::right("right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
-            if model.probe.is_in_use() {
-                panel::probe::tabs_ui(ui, model);
-            }
-            if model.probe.is_open {
-                panel::probe::probe_ui(ui, model, probe, queue);
+            let other = ("Display and feature", "The value range of the pictures, and the selected feature");
+            if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
                 return;
             }
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -47,7 +44,8 @@ pub(super) fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts
     // A hovered feature stays marked while the pointer is over it, in a picture or in a row of the open table.
     if pictures.inner.drawn.iter().all(|(_, drawn)| drawn.output.pointer_ui.is_none()) {
         model.hovered = model.hovered.filter(|_| over_rows == Some(BottomTab::Table));
-        model.against.hovered = model.against.hovered.filter(|_| over_rows == Some(BottomTab::Compared));
+        let against = &mut model.slots.a.against;
+        against.hovered = against.hovered.filter(|_| over_rows == Some(BottomTab::Compared));
         model.explained.pointed = None;
     }
     pictures.inner.changes

@@ -7,22 +7,27 @@ use crate::app::panel::sorted_table::ROW_HEIGHT;
 use crate::app::panel::widgets::progress_text;
 use crate::app::project::Model;
 use crate::app::project::against::{Kind, Row, Shown, With};
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
 use egui::{Align, Label, Layout, ProgressBar, RichText, Sense, Ui, pos2};
 use egui_extras::{Column, TableBuilder};
 
 /// Draws the switch between the things to compare with.
-fn switch_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+fn switch_ui(ui: &mut Ui, model: &mut Model, side: Side, queue: &mut Queue) {
+    if model.workspace == Workspace::Pair {
+        ui.label(RichText::new(format!("Features of {}", side.name())).strong());
+    }
     for with in With::ALL {
-        let (on, there) = (model.against.with == Some(with), model.against.has(with));
+        let (on, there) = (model.slots[side].against.with == Some(with), model.slots[side].against.has(with));
         let button = egui::Button::selectable(on, with.label()).frame_when_inactive(true);
         let response = ui.add_enabled(there, button).on_hover_text(with.help()).on_disabled_hover_text(with.help());
         if response.clicked() {
-            model.against.show((!on).then_some(with));
+            model.show_against(side, (!on).then_some(with));
         }
     }
     ui.separator();
     button_ui(ui, model, queue, ActionId::PinResult, Some("Pin"));
-    match model.against.with {
+    match model.slots[side].against.with {
         Some(With::Pinned) => {
             button_ui(ui, model, queue, ActionId::UnpinResult, Some("Unpin"));
         }
@@ -31,7 +36,7 @@ fn switch_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         }
         Some(With::Truth) | None => {}
     }
-    if let Some(running) = &model.against.wanted.running() {
+    if let Some(running) = &model.slots[side].against.wanted.running() {
         let fraction = running.progress.map_or(0.0, |p| p.fraction);
         ui.add(ProgressBar::new(fraction).desired_width(220.0).text(progress_text(running)));
     }
@@ -39,63 +44,65 @@ fn switch_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 
 const PROBE_HELP: &str = "Say why there is a feature at its place, or why there is none";
 
-/// Draws the list, or the reason why there is none.
+/// Draws the list for the burst in focus, or the reason why there is none.
 pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: &mut Queue) {
-    ui.horizontal_wrapped(|ui| switch_ui(ui, model, queue));
-    let Some(shown) = model.against.shown.clone() else {
-        ui.centered_and_justified(|ui| match &model.against.problem {
+    let side = model.active_side();
+    ui.horizontal_wrapped(|ui| switch_ui(ui, model, side, queue));
+    let Some(shown) = model.slots[side].against.shown.clone() else {
+        ui.centered_and_justified(|ui| match &model.slots[side].against.problem {
             Some(problem) => ui.label(RichText::new(problem).color(ui.visuals().error_fg_color)),
-            None => ui.weak(what_to_do(model)),
+            None => ui.weak(what_to_do(model, side)),
         });
         return;
     };
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(&shown.summary).strong());
-        if model.shown_comparison().is_none() {
+        if model.shown_comparison(side).is_none() {
             ui.weak("(of the features before)");
         }
-        if let Some(row) = model.against.selected.and_then(|row| shown.rows.get(row))
+        if let Some(row) = model.slots[side].against.selected.and_then(|row| shown.rows.get(row))
             && ui.small_button("Why here?").on_hover_text(PROBE_HELP).clicked()
         {
-            model.probe_place(row.pos_image);
+            model.probe_place(side, row.pos_image);
         }
         ui.separator();
         for &kind in Kind::of(shown.with) {
-            let mut on = model.against.shows(kind);
+            let mut on = model.slots[side].against.shows(kind);
             let text = format!("{} {}", shown.label(kind), shown.count(kind));
             key_ui(ui, &shown, kind);
             if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
-                model.against.hidden.retain(|hidden| *hidden != kind);
+                model.slots[side].against.hidden.retain(|hidden| *hidden != kind);
                 if !on {
-                    model.against.hidden.push(kind);
+                    model.slots[side].against.hidden.push(kind);
                 }
             }
         }
     });
-    let (clicked, probed) = table_ui(ui, model, &shown);
+    let (clicked, probed) = table_ui(ui, model, side, &shown);
     if let Some(row) = probed.and_then(|row| shown.rows.get(row)) {
-        model.probe_place(row.pos_image);
+        model.probe_place(side, row.pos_image);
     }
     if let Some(row) = clicked {
-        let selected = (model.against.selected != Some(row)).then_some(row);
-        select(model, &shown, selected);
+        let selected = (model.slots[side].against.selected != Some(row)).then_some(row);
+        select(model, side, &shown, selected);
         if let Some(row) = selected.and_then(|row| shown.rows.get(row)) {
             bring_into_view(model, widgets, row);
         }
     }
 }
 
-fn what_to_do(model: &Model) -> &'static str {
-    match model.against.with {
-        Some(_) if model.slots.a.found.is_none() => "Press Detect to find features to compare",
+fn what_to_do(model: &Model, side: Side) -> &'static str {
+    match model.slots[side].against.with {
+        Some(_) if model.found_of(side).is_none() => "Press Detect to find features to compare",
         Some(_) => "Comparing…",
         None => "Pin a result, change a parameter and detect again; or open somebody else's features",
     }
 }
 
 /// Draws the rows; returns the clicked row, and the one whose place is to be probed.
-fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> (Option<usize>, Option<usize>) {
-    let listed: Vec<usize> = (0..shown.rows.len()).filter(|&row| model.against.shows(shown.rows[row].kind)).collect();
+fn table_ui(ui: &mut Ui, model: &mut Model, side: Side, shown: &Shown) -> (Option<usize>, Option<usize>) {
+    let listed: Vec<usize> =
+        (0..shown.rows.len()).filter(|&row| model.slots[side].against.shows(shown.rows[row].kind)).collect();
     let (mut clicked, mut hovered, mut probed) = (None, None, None);
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let table = TableBuilder::new(ui)
@@ -122,8 +129,8 @@ fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> (Option<usize>, Op
             body.rows(ROW_HEIGHT, listed.len(), |mut table_row| {
                 let index = listed[table_row.index()];
                 let row = &shown.rows[index];
-                table_row.set_selected(model.against.selected == Some(index));
-                table_row.set_hovered(model.against.hovered == Some(index));
+                table_row.set_selected(model.slots[side].against.selected == Some(index));
+                table_row.set_hovered(model.slots[side].against.hovered == Some(index));
                 table_row.col(|ui| {
                     key_ui(ui, shown, row.kind);
                     ui.add(Label::new(shown.label(row.kind)).selectable(false));
@@ -157,7 +164,7 @@ fn table_ui(ui: &mut Ui, model: &mut Model, shown: &Shown) -> (Option<usize>, Op
         });
     // The pointer may be over a picture instead, which then sets the hovered row.
     if is_pointed_at {
-        model.against.hovered = hovered;
+        model.slots[side].against.hovered = hovered;
     }
     (clicked, probed)
 }
@@ -213,15 +220,15 @@ mod tests {
     #[test]
     fn an_empty_list_says_the_next_step() {
         let mut model = Model::default();
-        assert!(what_to_do(&model).starts_with("Pin a result"));
-        model.against.with = Some(With::Truth);
-        assert!(what_to_do(&model).starts_with("Press Detect"));
+        assert!(what_to_do(&model, Side::A).starts_with("Pin a result"));
+        model.slots.a.against.with = Some(With::Truth);
+        assert!(what_to_do(&model, Side::A).starts_with("Press Detect"));
         let burst = open((64, 48), 3);
         model.take_burst(burst.clone());
         let params = model.params.clone();
         let features = vec![feature(10.0, 10.0, 1, &params.slopes)];
-        model.take_detection(crate::app::project::side::Side::A, detected(&burst, &params, features), Duration::ZERO);
-        model.against.with = Some(With::Truth);
-        assert_eq!(what_to_do(&model), "Comparing…");
+        model.take_detection(Side::A, detected(&burst, &params, features), Duration::ZERO);
+        model.slots.a.against.with = Some(With::Truth);
+        assert_eq!(what_to_do(&model, Side::A), "Comparing…");
     }
 }

@@ -6,13 +6,15 @@ use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
 use crate::app::panel::features::frames_from_middle;
 use crate::app::project::Model;
 use crate::app::project::against::{Kind, Row, Shown};
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
 use crate::requests::Picture;
 use egui::{Frame, Margin, RichText, Sense, Ui, UiBuilder, pos2, vec2};
 
 /// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
-fn marks_of(model: &Model, shown: &Shown, picture: Option<&Picture>) -> (Vec<usize>, Vec<ComparedMark>) {
+fn marks_of(model: &Model, side: Side, shown: &Shown, picture: Option<&Picture>) -> (Vec<usize>, Vec<ComparedMark>) {
     let dt = frames_from_middle(picture, &shown.detection).unwrap_or(0.0);
-    let drawn = shown.rows.iter().enumerate().filter(|(_, row)| model.against.shows(row.kind));
+    let drawn = shown.rows.iter().enumerate().filter(|(_, row)| model.slots[side].against.shows(row.kind));
     drawn
         .map(|(index, row)| {
             let slope = row.slope.unwrap_or_default();
@@ -29,40 +31,51 @@ fn marks_of(model: &Model, shown: &Shown, picture: Option<&Picture>) -> (Vec<usi
         .unzip()
 }
 
-/// Draws the comparison over the canvas of `output`, and lets the pointer choose among its rows.
-pub fn marks_ui(ui: &Ui, model: &mut Model, shown: &Shown, picture: Option<&Picture>, output: &CanvasOutput) {
-    let (rows, marks) = marks_of(model, shown, picture);
+/// Draws the comparison of `side` over the canvas of `output`, and lets the pointer choose among its rows.
+pub fn marks_ui(
+    ui: &Ui,
+    model: &mut Model,
+    side: Side,
+    shown: &Shown,
+    picture: Option<&Picture>,
+    output: &CanvasOutput,
+) {
+    let (rows, marks) = marks_of(model, side, shown, picture);
     let clip = output.painter.clip_rect();
-    // Candidates lie on top.
-    let on_top = model.explained.pointed.is_none();
+    // Candidates and matches lie on top.
+    let is_over_match = model.workspace == Workspace::Pair && model.pair.hovered.is_some();
+    let on_top = model.explained.pointed.is_none() && !is_over_match;
     let pointer = output.pointer_ui.filter(|pos| on_top && clip.contains(*pos));
     let pointed = pointer.and_then(|pos| mark_at(output, &marks, pos));
     if pointer.is_some() {
-        model.against.hovered = pointed.map(|mark| rows[mark]);
+        model.slots[side].against.hovered = pointed.map(|mark| rows[mark]);
         // Features under the marks are not hovered.
         model.hovered = None;
     }
     // A feature selected or hovered elsewhere is one of ours.
     let of_ours = |feature: usize| rows.iter().position(|row| shown.rows[*row].feature == Some(feature));
-    let focus = model.against.hovered.or(model.against.selected);
+    let focus = model.slots[side].against.hovered.or(model.slots[side].against.selected);
     let highlighted = focus.and_then(|row| rows.iter().position(|r| *r == row));
-    let highlighted = highlighted.or_else(|| model.hovered.or(model.selected).and_then(of_ours));
+    let elsewhere = model.hovered.or(model.selected).filter(|_| side == Side::A);
+    let highlighted = highlighted.or_else(|| elsewhere.and_then(of_ours));
     draw_compared(output, &marks, highlighted);
     if on_top
         && output.response.clicked()
         && output.response.interact_pointer_pos().is_none_or(|pos| clip.contains(pos))
     {
-        select(model, shown, pointed.map(|mark| rows[mark]));
+        select(model, side, shown, pointed.map(|mark| rows[mark]));
     }
     if let Some(mark) = pointed.filter(|_| !output.response.dragged()) {
         tip_ui(ui, shown, &shown.rows[rows[mark]]);
     }
 }
 
-/// Selects a row, and our feature in it.
-pub(super) fn select(model: &mut Model, shown: &Shown, row: Option<usize>) {
-    model.against.selected = row;
-    model.selected = row.and_then(|row| shown.rows.get(row)?.feature);
+/// Selects a row, and our feature in it if it is one of A's.
+pub(super) fn select(model: &mut Model, side: Side, shown: &Shown, row: Option<usize>) {
+    model.slots[side].against.selected = row;
+    if side == Side::A {
+        model.selected = row.and_then(|row| shown.rows.get(row)?.feature);
+    }
 }
 
 fn tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
@@ -77,14 +90,15 @@ fn tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
 }
 
 /// Draws the legend in the lower left corner of the picture.
-pub fn legend_ui(ui: &mut Ui, model: &Model, shown: &Shown, output: &CanvasOutput) {
+pub fn legend_ui(ui: &mut Ui, model: &Model, side: Side, shown: &Shown, output: &CanvasOutput) {
     let rect = output.response.rect;
     let fill = if ui.visuals().dark_mode {
         egui::Color32::from_black_alpha(190)
     } else {
         egui::Color32::from_white_alpha(225)
     };
-    let kinds: Vec<Kind> = Kind::of(shown.with).iter().copied().filter(|kind| model.against.shows(*kind)).collect();
+    let kinds: Vec<Kind> =
+        Kind::of(shown.with).iter().copied().filter(|kind| model.slots[side].against.shows(*kind)).collect();
     let height = 16.0 + 18.0 * kinds.len() as f32;
     let corner = rect.left_bottom() + vec2(10.0, -10.0);
     let room = egui::Rect::from_min_max(corner - vec2(0.0, height), corner + vec2(210.0, 0.0));

@@ -179,10 +179,11 @@ fn rival_ui(ui: &mut Ui, model: &mut Model, rival: &Rival) {
     let [u, v] = rival.pos_image;
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(rival.slope));
     if ui.button(label).on_hover_text(tip).clicked() {
-        if rival.feature.is_some() {
+        let side = model.probe.side;
+        if rival.feature.is_some() && side == Side::A {
             model.selected = rival.feature;
         }
-        model.focus_on_side(Side::A);
+        model.focus_on_side(side);
         let pane = model.focused_mut();
         pane.cursor.slope = rival.slope;
         pane.show_slope();

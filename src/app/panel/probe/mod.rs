@@ -4,24 +4,29 @@
 //! scale, each frame's share, and suspicions about a feature.
 
 mod fates;
-mod map_area;
 mod response;
 mod shares;
-mod suspicions;
-mod texture;
-
-pub use texture::PlaneTexture;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::section_ui;
 use crate::app::parts::mark;
 use crate::app::project::Model;
+use crate::app::project::workspace::Workspace;
 use crate::app::style;
 use crate::detector::ParamChange;
+use crate::inspect::suspicion::{Kind, Suspicion};
 use crate::inspect::words::{counted_from_one, number};
+use crate::plane::Plane;
+use crate::plane::display::{Display, to_rgba8};
 use crate::requests::Probed;
 use crate::teach::Part;
-use egui::{Label, ProgressBar, RichText, ScrollArea, Ui};
+use egui::{
+    Color32, Frame, Label, Margin, ProgressBar, Rect, RichText, ScrollArea, Stroke, TextureHandle, TextureOptions, Ui,
+    pos2,
+};
+use fates::sentence;
+use std::any::Any;
+use std::sync::Arc;
 
 /// State of the panel, kept between passes: its pictures as textures.
 #[derive(Default)]
@@ -31,11 +36,30 @@ pub struct ProbePanel {
     patches: PlaneTexture,
 }
 
-/// Draws the two tabs of the right panel.
-pub fn tabs_ui(ui: &mut Ui, model: &mut Model) {
+/// Draws the right panel's tabs, and the probe if its tab is open. Returns whether it is; if not, the caller draws what
+/// the other tab, called `other`, shows. Without a probe of a burst of this workspace nothing is drawn.
+pub fn probe_tab_ui(
+    ui: &mut Ui,
+    model: &mut Model,
+    panel: &mut ProbePanel,
+    (other, help): (&str, &str),
+    queue: &mut Queue,
+) -> bool {
+    if !model.probe_is_here() {
+        return false;
+    }
+    if model.probe.is_in_use() {
+        tabs_ui(ui, model, (other, help));
+    }
+    if model.probe.is_open {
+        probe_ui(ui, model, panel, queue);
+    }
+    model.probe.is_open
+}
+
+fn tabs_ui(ui: &mut Ui, model: &mut Model, (other, help): (&str, &str)) {
     ui.horizontal(|ui| {
-        ui.selectable_value(&mut model.probe.is_open, false, "Display and feature")
-            .on_hover_text("The value range of the pictures, and the selected feature");
+        ui.selectable_value(&mut model.probe.is_open, false, other).on_hover_text(help);
         ui.selectable_value(&mut model.probe.is_open, true, "Probe")
             .on_hover_text("Why there is a feature at a place, or why there is none");
     });
@@ -43,7 +67,7 @@ pub fn tabs_ui(ui: &mut Ui, model: &mut Model) {
 }
 
 /// Draws the panel.
-pub fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut Queue) {
+fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut Queue) {
     mark(ui, Part::Probe, ui.max_rect());
     tools_ui(ui, model, queue);
     busy_ui(ui, model);
@@ -59,12 +83,14 @@ pub fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &
     };
     ScrollArea::vertical().id_salt("probe").auto_shrink(false).show(ui, |ui| {
         let [u, v] = answer.probe.pos_image;
-        ui.label(RichText::new(format!("Place ({}, {})", number(u, 1), number(v, 1))).strong())
+        let burst =
+            if model.workspace == Workspace::Pair { format!(" of {}", model.probe.side.name()) } else { String::new() };
+        ui.label(RichText::new(format!("Place ({}, {}){burst}", number(u, 1), number(v, 1))).strong())
             .on_hover_text("At mid-burst, pixels; the centre of the first pixel is (0, 0)");
         stale_ui(ui, model, queue);
         ui.add(Label::new(counted_from_one(&answer.probe.summary)).wrap());
         ui.add_space(4.0);
-        suspicions::suspicions_ui(ui, model, &answer, queue);
+        suspicions_ui(ui, model, &answer, queue);
         section_ui(ui, "Candidates here", |ui| fates::fates_ui(ui, model, &answer, queue));
         section_ui(ui, "Response over slope and scale", |ui| {
             response::response_ui(ui, model, &answer, &mut panel.response, &mut panel.plane);
@@ -92,7 +118,7 @@ fn tools_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn busy_ui(ui: &mut Ui, model: &Model) {
     let waits = model.probe.question.is_some() && model.probe.answer.is_none() && model.probe.problem.is_none();
-    match (model.probe.wanted_trail.running(), model.slots.a.detecting.running()) {
+    match (model.probe.wanted_trail.running(), model.slots[model.probe.side].detecting.running()) {
         (Some(running), _) | (None, Some(running)) if model.probe.is_on() => {
             let fraction = running.progress.map_or(0.0, |p| p.fraction);
             ui.add(ProgressBar::new(fraction).text(format!("Searching  {:.0} %", 100.0 * fraction)));
@@ -106,7 +132,7 @@ fn busy_ui(ui: &mut Ui, model: &Model) {
 
 /// Draws a warning when the answer belongs to other parameters.
 fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    if model.probe_is_stale() && !model.slots.a.detecting.is_pending() {
+    if model.probe_is_stale() && !model.slots[model.probe.side].detecting.is_pending() {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("Stale: found with other parameters").color(style::warning(ui)));
             if ui.small_button("Detect again").on_hover_text("Search with the parameters as they are now").clicked() {
@@ -136,4 +162,98 @@ fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Qu
 /// Text of a response's strength: in σ of its noise, or D itself where there is no noise.
 fn strength_text(answer: &Probed, value: f32) -> String {
     if answer.probe.response.is_noiseless { format!("{value:+.1e}") } else { format!("{value:+.1} σ") }
+}
+
+/// Last drawn texture.
+#[derive(Default)]
+pub struct PlaneTexture(Option<Made>);
+
+struct Made {
+    of: Arc<dyn Any + Send + Sync>,
+    display: Display,
+    dark: bool,
+    texture: TextureHandle,
+}
+
+impl PlaneTexture {
+    /// Draws a picture of the answer `of` into `rect`: pixels are sharp squares, NaN has the colour of the canvas's
+    /// backdrop.
+    pub fn draw<T: Any + Send + Sync>(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        (name, of): (&str, &Arc<T>),
+        display: Display,
+        plane: impl FnOnce() -> Plane,
+    ) {
+        let dark = ui.visuals().dark_mode;
+        let of: Arc<dyn Any + Send + Sync> = of.clone();
+        // The texture keeps its answer alive, so that no other has its address.
+        let is_same = |made: &Made| std::ptr::addr_eq(Arc::as_ptr(&made.of), Arc::as_ptr(&of));
+        let fits = |made: &Made| is_same(made) && made.display == display && made.dark == dark;
+        if !self.0.as_ref().is_some_and(fits) {
+            let plane = plane();
+            let mut rgba = to_rgba8(&plane, &display);
+            let beside = if dark { 20 } else { 206 };
+            for (pixel, value) in rgba.pixels_mut().zip(plane.data()) {
+                if value.is_nan() {
+                    pixel.0 = [beside, beside, beside, 255];
+                }
+            }
+            let (width, height) = plane.size();
+            let image = egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw());
+            let texture = ui.ctx().load_texture(name, image, TextureOptions::NEAREST);
+            self.0 = Some(Made { of, display, dark, texture });
+        }
+        if let Some(made) = &self.0 {
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(made.texture.id(), rect, whole, Color32::WHITE);
+        }
+    }
+}
+
+fn title(kind: Kind) -> (&'static str, &'static str) {
+    match kind {
+        Kind::Duplicate => ("A duplicate?", "Another feature shows the same blob"),
+        Kind::Ghost => ("A ghost?", "A blob of another motion shows in this slope's stack"),
+        Kind::AtLimit => {
+            ("At the limit?", "Its slope lies on the rim of those searched, and its response rises beyond")
+        }
+        Kind::Alias => ("An alias?", "The texture repeats itself, and another slope shows it as well"),
+    }
+}
+
+/// Draws all suspicions.
+fn suspicions_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
+    for suspicion in &answer.probe.suspicions {
+        let frame = Frame::new().stroke(Stroke::new(1.0, style::warning(ui))).corner_radius(4);
+        frame.inner_margin(Margin::symmetric(6, 4)).show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            suspicion_ui(ui, model, suspicion, queue);
+        });
+        ui.add_space(4.0);
+    }
+}
+
+fn suspicion_ui(ui: &mut Ui, model: &mut Model, suspicion: &Suspicion, queue: &mut Queue) {
+    let (name, help) = title(suspicion.kind);
+    ui.label(RichText::new(name).strong().color(style::warning(ui))).on_hover_text(help);
+    ui.add(Label::new(sentence(&counted_from_one(&suspicion.evidence))).wrap());
+    if suspicion.change.is_none() && suspicion.other.is_none() {
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        if let Some(change) = &suspicion.change {
+            apply_ui(ui, model, change, queue);
+            ui.label(RichText::new(change.label()).weak());
+        }
+        if let Some(other) = suspicion.other
+            && ui
+                .button(format!("Probe feature {}", other + 1))
+                .on_hover_text("Ask why that feature was kept")
+                .clicked()
+        {
+            model.probe_feature(model.probe.side, other);
+        }
+    });
 }

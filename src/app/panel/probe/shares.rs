@@ -1,6 +1,6 @@
 //! Share of each frame: the pixels along the motion, and the response of each frame alone, with its noise.
 
-use super::texture::PlaneTexture;
+use super::PlaneTexture;
 use crate::app::project::Model;
 use crate::inspect::shares::{FrameShare, Shape, Shares};
 use crate::inspect::words::{number, slope_text};
@@ -44,7 +44,7 @@ fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut Plane
     let rows = shares.frames.len().div_ceil(columns);
     let side = (ui.available_width() / columns as f32).min(44.0).floor();
     let (rect, response) = ui.allocate_exact_size(vec2(side * columns as f32, side * rows as f32), Sense::click());
-    let display = model.look.ranges.intensity;
+    let display = model.ranges_of_side(model.probe.side).intensity;
     texture.draw(ui, rect, ("probe patches", &answer.probe), display, || montage(&shares.frames, columns, rows));
     let frame_at = |pos: egui::Pos2| {
         let from = pos - rect.min;
@@ -72,7 +72,7 @@ fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut Plane
     response.on_hover_text_at_pointer(text);
     if clicked {
         let (slope, index) = (shares.slope, frame.frame);
-        model.focus_on_side(crate::app::project::pair::Side::A);
+        model.focus_on_side(model.probe.side);
         let pane = model.focused_mut();
         (pane.cursor.slope, pane.slope_chosen, pane.cursor.frame) = (slope, true, index);
         pane.show(crate::app::project::cursor::ViewKind::Frame);

@@ -7,6 +7,7 @@ pub use strip::strip_ui;
 
 use crate::app::canvas::number;
 use crate::app::project::Model;
+use crate::app::project::side::Side;
 use crate::app::style;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
@@ -112,7 +113,7 @@ fn piece_ui(ui: &mut Ui, model: &mut Model, index: usize, advice: &SlopeAdvice) 
             let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
             if button.clicked() {
-                match model.apply_changes(&advice.changes) {
+                match model.apply_changes(Side::A, &advice.changes) {
                     Ok(()) => model.messages.note(format!("Set {changes}")),
                     Err(error) => model.messages.error("Apply", error.to_string()),
                 }

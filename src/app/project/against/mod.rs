@@ -1,17 +1,19 @@
-//! Comparison of the features of the open burst with a reference: an earlier result that was pinned, features of a
-//! file, or the truth. All three may be known; one of them is on show.
+//! Comparison of the features of a burst with a reference: an earlier result that was pinned, features of a file, or the
+//! truth. All three may be known; one of them is on show. Each of the two bursts has a comparison of its own, in its
+//! slot.
 
 mod rows;
-mod saved;
 
 pub use rows::{Kind, Row};
-pub use saved::SavedAgainst;
 
-use crate::app::project::Model;
+use crate::app::project::side::Side;
+use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{Detection, SearchParams};
 use crate::engine::{Engine, Wanted};
 use crate::inspect::foreign::ForeignFeature;
-use crate::requests::{Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, Reference, Request};
+use crate::requests::{
+    Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, OpenBurst, Reference, Request,
+};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -102,7 +104,22 @@ pub struct ForeignFile {
     features: Option<Arc<Vec<ForeignFeature>>>,
 }
 
-/// The comparison of the features.
+/// Comparison in a session file.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SavedAgainst {
+    /// Reference of the comparison.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with: Option<With>,
+    /// Path of the file of other features.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// Parameters of the pinned result: the detection is repeated, which gives the same bits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pinned: Option<SearchParams>,
+}
+
+/// The comparison of the features of one burst.
 #[derive(Debug, Default)]
 pub struct Against {
     /// The pinned result.
@@ -154,88 +171,29 @@ impl Against {
     }
 }
 
-impl Model {
-    /// Pins the features on show: later results are compared with them.
-    pub fn pin_result(&mut self) {
-        if let (Some(burst), Some(found)) = (&self.slots.a.burst, &self.slots.a.found) {
-            let (asked, detection) = (found.asked.clone(), Some(found.detection.clone()));
-            self.against.pinned = Some(Pinned { burst: burst.id, asked, detection });
-            // The comparison with an earlier pin is dropped.
-            self.against.show(None);
-            self.against.show(Some(With::Pinned));
+impl Against {
+    /// Forgets the references of another burst than the open one.
+    fn check(&mut self, open: Option<&OpenBurst>) {
+        let id = open.map(|open| open.id);
+        self.pinned.take_if(|pinned| Some(pinned.burst) != id);
+        self.file.take_if(|file| Some(file.burst) != id);
+        if self.truth.map(|(burst, _)| burst) != id {
+            self.truth = open.map(|open| (open.id, open.has_truth()));
+        }
+        if self.with.is_some_and(|with| !self.has(with)) {
+            self.show(None);
         }
     }
 
-    /// Forgets the pinned result.
-    pub fn unpin_result(&mut self) {
-        self.against.pinned = None;
-        if self.against.with == Some(With::Pinned) {
-            self.against.show(None);
-        }
-    }
-
-    /// Compares with the features of the file at `path`.
-    pub fn lay_over(&mut self, path: PathBuf) {
-        if let Some(burst) = &self.slots.a.burst {
-            self.against.file = Some(ForeignFile { burst: burst.id, path, features: None });
-            self.against.show(None);
-            self.against.show(Some(With::File));
-        }
-    }
-
-    /// Forgets the opened features.
-    pub fn forget_foreign(&mut self) {
-        self.against.file = None;
-        if self.against.with == Some(With::File) {
-            self.against.show(None);
-        }
-    }
-
-    /// Forgets the references of a burst that is not open any more.
-    pub fn check_against(&mut self) {
-        let open = self.slots.a.burst.as_ref().map(|burst| burst.id);
-        self.against.pinned.take_if(|pinned| Some(pinned.burst) != open);
-        self.against.file.take_if(|file| Some(file.burst) != open);
-        if self.against.truth.map(|(burst, _)| burst) != open {
-            self.against.truth = self.slots.a.burst.as_ref().map(|b| (b.id, b.has_truth()));
-        }
-        if self.against.with.is_some_and(|with| !self.against.has(with)) {
-            self.against.show(None);
-        }
-    }
-
-    /// Takes the comparison, or its error.
-    pub(in crate::app) fn take_comparisons(&mut self) {
-        for ended in self.against.wanted.take() {
-            match ended.result {
-                Ok(compared) => self.take_comparison(compared),
-                Err(JobError::Cancelled) => self.against.problem = Some("Cancelled".to_owned()),
-                Err(error) => self.against.problem = Some(error.to_string()),
-            }
-        }
-    }
-
-    /// Requests the comparison if it is missing.
-    pub(in crate::app) fn ask_for_comparison(&mut self, engine: &Engine) {
-        self.check_against();
-        let is_there = self.shown_comparison().is_some_and(|shown| Some(shown.with) == self.against.with);
-        let missing = self.wanted_comparison().filter(|_| !is_there);
-        if missing.as_ref().is_some_and(|missing| !self.against.wanted.has_failed(missing)) {
-            self.against.problem = None;
-        }
-        self.against.wanted.want(engine, missing);
-    }
-
-    /// The comparison that is wanted now.
-    pub fn wanted_comparison(&self) -> Option<AgainstRequest> {
-        let (found, burst) = (self.slots.a.found.as_ref()?, self.slots.a.burst.as_ref()?);
-        let with = match self.against.with? {
+    /// Request for the comparison that is wanted now, of the features `found` in `burst`.
+    fn wanted_for(&self, burst: &OpenBurst, found: &FoundFeatures) -> Option<AgainstRequest> {
+        let with = match self.with? {
             With::Pinned => {
-                let Pinned { asked, detection, .. } = self.against.pinned.clone()?;
+                let Pinned { asked, detection, .. } = self.pinned.clone()?;
                 Reference::Earlier { burst: burst.clone(), asked, detection }
             }
             With::File => {
-                let file = self.against.file.as_ref()?;
+                let file = self.file.as_ref()?;
                 Reference::File { path: file.path.clone(), features: file.features.clone() }
             }
             With::Truth => Reference::Truth { burst: burst.clone(), params: found.params.clone() },
@@ -243,35 +201,183 @@ impl Model {
         Some(AgainstRequest { detection: found.detection.clone(), with })
     }
 
-    /// Takes a comparison, unless another one is wanted by now.
-    pub fn take_comparison(&mut self, compared: ComparedWith) {
-        let ComparedWith { request, against } = compared;
-        let Some(with) = self.against.with else { return };
-        if !self.wanted_comparison().is_some_and(|wanted| wanted.is_same(&request)) {
-            return;
-        }
-        if let (Some(pinned), Some(found)) = (&mut self.against.pinned, against.found_again()) {
+    /// Takes a comparison, unless `wanted` is another one by now.
+    fn take(&mut self, compared: ComparedWith, wanted: Option<&AgainstRequest>) {
+        let ComparedWith { request, against: answered } = compared;
+        let is_wanted = wanted.is_some_and(|wanted| wanted.is_same(&request));
+        let Some(with) = self.with.filter(|_| is_wanted) else { return };
+        if let (Some(pinned), Some(found)) = (&mut self.pinned, answered.found_again()) {
             pinned.detection = Some(found.clone());
         }
-        if let (Some(file), Some(read)) = (&mut self.against.file, against.read()) {
+        if let (Some(file), Some(read)) = (&mut self.file, answered.read()) {
             file.features = Some(read.clone());
         }
-        let (is_whole_truth, ours) = match &against {
+        let (is_whole_truth, ours) = match &answered {
             Answered::Truth { against, .. } => (against.is_whole_truth, against.name_of_elsewhere()),
             Answered::Changes { .. } => (true, Kind::Ours.label(with)),
         };
-        if self.against.shown.is_none() && !is_whole_truth {
-            self.against.hidden = vec![Kind::Ours];
+        if self.shown.is_none() && !is_whole_truth {
+            self.hidden = vec![Kind::Ours];
         }
-        let (rows, summary) = rows::of(with, &request.detection, &against);
-        self.against.shown =
-            Some(Arc::new(Shown { with, detection: request.detection, rows, summary, is_whole_truth, ours }));
-        (self.against.selected, self.against.hovered, self.against.problem) = (None, None, None);
+        let (rows, summary) = rows::of(with, &request.detection, &answered);
+        self.shown = Some(Arc::new(Shown { with, detection: request.detection, rows, summary, is_whole_truth, ours }));
+        (self.selected, self.hovered, self.problem) = (None, None, None);
+    }
+}
+
+impl Model {
+    /// Pins the features of `side`: later results are compared with them.
+    pub fn pin_result(&mut self, side: Side) {
+        let slot = &mut self.slots[side];
+        if let (Some(burst), Some(found)) = (&slot.burst, &slot.found) {
+            let (asked, detection) = (found.asked.clone(), Some(found.detection.clone()));
+            slot.against.pinned = Some(Pinned { burst: burst.id, asked, detection });
+            // The comparison with an earlier pin is dropped.
+            slot.against.show(None);
+            self.show_against(side, Some(With::Pinned));
+        }
     }
 
-    /// The comparison that is drawn over the pictures of A: that of the features on show.
-    pub fn shown_comparison(&self) -> Option<&Arc<Shown>> {
-        let found = self.slots.a.found.as_ref()?;
-        self.against.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
+    /// Forgets the pinned result of `side`.
+    pub fn unpin_result(&mut self, side: Side) {
+        let against = &mut self.slots[side].against;
+        against.pinned = None;
+        if against.with == Some(With::Pinned) {
+            against.show(None);
+        }
+    }
+
+    /// Compares the features of `side` with those of the file at `path`.
+    pub fn lay_over(&mut self, side: Side, path: PathBuf) {
+        let slot = &mut self.slots[side];
+        if let Some(burst) = &slot.burst {
+            slot.against.file = Some(ForeignFile { burst: burst.id, path, features: None });
+            slot.against.show(None);
+            self.show_against(side, Some(With::File));
+        }
+    }
+
+    /// Forgets the features that were opened for `side`.
+    pub fn forget_foreign(&mut self, side: Side) {
+        let against = &mut self.slots[side].against;
+        against.file = None;
+        if against.with == Some(With::File) {
+            against.show(None);
+        }
+    }
+
+    /// Takes the comparisons, or their errors.
+    pub(in crate::app) fn take_comparisons(&mut self) {
+        for side in Side::BOTH {
+            let wanted = self.wanted_comparison(side);
+            let against = &mut self.slots[side].against;
+            for ended in against.wanted.take() {
+                match ended.result {
+                    Ok(compared) => against.take(compared, wanted.as_ref()),
+                    Err(JobError::Cancelled) => against.problem = Some("Cancelled".to_owned()),
+                    Err(error) => against.problem = Some(error.to_string()),
+                }
+            }
+        }
+    }
+
+    /// Requests the comparisons that are missing.
+    pub(in crate::app) fn ask_for_comparisons(&mut self, engine: &Engine) {
+        for side in Side::BOTH {
+            let slot = &mut self.slots[side];
+            slot.against.check(slot.burst.as_ref());
+            let with = slot.against.with;
+            let is_there = self.shown_comparison(side).is_some_and(|shown| Some(shown.with) == with);
+            let missing = self.wanted_comparison(side).filter(|_| !is_there);
+            let against = &mut self.slots[side].against;
+            if missing.as_ref().is_some_and(|missing| !against.wanted.has_failed(missing)) {
+                against.problem = None;
+            }
+            against.wanted.want(engine, missing);
+        }
+    }
+
+    /// Request for the comparison of `side` that is wanted now.
+    fn wanted_comparison(&self, side: Side) -> Option<AgainstRequest> {
+        self.slots[side].against.wanted_for(self.burst_of(side)?, self.found_of(side)?)
+    }
+
+    /// The comparison of `side` that is drawn over the pictures: that of the features on show.
+    pub fn shown_comparison(&self, side: Side) -> Option<&Arc<Shown>> {
+        let found = self.found_of(side)?;
+        self.slots[side].against.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
+    }
+
+    /// Comparison of `side` to save in a session; `None` where nothing is compared.
+    pub fn saved_against(&self, side: Side) -> Option<SavedAgainst> {
+        let against = &self.slots[side].against;
+        let saved = SavedAgainst {
+            with: against.with,
+            file: against.file.as_ref().map(|file| file.path.clone()),
+            pinned: against.pinned.as_ref().map(|pinned| pinned.asked.clone()),
+        };
+        (saved != SavedAgainst::default()).then_some(saved)
+    }
+
+    /// Restores the comparison of a session for the burst of `side`, which was just opened. The reference is read or
+    /// detected when it is needed.
+    pub fn restore_against(&mut self, side: Side, saved: Option<SavedAgainst>) {
+        let SavedAgainst { with, file, pinned } = saved.unwrap_or_default();
+        let slot = &mut self.slots[side];
+        let burst = slot.burst.as_ref().map(|burst| burst.id);
+        slot.against.pinned = burst.zip(pinned).map(|(burst, asked)| Pinned { burst, asked, detection: None });
+        slot.against.file = burst.zip(file).map(|(burst, path)| ForeignFile { burst, path, features: None });
+        slot.against.show(None);
+        slot.against.show(with);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::asking::tests::Bench;
+
+    #[test]
+    fn either_burst_is_compared_with_its_own_truth_and_takes_the_comparison_along() {
+        let mut bench = Bench::with_two_charts();
+        bench.model.show_against(Side::B, Some(With::Truth));
+        assert!(bench.model.pair.look.features, "the comparison is seen");
+        bench.run_until(|model, _| model.shown_comparison(Side::B).is_some());
+        assert!(bench.model.shown_comparison(Side::A).is_none());
+        bench.model.show_against(Side::A, Some(With::Truth));
+        bench.run_until(|model, _| model.shown_comparison(Side::A).is_some());
+        let summaries = |model: &Model| Side::BOTH.map(|side| model.shown_comparison(side).map(|s| s.summary.clone()));
+        for side in Side::BOTH {
+            let (slot, shown) = (&bench.model.slots[side], bench.model.shown_comparison(side).expect("there").clone());
+            assert!(Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
+            // All discs of the side's own chart are found or missed.
+            let discs = shown.count(Kind::Same) + shown.count(Kind::Theirs);
+            let truth = slot.burst.as_ref().expect("open").truth(&crate::Monitor::default()).expect("valid");
+            assert_eq!(discs, truth.expect("a chart").features.len());
+            assert!(shown.count(Kind::Same) > 0, "{}", shown.summary);
+        }
+        let before = summaries(&bench.model);
+        bench.model.swap_sides();
+        bench.settle();
+        let [a, b] = summaries(&bench.model);
+        assert_eq!([b, a], before);
+    }
+
+    #[test]
+    fn a_result_of_b_is_pinned_and_compared_with_what_is_found_next() {
+        let mut bench = Bench::with_two_charts();
+        bench.model.pin_result(Side::B);
+        assert!(bench.model.slots.b.against.has(With::Pinned) && !bench.model.slots.a.against.has(With::Pinned));
+        bench.model.params.max_features = 2;
+        bench.run_until(|model, _| {
+            model.is_settled()
+                && model.shown_comparison(Side::B).is_some_and(|shown| shown.detection.features.len() == 2)
+        });
+        let shown = bench.model.shown_comparison(Side::B).expect("there");
+        assert!(shown.count(Kind::Theirs) > 0 && shown.count(Kind::Ours) == 0, "{}", shown.summary);
+        let saved = bench.model.saved_against(Side::B).expect("pinned");
+        assert!(saved.pinned.is_some() && bench.model.saved_against(Side::A).is_none());
+        bench.model.unpin_result(Side::B);
+        assert!(bench.model.shown_comparison(Side::B).is_none() && bench.model.saved_against(Side::B).is_none());
     }
 }

@@ -3,12 +3,9 @@
 //! With a second burst open, each method also runs on that one, and its features of both are matched, so that matches
 //! can be compared too.
 
-mod arranging;
-mod look;
-
 pub use crate::app::project::method::Contender;
-pub use look::CompareLook;
 
+use crate::app::pane::MethodsPreset;
 use crate::app::project::Model;
 use crate::app::project::pair::Matches;
 use crate::app::project::side::{Side, Sides};
@@ -19,6 +16,7 @@ use crate::requests::{
     BurstId, BurstSource, CompareRequest, Compared, DetectRequest, Detected, JobError, MatchRequest, OpenBurst,
     OpenRequest, Request, Running,
 };
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -274,6 +272,86 @@ impl Model {
                 }
             }
         }
+    }
+}
+
+/// Choice of the methods that are compared, and display settings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CompareLook {
+    /// The methods.
+    pub methods: Vec<Contender>,
+    /// Whether features are drawn.
+    pub features: bool,
+}
+
+impl Default for CompareLook {
+    fn default() -> Self {
+        Self { methods: Contender::ALL.to_vec(), features: true }
+    }
+}
+
+impl CompareLook {
+    /// Whether `method` is compared.
+    pub fn shows(&self, method: Contender) -> bool {
+        self.methods.contains(&method)
+    }
+
+    /// Adds `method` to the comparison, or removes it.
+    pub fn show(&mut self, method: Contender, shown: bool) {
+        self.methods.retain(|m| *m != method);
+        if shown {
+            self.methods.push(method);
+            self.methods.sort_unstable();
+        }
+    }
+
+    /// Copy with the methods sorted, each once: a file may contain any values.
+    #[must_use]
+    pub fn sanitised(mut self) -> Self {
+        self.methods.sort_unstable();
+        self.methods.dedup();
+        self
+    }
+}
+
+impl Model {
+    /// Updates the panes on the screen for the open workspace, and in *Methods* for the methods that are compared:
+    /// methods that were switched on get a pane, those that were switched off lose theirs. The rest of the arrangement
+    /// stays.
+    pub fn refresh_workspace(&mut self) {
+        self.panes.turn_to(self.workspace);
+        if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
+            return;
+        }
+        let now = self.contenders();
+        if now == self.compare.arranged {
+            return;
+        }
+        let before = std::mem::replace(&mut self.compare.arranged, now.clone());
+        let shown = self.panes.shown();
+        let has_pane =
+            |method| shown.iter().filter_map(|id| self.panes.get(*id)).any(|pane| pane.method == Some(method));
+        if before.is_empty() && !now.iter().any(|method| has_pane(*method)) {
+            self.lay_out_methods(MethodsPreset::Panes);
+            return;
+        }
+        let both = self.burst_of(Side::B).is_some();
+        now.iter().for_each(|method| self.panes.add_method(*method, both));
+        before.iter().filter(|method| !now.contains(method)).for_each(|method| self.panes.remove_method(*method));
+    }
+
+    /// Takes the panes of a session as those of the methods that are compared now.
+    pub fn keep_methods_arranged(&mut self) {
+        let shown = self.panes.shown_in(Workspace::Methods);
+        let is_laid_out = shown.iter().filter_map(|id| self.panes.get(*id)).any(|pane| pane.method.is_some());
+        self.compare.arranged = if is_laid_out { self.contenders() } else { Vec::new() };
+    }
+
+    /// Lays out the methods that are compared.
+    pub fn lay_out_methods(&mut self, preset: MethodsPreset) {
+        let (methods, both) = (self.contenders(), self.burst_of(Side::B).is_some());
+        self.panes.lay_out_methods(preset, &methods, both);
     }
 }
 

@@ -22,8 +22,6 @@ pub struct LostFeatures {
     pub selected: Option<usize>,
     /// Explanation of the match, or of the lack of one, of the feature in focus.
     pub why: Option<Why>,
-    /// Whether the table lists features without a match, and not the matches.
-    pub listed: bool,
     /// Steps of loss whose features are not listed.
     pub hidden: Vec<Lost>,
     /// The pictures from which the patches are cut: A's feature, then its candidates.
@@ -127,8 +125,8 @@ impl Model {
     pub fn refresh_why(&mut self) {
         if self.pair.lost.found.is_some() && self.losses().is_none() {
             // Another pair: what was asked about is no feature of it.
-            let LostFeatures { listed, wanted, wanted_pictures, .. } = std::mem::take(&mut self.pair.lost);
-            self.pair.lost = LostFeatures { listed, wanted, wanted_pictures, ..LostFeatures::default() };
+            let LostFeatures { wanted, wanted_pictures, .. } = std::mem::take(&mut self.pair.lost);
+            self.pair.lost = LostFeatures { wanted, wanted_pictures, ..LostFeatures::default() };
         }
         let asked = self.asked_feature();
         let why = match (asked, self.losses()) {

@@ -1,21 +1,18 @@
 //! Two bursts and the matches between them, as plain values. A is the burst that was opened first; B is opened beside
 //! it. Each has a pane that is always there.
 
-mod columns;
-mod found;
-mod look;
 mod lost;
+mod matches;
 mod sides;
 
-pub use columns::MatchColumn;
-pub use found::{MatchRow, Matches, SavedMatch};
-pub use look::MatchLook;
 pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
+pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, SavedMatch};
 pub use sides::Links;
 
 use crate::app::pane::{Content, Pane};
+use crate::app::project::against::With;
 use crate::app::project::cursor::Cursor;
-use crate::app::project::order::Order;
+use crate::app::project::filter::Order;
 use crate::app::project::slot::Slot;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
@@ -28,9 +25,23 @@ use crate::requests::{
 
 pub use crate::app::project::side::Side;
 
+/// Tabs below the pictures of two bursts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PairTab {
+    /// The matches.
+    #[default]
+    Matches,
+    /// Features of A without a match.
+    Unmatched,
+    /// Features of the burst in focus, compared with others.
+    Compared,
+}
+
 /// The second burst and the matches.
 #[derive(Debug, Default)]
 pub struct PairState {
+    /// The open tab below the pictures.
+    pub tab: PairTab,
     /// The parameters of matching, as they are being edited.
     pub params: MatchParams,
     /// Error in the parameters of matching.
@@ -113,17 +124,27 @@ impl PairState {
     /// Selects the match after (or before) the selected one in the table's order.
     pub fn select_neighbour(&mut self, forward: bool) {
         self.refresh_listed();
-        self.selected = crate::app::project::listing::neighbour(&self.listed, self.selected, forward);
+        self.selected = crate::app::project::filter::neighbour(&self.listed, self.selected, forward);
     }
 }
 
 impl Model {
+    /// Shows the comparison of the features of `side` with `with`, or none. Of two bursts, the features are drawn too,
+    /// as the comparison is drawn in their place.
+    pub fn show_against(&mut self, side: Side, with: Option<With>) {
+        self.slots[side].against.show(with);
+        if self.workspace == Workspace::Pair && with.is_some() {
+            (self.pair.look.features, self.pair.tab) = (true, PairTab::Compared);
+        }
+    }
+
     /// Swaps A and B. The matches are made anew.
     pub fn swap_sides(&mut self) {
         self.slots.swap();
         self.forget_requests();
-        // The probed place is now one of the other burst.
-        self.probe.clear();
+        // What is probed stays with its burst, and so do the steps to undo.
+        (self.probe.side, self.probe.pointer) = (self.probe.side.other(), None);
+        self.history.swap_sides();
         self.panes.swap_sides();
         self.compare.gold.swap(0, 1);
         // Where A alone was looked at, nothing of it is selected any more.
@@ -165,8 +186,9 @@ impl Model {
     /// Takes a newly opened burst as B.
     pub fn take_second_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
-        let opening = std::mem::take(&mut self.slots.b.opening);
-        self.slots.b = Slot { burst: Some(burst), opening, ..Slot::default() };
+        let Slot { opening, against, .. } = std::mem::take(&mut self.slots.b);
+        self.slots.b = Slot { burst: Some(burst), opening, against, ..Slot::default() };
+        self.clear_probe_of(Side::B);
         self.pair.forget_matches();
         self.compare.gold[1] = None;
         let Pane { cursor, view, .. } = *self.panes.of(Side::A);
@@ -282,6 +304,7 @@ impl Model {
     /// Closes the second burst.
     pub(in crate::app) fn close_second(&mut self) {
         self.slots.b = Slot::default();
+        self.clear_probe_of(Side::B);
         self.panes.close_side(Side::B);
         self.compare.gold[1] = None;
         self.compare.opening_gold.b.forget();
@@ -297,10 +320,10 @@ impl Model {
             let slot = &mut self.slots[side];
             slot.opening.forget();
             slot.detecting.forget();
+            slot.against.wanted.forget();
         }
         self.pair.matching.forget();
         self.compare.wanted.cancel();
-        self.against.wanted.forget();
         self.coherence.try_again();
         self.forget_asked_pictures();
     }

@@ -4,7 +4,7 @@
 use super::views::{Canvases, MatchView, MatchViews};
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{self, MatchLine, MatchLineStyle};
-use crate::app::inspector::Drawn;
+use crate::app::inspector::{Drawn, is_with_shift};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::at_time;
 use crate::app::project::Model;
@@ -52,7 +52,9 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option
             circle_ui(model, &matches, view.side, at_time(feature, view.shift), view.output);
         }
     }
-    for view in views.views.iter().filter(|view| view.output.response.clicked()) {
+    // A click with Shift probes the place, and selects nothing.
+    let selects = |view: &&MatchView<'_>| view.output.response.clicked() && !is_with_shift(ui);
+    for view in views.views.iter().filter(selects) {
         model.pair.selected = pointed;
         // Where there is no line, a click on a feature of A asks why it has no match.
         model.pair.lost.selected = None;

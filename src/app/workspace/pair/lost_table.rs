@@ -3,7 +3,7 @@
 use crate::app::panel::sorted_table::ROW_HEIGHT;
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
 use crate::app::project::Model;
-use crate::app::project::pair::lost_label;
+use crate::app::project::pair::{PairTab, lost_label};
 use crate::inspect::unmatched::Lost;
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
@@ -11,9 +11,15 @@ use egui_extras::{Column, TableBuilder};
 /// Draws the switch between matches and unmatched features, and the summary of the pair.
 pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
-        ui.selectable_value(&mut model.pair.lost.listed, false, "Matches");
-        ui.selectable_value(&mut model.pair.lost.listed, true, "Unmatched features of A")
+        let is_compared = model.slots.both().into_iter().any(|slot| slot.against.with.is_some());
+        let tab = &mut model.pair.tab;
+        ui.selectable_value(tab, PairTab::Matches, "Matches");
+        ui.selectable_value(tab, PairTab::Unmatched, "Unmatched features of A")
             .on_hover_text("Features of A that are no inliers, with where they were lost");
+        if is_compared || *tab == PairTab::Compared {
+            ui.selectable_value(tab, PairTab::Compared, "Compared features")
+                .on_hover_text("Features of the burst in focus, compared with others");
+        }
         ui.separator();
         if let Some(running) = &model.pair.lost.wanted.running() {
             ui.weak(progress_text(running));
@@ -34,7 +40,7 @@ pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
                 if !on {
                     model.pair.lost.hidden.push(lost);
                 }
-                model.pair.lost.listed = true;
+                model.pair.tab = PairTab::Unmatched;
             }
         }
     });

@@ -12,11 +12,12 @@ mod table;
 pub(super) mod views;
 mod why;
 
-use crate::app::inspector::{Change, inspector_ui};
+use crate::app::inspector::{Change, Drawn, inspector_ui};
+use crate::app::pane::PaneId;
 use crate::app::panel;
 use crate::app::panel::patch::PatchTexture;
 use crate::app::parts::mark;
-use crate::app::project::pair::PATCHES;
+use crate::app::project::pair::{PATCHES, PairTab, Side};
 use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
 use crate::teach::Part;
 use egui::{CentralPanel, Frame, Panel, ScrollArea};
@@ -32,7 +33,7 @@ pub struct PairPanels {
 
 /// Draws the workspace. Returns the panes' requests.
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
-    let WorkspaceParts { model, widgets, pair, queue, .. } = parts;
+    let WorkspaceParts { model, widgets, pair, probe, queue, .. } = parts;
     let width = side_width(ui);
     if model.panels.left {
         Panel::left("pair left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
@@ -46,6 +47,10 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
     }
     if model.panels.right {
         Panel::right("pair right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
+            let other = ("Match and display", "The selected match, and how matches and pictures are drawn");
+            if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
+                return;
+            }
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 switches::switches_ui(ui, model);
                 detail::detail_ui(ui, model, &mut pair.patch_textures, queue);
@@ -54,19 +59,20 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             });
         });
     }
-    let mut in_table = None;
+    let (mut in_table, mut over_list) = (None, false);
     if model.panels.bottom {
-        bottom_panel(ui, "pair bottom", 300.0, |ui| {
+        let is_over = bottom_panel(ui, "pair bottom", 300.0, |ui| {
             mark(ui, Part::Below, ui.max_rect());
             numbers::numbers_ui(ui, model);
             ui.separator();
             lost_table::switch_ui(ui, model);
-            if model.pair.lost.listed {
-                lost_table::lost_table_ui(ui, model);
-            } else {
-                in_table = table::table_ui(ui, model, queue);
+            match model.pair.tab {
+                PairTab::Matches => in_table = table::table_ui(ui, model, queue),
+                PairTab::Unmatched => lost_table::lost_table_ui(ui, model),
+                PairTab::Compared => panel::against::against_ui(ui, model, widgets, queue),
             }
         });
+        over_list = is_over && model.pair.tab == PairTab::Compared;
     }
     // Background between the pictures.
     let between = ui.visuals().panel_fill;
@@ -77,6 +83,14 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             let inspected = inspector_ui(ui, model, widgets, queue);
             let over_pictures = lines::lines_ui(ui, model, &inspected.drawn);
             model.pair.hovered = over_pictures.unwrap_or(in_table);
+            for side in Side::BOTH {
+                let is_over = |(id, drawn): &(PaneId, Drawn)| {
+                    drawn.output.pointer_ui.is_some() && model.panes.get(*id).is_some_and(|pane| pane.side == side)
+                };
+                if !(inspected.drawn.iter().any(is_over) || (over_list && model.active_side() == side)) {
+                    model.slots[side].against.hovered = None;
+                }
+            }
             inspected.changes
         })
         .inner

@@ -1,11 +1,214 @@
-//! Questions of the Lab, and the studies that answer them.
+//! The Lab: its questions and the studies that answer them, the settings of charts, the curves so far, and the chart on
+//! show.
 
-use super::Lab;
 use crate::app::project::Model;
 use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
+use crate::engine::{Engine, Wanted};
+use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::{
-    AccuracyStudy, BurstFramesStudy, BurstMethod, BurstsOfStudy, ChartStudy, FramesStudy, Study, StudyReport,
+    AccuracyStudy, BurstFramesStudy, BurstMethod, BurstsOfStudy, ChartOfStudy, ChartStudy, FramesStudy, ShownChart,
+    Study, StudyPoint, StudyReport,
 };
+use crate::requests::{JobError, StudyRequest};
+use crate::synth::{ChartParams, NoisyParams};
+
+/// A study and its report so far.
+#[derive(Debug, Clone)]
+pub struct LabResult {
+    /// The study.
+    pub study: Study,
+    /// The report so far.
+    pub report: StudyReport,
+    /// Whether all charts are in it.
+    pub is_whole: bool,
+}
+
+/// Curves that stay for comparison.
+#[derive(Debug, Clone)]
+pub struct KeptCurves {
+    /// Name, as typed.
+    pub name: String,
+    /// Whether they are drawn.
+    pub is_shown: bool,
+    /// The study.
+    pub result: LabResult,
+}
+
+/// Result that a point belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LabSet {
+    /// The newest result, also while it is being made.
+    #[default]
+    Current,
+    /// The kept result of this index.
+    Kept(usize),
+}
+
+/// State of the Lab.
+#[derive(Debug)]
+pub struct Lab {
+    /// Question of the study.
+    pub question: LabQuestion,
+    /// The charts; ratio and seed are those of the fields below.
+    pub chart: ChartParams,
+    /// The ratios as they are typed, separated by commas.
+    pub snrs_text: String,
+    /// The numbers of frames as they are typed, separated by commas.
+    pub counts_text: String,
+    /// Number of charts for each ratio.
+    pub seeds: u64,
+    /// The first one's seed.
+    pub first_seed: u64,
+    /// The methods, in the order of tables.
+    pub methods: Vec<BurstMethod>,
+    /// The newest result.
+    pub current: Option<LabResult>,
+    /// Results that are kept for comparison.
+    pub kept: Vec<KeptCurves>,
+    /// The ratio whose ROC curves are shown, as an index of the rows.
+    pub roc_row: usize,
+    /// The point that is looked at.
+    pub selected: Option<(LabSet, StudyPoint)>,
+    /// The seed of the chart that is looked at, counted from the study's first one.
+    pub selected_chart: u64,
+    /// Whether all that was detected on it is marked, not only what lies above the threshold of the curves.
+    pub all_detected: bool,
+    /// The chart that is looked at.
+    pub shown: Option<ShownChart>,
+    /// The study that runs.
+    pub wanted: Wanted<StudyRequest>,
+    /// The request for the chart that is looked at.
+    pub wanted_chart: Wanted<ChartOfStudy>,
+    /// Error for which there is no result, or no chart.
+    pub problem: Option<String>,
+    /// Noise of a dark copy of the open burst.
+    pub dark_copy: NoisyParams,
+}
+
+impl Default for Lab {
+    fn default() -> Self {
+        let study = ChartStudy::default();
+        Self {
+            question: LabQuestion::default(),
+            chart: study.chart,
+            snrs_text: "0.2, 0.35, 0.6".to_owned(),
+            counts_text: FRAME_COUNTS.map(|count| count.to_string()).join(", "),
+            seeds: study.seeds,
+            first_seed: study.first_seed,
+            methods: vec![BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d],
+            current: None,
+            kept: Vec::new(),
+            roc_row: 0,
+            selected: None,
+            selected_chart: 0,
+            all_detected: false,
+            shown: None,
+            wanted: Wanted::default(),
+            wanted_chart: Wanted::default(),
+            problem: None,
+            dark_copy: NoisyParams::default(),
+        }
+    }
+}
+
+impl Lab {
+    /// The result of a set.
+    pub fn result(&self, set: LabSet) -> Option<&LabResult> {
+        match set {
+            LabSet::Current => self.current.as_ref(),
+            LabSet::Kept(index) => self.kept.get(index).map(|kept| &kept.result),
+        }
+    }
+
+    /// The results that are drawn, the newest first, each with the name that its curves have beside their method's.
+    pub fn shown_results(&self) -> Vec<(LabSet, Option<&str>, &LabResult)> {
+        let current = self.current.iter().map(|result| (LabSet::Current, None, result));
+        let kept = self.kept.iter().enumerate().filter(|(_, kept)| kept.is_shown);
+        let kept = kept.map(|(index, kept)| (LabSet::Kept(index), Some(kept.name.as_str()), &kept.result));
+        current.chain(kept).filter(|(.., result)| self.question.asks_for(&result.report)).collect()
+    }
+
+    /// Keeps the newest result for comparison.
+    pub fn keep_current(&mut self) {
+        if let Some(result) = self.current.clone() {
+            let name = format!("Kept {}", self.kept.len() + 1);
+            self.kept.push(KeptCurves { name, is_shown: true, result });
+        }
+    }
+
+    /// Forgets a kept result.
+    pub fn forget_kept(&mut self, index: usize) {
+        self.kept.remove(index);
+        match &mut self.selected {
+            Some((LabSet::Kept(selected), _)) if *selected > index => *selected -= 1,
+            Some((LabSet::Kept(selected), _)) if *selected == index => self.selected = None,
+            _ => {}
+        }
+    }
+
+    /// The selected chart of the study.
+    pub fn selected_chart(&self) -> Option<ChartOfStudy> {
+        let (set, point) = self.selected?;
+        let study = self.result(set)?.study.clone();
+        let (first, count) = study.seeds()?;
+        let seed = first.saturating_add(self.selected_chart.min(count.saturating_sub(1)));
+        Some(ChartOfStudy { study, point, seed })
+    }
+
+    /// The chart that is looked at, if it is the one that is wanted.
+    pub fn current_chart(&self) -> Option<&ShownChart> {
+        let wanted = self.selected_chart()?;
+        self.shown.as_ref().filter(|shown| shown.of == wanted)
+    }
+}
+
+impl Model {
+    /// Starts the study of the present settings.
+    pub(in crate::app) fn run_study(&mut self, engine: &Engine) {
+        match self.lab_study() {
+            Ok(study) => {
+                let open = self.slots.a.burst.clone();
+                let lab = &mut self.lab;
+                (lab.problem, lab.current, lab.selected, lab.shown) = (None, None, None, None);
+                lab.wanted.ask(engine, StudyRequest { study, open });
+            }
+            Err(problem) => self.lab.problem = Some(problem),
+        }
+    }
+
+    /// Takes the report of the study so far, its end, and the chart that is looked at.
+    pub(in crate::app) fn take_studies(&mut self) {
+        let lab = &mut self.lab;
+        if let (Some(report), Some(request)) = (lab.wanted.take_told().pop(), lab.wanted.pending()) {
+            lab.current = Some(LabResult { study: request.study.clone(), report, is_whole: false });
+        }
+        for ended in lab.wanted.take() {
+            match ended.result {
+                Ok(report) => {
+                    lab.current = Some(LabResult { study: ended.request.study, report, is_whole: true });
+                    self.messages.note("The study is finished");
+                }
+                Err(JobError::Cancelled) => self.messages.note("The study was cancelled"),
+                Err(error) => lab.problem = Some(error.to_string()),
+            }
+        }
+        for ended in lab.wanted_chart.take() {
+            match ended.result {
+                Ok(shown) => lab.shown = Some(shown),
+                Err(JobError::Cancelled) => {}
+                Err(error) => lab.problem = Some(error.to_string()),
+            }
+        }
+    }
+
+    /// Requests the chart that is looked at, if it is not there.
+    pub(in crate::app) fn ask_for_chart(&mut self, engine: &Engine) {
+        let missing = self.lab.selected_chart().filter(|_| self.lab.current_chart().is_none());
+        if missing.is_some() {
+            self.lab.wanted_chart.want(engine, missing);
+        }
+    }
+}
 
 /// Question of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -191,6 +394,34 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn kept_curves_stay_and_can_be_forgotten() {
+        let mut lab = Lab::default();
+        lab.keep_current();
+        assert!(lab.kept.is_empty(), "there is nothing to keep");
+        let study = ChartStudy {
+            chart: ChartParams { width: 96, height: 64, discs: 1, radius: 4.0..=5.0, ..ChartParams::default() },
+            snrs: vec![4.0],
+            seeds: 1,
+            methods: vec![BurstMethod::SiftMean],
+            ..ChartStudy::default()
+        };
+        let report = StudyReport::Chart(Box::new(study.run(&crate::Monitor::default()).expect("a report")));
+        lab.current = Some(LabResult { study: Study::Chart(Box::new(study)), report, is_whole: true });
+        lab.keep_current();
+        lab.keep_current();
+        assert_eq!(lab.shown_results().len(), 3);
+        let point = StudyPoint { row_value: 4.0, method: None };
+        lab.selected = Some((LabSet::Kept(1), point));
+        lab.forget_kept(0);
+        assert_eq!(lab.selected, Some((LabSet::Kept(0), point)));
+        assert_eq!(lab.selected_chart().expect("one").seed, 1);
+        lab.forget_kept(0);
+        assert_eq!((lab.selected, lab.shown_results().len()), (None, 1));
+        lab.question = LabQuestion::Accuracy;
+        assert!(lab.shown_results().is_empty(), "these are answers to another question");
+    }
 
     #[test]
     fn what_is_asked_is_what_the_commands_ask_by_default() {
