@@ -4,7 +4,7 @@
 //! drawing ends, and the program continues in a new window with a new device; open data, running work and the history
 //! stay.
 
-use super::gpu::{self, Gpu};
+use super::gpu;
 use super::recovery::{KeptIn, SAVED_EVERY};
 use super::settings::Settings;
 use super::startup::Startup;
@@ -119,40 +119,4 @@ fn draw_until_closed(
     eframe::run_native_ext(APP_ID, options, before, create).map_err(|error| {
         anyhow!("the window cannot be opened: {error}; without a display use `burstscope render` or the other commands")
     })
-}
-
-impl BurstscopeApp {
-    /// Whether the device is lost. If so, saves the session, in case no other device is found, and closes the window to
-    /// be opened again.
-    pub(super) fn leaves_lost_device(&mut self, ctx: &egui::Context) -> bool {
-        let Some(gpu) = Gpu::of(ctx) else { return false };
-        let Some(why) = gpu.lost() else { return false };
-        if self.lost_device.is_none() {
-            self.lost_device = Some(why.to_owned());
-            self.keep_session_now();
-        }
-        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-        true
-    }
-
-    /// Whether the window was asked to end from outside. If so, saves its session and closes it.
-    pub(super) fn leaves_when_asked(&mut self, ctx: &egui::Context) -> bool {
-        if !self.end.is_made() {
-            return false;
-        }
-        if !std::mem::replace(&mut self.is_ending, true) {
-            self.keep_session_now();
-        }
-        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-        true
-    }
-
-    /// Takes the reason why the device was lost, if it was, and shows it as an error: another device draws the window
-    /// from now on.
-    fn take_lost_device(&mut self) -> Option<String> {
-        let why = self.lost_device.take()?;
-        let text = format!("the driver gave it up ({why}); the window was opened again, and nothing else has changed");
-        self.model.messages.error("Graphics device lost", text);
-        Some(why)
-    }
 }

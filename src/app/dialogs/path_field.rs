@@ -1,6 +1,6 @@
 //! Field to type a path into, where the system has no dialog or a person prefers to type.
 
-use super::Purpose;
+use crate::app::project::purpose::Purpose;
 use std::path::PathBuf;
 
 /// Field to type a path into.

@@ -1,6 +1,6 @@
 //! Question whether a file may be replaced. The system's own dialog asks it itself; for a typed path the window asks.
 
-use super::Purpose;
+use crate::app::project::purpose::Purpose;
 use crate::export::is_ours;
 use std::path::PathBuf;
 

@@ -1,11 +1,17 @@
-//! State of the lessons in the window.
+//! The lessons, and the one that is open: opening, going through and leaving it.
 
 use super::snr::SnrTrace;
+use super::{looking, setting_up};
 use crate::app::project::Model;
-use crate::requests::BurstSource;
-use crate::teach::{Lesson, Step, built_in};
+use crate::app::project::effect::Effect;
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
+use crate::engine::Engine;
+use crate::requests::{BurstSource, OpenBurst};
+use crate::teach::{Lesson, Part, Step, built_in, lessons_at};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Progress of the user in a lesson.
@@ -44,11 +50,10 @@ pub struct Lessons {
 
 /// State before the lesson, to be restored.
 #[derive(Debug)]
-pub(in crate::app) struct Kept {
-    /// Project.
-    pub model: Model,
+struct Kept {
+    model: Model,
     /// Burst that was being opened.
-    pub opening: Option<BurstSource>,
+    opening: Option<BurstSource>,
 }
 
 /// Open lesson, with its state.
@@ -63,12 +68,12 @@ pub struct OpenLesson {
     /// Whether the step is set up; until then its bursts are being opened.
     pub is_ready: bool,
     /// Whether the first feature or match is to be selected as soon as there is one.
-    pub(in crate::app) selects: bool,
+    selects: bool,
     /// Bursts that the step opens itself.
-    pub(in crate::app) opens: Vec<BurstSource>,
+    opens: Vec<BurstSource>,
     /// Signal-to-noise ratios measured so far.
-    pub(in crate::app) snr: SnrTrace,
-    pub(in crate::app) kept: Box<Kept>,
+    pub(super) snr: SnrTrace,
+    kept: Box<Kept>,
 }
 
 impl OpenLesson {
@@ -83,8 +88,34 @@ impl OpenLesson {
     }
 
     /// Project as it was before the lesson.
-    pub fn before(&self) -> &Model {
+    fn before(&self) -> &Model {
         &self.kept.model
+    }
+
+    /// Selects the first feature or match once there is one, if the step begins with one selected.
+    fn select_first(&mut self, model: &mut Model) {
+        if !self.selects {
+            return;
+        }
+        if model.workspace == Workspace::Pair {
+            model.pair.selected = model.pair.listed.first().copied();
+        } else if model.stale().is_none() {
+            model.selected = model.listed.first().copied();
+        }
+        self.selects = model.pair.selected.is_none() && model.selected.is_none();
+    }
+
+    /// Sets the step up, if its bursts are open.
+    fn set_up(&mut self, model: &mut Model) {
+        let state = self.step().state.clone();
+        let is_open = |side, source: &BurstSource| model.burst_of(side).is_some_and(|b| b.source == *source);
+        let second = state.second.as_ref().is_none_or(|source| is_open(Side::B, source));
+        if !(is_open(Side::A, &state.burst()) && second) {
+            return;
+        }
+        (self.is_ready, self.selects) = (true, state.select == Some(true));
+        setting_up::set_up(model, &state);
+        model.settings_are_set();
     }
 }
 
@@ -110,13 +141,171 @@ impl Lessons {
         progress
     }
 
+    /// Project of the user: the one before the open lesson, or without one `shown`.
+    pub fn project_of_user<'a>(&'a self, shown: &'a Model) -> &'a Model {
+        self.open.as_ref().map_or(shown, OpenLesson::before)
+    }
+
+    /// Parts of the window that the open step highlights.
+    pub fn highlighted(&self) -> &[Part] {
+        self.open.as_ref().map_or(&[], |open| &open.step().highlight)
+    }
+
+    /// Whether the open lesson waits for nothing.
+    pub fn is_settled(&self, model: &Model) -> bool {
+        let failed = !model.messages.errors().is_empty();
+        self.open.as_ref().is_none_or(|open| open.is_ready || failed)
+    }
+
+    /// Opens a lesson at the step where it was left last. `model` is put aside until the lesson is left.
+    #[must_use]
+    pub fn start(&mut self, lesson: Arc<Lesson>, model: &mut Model, engine: &Engine) -> Effect {
+        self.leave(model, engine);
+        self.list_is_open = false;
+        let opening = model.slots.a.opening.pending().map(|request| request.source.clone());
+        let mut of_lesson = Model::default();
+        (of_lesson.theme, of_lesson.figure, of_lesson.in_lesson) = (model.theme, model.figure, true);
+        model.slots.a.opening.forget();
+        let kept = show(of_lesson, model);
+        let progress = self.progress_in(&lesson);
+        self.open = Some(OpenLesson {
+            lesson,
+            step: progress.step,
+            done: progress.done,
+            is_ready: false,
+            selects: false,
+            opens: Vec::new(),
+            snr: SnrTrace::default(),
+            kept: Box::new(Kept { model: kept, opening }),
+        });
+        self.begin_step(model, engine);
+        Effect::ForgetWidgets
+    }
+
+    /// Leaves the lesson, if one is open, and restores the project that was open before it.
+    pub fn leave(&mut self, model: &mut Model, engine: &Engine) -> Option<Effect> {
+        self.remember();
+        let Kept { model: kept, opening } = *self.open.take()?.kept;
+        let theme = model.theme;
+        drop(show(kept, model));
+        model.theme = theme;
+        if let Some(source) = opening {
+            model.open(Side::A, source, engine);
+        }
+        Some(Effect::ForgetWidgets)
+    }
+
+    /// Opens the lessons of a folder or a file, or shows the error in them.
+    pub fn open_at(&mut self, path: &Path, model: &mut Model) {
+        const TITLE: &str = "Open lessons";
+        match lessons_at(path) {
+            Ok(lessons) => {
+                model.messages.resolved(TITLE);
+                self.add(lessons);
+                self.list_is_open = true;
+            }
+            Err(errors) => {
+                let text: Vec<String> = errors.iter().map(ToString::to_string).collect();
+                model.messages.error(TITLE, text.join("\n"));
+            }
+        }
+    }
+
+    /// Applies `wish` to the open lesson, sets its step up once its bursts are open, and checks its tasks. The lesson is
+    /// left when another burst is being opened in it, or a session restored (`is_restoring`).
+    pub fn go_on(&mut self, wish: Option<Wish>, is_restoring: bool, model: &mut Model, engine: &Engine) -> Vec<Effect> {
+        let mut effects = Vec::new();
+        match wish {
+            Some(Wish::Leave) => effects.extend(self.leave(model, engine)),
+            Some(Wish::Step(step)) => {
+                if let Some(open) = &mut self.open {
+                    open.step = step.min(open.lesson.steps.len() - 1);
+                }
+                self.begin_step(model, engine);
+            }
+            Some(Wish::Again) => self.begin_step(model, engine),
+            None => {}
+        }
+        effects.extend(self.leave_for_what_was_opened(is_restoring, model, engine));
+        let Some(open) = &mut self.open else { return effects };
+        let is_other = model.slots.a.burst.as_ref().is_some_and(|burst| burst.source != open.step().state.burst());
+        if open.is_ready && is_other {
+            // A burst that was requested for another step has been opened.
+            self.begin_step(model, engine);
+        } else if open.is_ready {
+            open.select_first(model);
+            let is_met = open.step().task.as_ref().is_some_and(|task| task.goal.is_met(&looking::seen(model)));
+            if is_met && open.done.insert(open.step) {
+                self.remember();
+            }
+        } else {
+            open.set_up(model);
+        }
+        effects
+    }
+
+    /// Begins the open step: opens its bursts where others are open.
+    fn begin_step(&mut self, model: &mut Model, engine: &Engine) {
+        let Some(open) = &mut self.open else { return };
+        // The burst that another step requested is not needed any more.
+        model.slots.a.opening.forget();
+        let (first, second) = (open.step().state.burst(), open.step().state.second.clone());
+        (open.is_ready, open.opens) = (false, Vec::new());
+        open.snr.clear();
+        for (side, source) in [(Side::A, Some(first)), (Side::B, second)] {
+            let is_open = model.burst_of(side).is_some_and(|burst| Some(&burst.source) == source.as_ref());
+            let Some(source) = source.filter(|_| !is_open) else { continue };
+            open.opens.push(source.clone());
+            // A burst that was open before the lesson need not be opened again.
+            let kept = open.before().slots.a.burst.as_ref().filter(|burst| burst.source == source);
+            match (side, kept) {
+                (Side::A, Some(burst)) => model.take_burst(OpenBurst::clone(burst)),
+                _ => {
+                    model.open(side, source, engine);
+                }
+            }
+        }
+        open.set_up(model);
+        self.remember();
+    }
+
+    /// Leaves the lesson when another burst or session is being opened in it; the opening goes on in the earlier
+    /// project.
+    fn leave_for_what_was_opened(&mut self, is_restoring: bool, model: &mut Model, engine: &Engine) -> Option<Effect> {
+        let open = self.open.as_ref()?;
+        let is_own = |source: &BurstSource| *source == open.step().state.burst() || open.opens.contains(source);
+        let opening = model.slots.a.opening.pending();
+        if !is_restoring && opening.is_none_or(|request| is_own(&request.source)) {
+            return None;
+        }
+        let opening = std::mem::take(&mut model.slots.a.opening);
+        let effect = self.leave(model, engine);
+        model.slots.a.opening = opening;
+        effect
+    }
+
     /// Stores the progress in the open lesson.
-    pub(in crate::app) fn remember(&mut self) {
+    fn remember(&mut self) {
         if let Some(open) = &self.open {
             let progress = Progress { step: open.step, done: open.done.clone() };
             self.progress.insert(open.lesson.name.clone(), progress);
         }
     }
+}
+
+/// Shows another project, and returns the one that was shown until now. Datasets, trajectories, the Lab, messages and
+/// figures stay, so that their work goes on.
+fn show(mut other: Model, model: &mut Model) -> Model {
+    std::mem::swap(&mut other, model);
+    let (from, to) = (&mut other, model);
+    std::mem::swap(&mut from.datasets, &mut to.datasets);
+    std::mem::swap(&mut from.trajectories, &mut to.trajectories);
+    std::mem::swap(&mut from.lab, &mut to.lab);
+    std::mem::swap(&mut from.messages, &mut to.messages);
+    std::mem::swap(&mut from.figures, &mut to.figures);
+    to.messages.forget_note();
+    to.settings_are_set();
+    other
 }
 
 #[cfg(test)]

@@ -3,19 +3,10 @@
 //! Each part of the project holds a [`Wanted`](crate::engine::Wanted) for each of its requests, takes the answers and
 //! requests what is missing. [`Model::wants`] lists them all.
 
-use super::Model;
 use super::side::Side;
-use crate::engine::{Ended, Engine, Want};
-use crate::requests::{DatasetRequest, OpenRequest, Urgency};
-
-/// A change outside the project that follows from an answer; the window makes it.
-#[derive(Debug)]
-pub enum Effect {
-    /// Opening a burst for a side ended, with or without success.
-    Opened(Side, Ended<OpenRequest>),
-    /// Work on a dataset ended.
-    Dataset(Ended<DatasetRequest>),
-}
+use super::{Effect, Model};
+use crate::engine::{Engine, Want};
+use crate::requests::Urgency;
 
 impl Model {
     /// Requests of all parts to the engine, except those for panes' pictures and datasets' thumbnails.
@@ -96,7 +87,9 @@ impl Model {
         for event in self.datasets.wanted.take_told() {
             self.datasets.open.iter_mut().for_each(|dataset| dataset.take_event(&event));
         }
-        effects.extend(self.datasets.wanted.take().into_iter().map(Effect::Dataset));
+        for ended in self.datasets.wanted.take() {
+            effects.extend(self.take_dataset_answer(ended, engine));
+        }
         effects
     }
 
@@ -174,7 +167,7 @@ mod tests {
             .into_iter()
             .map(|effect| match effect {
                 Effect::Opened(side, ended) => (side, ended.result.expect("built in").burst.name.clone()),
-                Effect::Dataset(_) => panic!("no dataset was opened"),
+                other => panic!("nothing else ended: {other:?}"),
             })
             .collect();
         names.sort_by_key(|(side, _)| *side as usize);

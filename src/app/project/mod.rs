@@ -10,6 +10,7 @@ pub mod coherence;
 pub mod compare;
 pub mod cursor;
 pub mod datasets;
+pub mod effect;
 pub mod explained;
 pub mod figure;
 pub mod filter;
@@ -24,16 +25,18 @@ pub mod method;
 mod opened;
 pub mod order;
 pub mod pair;
+pub mod panes;
 mod paper;
 mod pictures;
 pub mod probe;
+pub mod purpose;
 mod ranges;
 pub mod side;
 pub mod slot;
 pub mod trajectories;
 pub mod workspace;
 
-pub use asking::Effect;
+pub use effect::Effect;
 pub use found::{FoundFeatures, SavedSelection, Stale};
 
 use crate::app::pane::{PaneId, Panes};
@@ -182,6 +185,8 @@ pub struct Model {
     pub trajectories: Trajectories,
     /// Studies of charts.
     pub lab: lab::Lab,
+    play: panes::Play,
+    set_explicitly: panes::SetExplicitly,
     listed_for: Option<listing::ListedFor>,
 }
 

@@ -6,10 +6,12 @@
 
 mod before;
 mod pair;
+mod restoring;
 mod sources;
 mod unknown;
 
 pub use pair::PairSession;
+pub use restoring::Restoring;
 pub use sources::{SavedDataset, SavedTrajectories};
 
 use super::canvas::{View, overlay::ColourBy};

@@ -3,6 +3,7 @@
 mod dataset;
 pub mod pairs;
 mod state;
+mod work;
 
 pub use dataset::Dataset;
 pub use state::{BurstState, StateCounts};

@@ -1,6 +1,6 @@
 //! Purposes of file questions: their titles, hints and extensions.
 
-use crate::app::project::pair::Side;
+use crate::app::project::side::Side;
 
 /// Purpose of a file question.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
