@@ -113,48 +113,12 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::open;
+    use crate::app::project::tests::{Bench, open};
     use crate::app::project::workspace::Workspace;
-    use crate::detector::{DetectorParams, SlopeChoice, SlopeGrid};
-    use crate::engine::DEFAULT_CACHE_BYTES;
+    use crate::detector::SlopeGrid;
     use crate::requests::{BurstSource, JobError};
     use crate::synth::Example;
     use std::sync::Arc;
-    use std::time::{Duration, Instant};
-
-    /// A project with an engine, and no window.
-    struct Bench {
-        model: Model,
-        engine: Engine,
-    }
-
-    impl Bench {
-        fn new() -> Self {
-            let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..Default::default() };
-            let model = Model { params, slopes: SlopeChoice::Given, auto_detect: true, ..Model::default() };
-            Self { model, engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
-        }
-
-        /// Makes passes until `done` holds; returns the effects.
-        fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {
-            let (end, mut effects) = (Instant::now() + Duration::from_secs(60), Vec::new());
-            loop {
-                effects.extend(self.model.take_answers(&self.engine));
-                self.model.check_params();
-                self.model.check_pair();
-                self.model.ask(&self.engine, false);
-                if done(&self.model, &effects) {
-                    return effects;
-                }
-                assert!(Instant::now() < end, "it does not come to rest");
-                std::thread::sleep(Duration::from_millis(1));
-            }
-        }
-
-        fn settle(&mut self) {
-            self.run_until(|model, _| model.is_settled());
-        }
-    }
 
     #[test]
     fn a_burst_is_opened_for_either_side_and_what_it_changes_beyond_is_an_effect() {

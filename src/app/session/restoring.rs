@@ -176,3 +176,117 @@ impl Restoring {
         effects
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::{Bench, open};
+    use std::path::PathBuf;
+
+    /// Makes passes until a burst was opened for `side`, or failed to; returns the effects beyond that.
+    fn opened(bench: &mut Bench, restoring: &mut Restoring, side: Side) -> Vec<Effect> {
+        let is_end = |effect: &Effect| matches!(effect, Effect::Opened(of, _) if *of == side);
+        let effects = bench.run_until(|_, effects| effects.iter().any(is_end));
+        let apply = |effect| match effect {
+            Effect::Opened(side, ended) => restoring.take_opened(side, ended, &mut bench.model, &bench.engine),
+            other => vec![other],
+        };
+        effects.into_iter().flat_map(apply).collect()
+    }
+
+    /// A session of the demo in `home`, with other parameters than the default, and with a second burst.
+    fn session(home: &Path, burst: BurstSource) -> PathBuf {
+        let mut model = Model::default();
+        let mut a = open((64, 48), 5);
+        a.source = burst;
+        model.take_burst(a);
+        model.take_second_burst(open((64, 48), 5));
+        model.params.levels = 3;
+        let path = home.join("s.burstscope.toml");
+        std::fs::write(&path, Session::of(&model).expect("a burst is open").to_toml()).expect("written");
+        path
+    }
+
+    #[test]
+    fn an_opened_burst_is_shown_and_goes_to_the_recent_list() {
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        bench.model.open(Side::A, BurstSource::Demo, &bench.engine);
+        let effects = opened(&mut bench, &mut restoring, Side::A);
+        assert!(matches!(&effects[..], [Effect::Recent(BurstSource::Demo)]), "{effects:?}");
+        assert!(bench.model.slots.a.burst.is_some());
+        bench.model.open(Side::B, BurstSource::DemoLater, &bench.engine);
+        opened(&mut bench, &mut restoring, Side::B);
+        assert!(bench.model.slots.b.burst.is_some() && bench.model.workspace == Workspace::Pair);
+        bench.model.open(Side::B, BurstSource::Paths(vec!["/no/such/burst".into()]), &bench.engine);
+        assert!(opened(&mut bench, &mut restoring, Side::B).is_empty());
+        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("/no/such/burst")));
+    }
+
+    #[test]
+    fn of_a_session_the_bursts_are_opened_and_then_the_rest_is_restored() {
+        let home = tempfile::tempdir().expect("a folder");
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        bench.model.auto_detect = false;
+        let path = session(home.path(), BurstSource::Demo);
+        let id = restoring.restore(&path, &mut bench.model, &bench.engine);
+        assert!(id.is_some() && restoring.waits_for(&bench.model) == id);
+        assert_ne!(bench.model.params.levels, 3, "until then nothing changes");
+        opened(&mut bench, &mut restoring, Side::A);
+        assert_eq!((bench.model.params.levels, restoring.waits_for(&bench.model)), (3, None));
+        assert!(bench.model.slots.b.opening.is_pending());
+        opened(&mut bench, &mut restoring, Side::B);
+        assert!(bench.model.slots.b.burst.is_some());
+        assert_eq!(bench.model.workspace, Workspace::Inspect, "as the session was left");
+    }
+
+    #[test]
+    fn a_session_is_given_up_when_something_else_is_opened() {
+        let home = tempfile::tempdir().expect("a folder");
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        let path = session(home.path(), BurstSource::Demo);
+        assert!(restoring.restore(&path, &mut bench.model, &bench.engine).is_some());
+        bench.model.open(Side::A, BurstSource::DemoLater, &bench.engine);
+        assert_eq!(restoring.waits_for(&bench.model), None);
+        opened(&mut bench, &mut restoring, Side::A);
+        let source = bench.model.slots.a.burst.as_ref().map(|burst| burst.source.clone());
+        assert_eq!((source, bench.model.slots.b.opening.is_pending()), (Some(BurstSource::DemoLater), false));
+        assert_ne!(bench.model.params.levels, 3);
+        // What is no session file changes nothing either.
+        std::fs::write(&path, "levels = 3").expect("written");
+        assert_eq!(restoring.restore(&path, &mut bench.model, &bench.engine), None);
+        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("s.burstscope.toml")));
+    }
+
+    #[test]
+    fn a_session_whose_burst_is_gone_is_restored_without_it() {
+        let home = tempfile::tempdir().expect("a folder");
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        bench.model.take_burst(open((32, 24), 3));
+        let path = session(home.path(), BurstSource::Paths(vec![home.path().join("gone")]));
+        restoring.restore(&path, &mut bench.model, &bench.engine);
+        opened(&mut bench, &mut restoring, Side::A);
+        assert_eq!((bench.model.size(), bench.model.params.levels), ((32, 24), 3));
+        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("gone")));
+    }
+
+    #[test]
+    fn a_folder_of_bursts_is_a_dataset_for_a_and_a_choice_for_b() {
+        let home = tempfile::tempdir().expect("a folder");
+        for name in ["one", "two"] {
+            let folder = home.path().join(name);
+            std::fs::create_dir(&folder).expect("made");
+            for frame in 0..2 {
+                let gray = image::GrayImage::from_pixel(16, 12, image::Luma([frame]));
+                gray.save(folder.join(format!("{frame}.png"))).expect("written");
+            }
+        }
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        let source = BurstSource::Paths(vec![home.path().to_owned()]);
+        bench.model.open(Side::B, source.clone(), &bench.engine);
+        let effects = opened(&mut bench, &mut restoring, Side::B);
+        assert!(matches!(&effects[..], [Effect::Choose(Side::B, bursts)] if bursts.len() == 2), "{effects:?}");
+        bench.model.open(Side::A, source, &bench.engine);
+        assert!(opened(&mut bench, &mut restoring, Side::A).is_empty());
+        assert!(bench.model.datasets.wanted.is_pending());
+    }
+}

@@ -338,3 +338,98 @@ impl Model {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::Bench;
+    use crate::monitor::Monitor;
+    use crate::synth::{ChartParams, synth_chart, write_burst};
+    use std::path::Path;
+
+    /// A folder of two bursts of a small chart each.
+    fn nights(home: &Path) -> PathBuf {
+        let (nights, monitor) = (home.join("nights"), Monitor::default());
+        for (name, seed) in [("first", 1), ("second", 2)] {
+            let radius = 3.0..=6.0;
+            let chart =
+                ChartParams { width: 96, height: 72, frames: 4, discs: 4, radius, snr: 20.0, seed, ..Default::default() };
+            let (burst, truth) = synth_chart(&chart, &monitor).expect("valid parameters");
+            write_burst(&nights.join(name), &burst, &truth, &monitor).expect("written");
+        }
+        nights
+    }
+
+    /// Makes passes until no work on the dataset runs; returns the effects.
+    fn finish(bench: &mut Bench) -> Vec<Effect> {
+        bench.run_until(|model, _| model.datasets.work.is_none())
+    }
+
+    #[test]
+    fn a_dataset_is_opened_detected_matched_and_closed_without_a_window() {
+        let home = tempfile::tempdir().expect("a folder");
+        let source = DatasetSource::of_bursts(vec![nights(home.path())]);
+        let mut bench = Bench::new();
+        bench.model.auto_detect = false;
+        bench.model.look_at_dataset(source.clone(), Some(home.path().join("kept")), &bench.engine);
+        let effects = finish(&mut bench);
+        assert!(
+            matches!(&effects[..], [Effect::RecentDataset(recent), Effect::ForgetThumbnails] if *recent == source),
+            "{effects:?}"
+        );
+        let Bench { model, engine } = &mut bench;
+        let first = model.datasets.open.as_ref().and_then(|dataset| dataset.source_at(0));
+        assert_eq!(model.slots.a.opening.pending().map(|request| request.source.clone()), first);
+        assert!(model.panels.filmstrip);
+        // Nothing is there that could be replaced.
+        assert!(model.ask_and_detect_all(engine).is_none());
+        finish(&mut bench);
+        let counts = |model: &Model| model.datasets.open.as_ref().expect("a dataset").counts();
+        assert_eq!((counts(&bench.model).done, counts(&bench.model).failed), (2, 0));
+        assert!(bench.model.messages.last_note().is_some_and(|note| note.starts_with("2 bursts done in")));
+        bench.model.match_pairs(&bench.engine);
+        finish(&mut bench);
+        assert_eq!(bench.model.datasets.open.as_ref().map(|dataset| dataset.matches.len()), Some(1));
+        // With other parameters the user is asked before the features are replaced.
+        let Bench { model, engine } = &mut bench;
+        model.params.levels = 3;
+        assert!(matches!(model.ask_and_detect_all(engine), Some(Effect::ReplaceFeatures)));
+        assert!(model.datasets.work.is_none() && counts(model).done == 2);
+        assert!(matches!(model.close_dataset(), Effect::ForgetThumbnails));
+        assert!(model.datasets.open.is_none());
+    }
+
+    #[test]
+    fn a_camera_leads_to_its_burst_or_to_the_reason_why_not() {
+        let home = tempfile::tempdir().expect("a folder");
+        let mut bench = Bench::new();
+        bench.model.auto_detect = false;
+        bench.model.look_at_camera("first.png", &bench.engine);
+        assert!(bench.model.messages.last_note().is_some_and(|note| note.starts_with("Open the dataset")));
+        bench.model.open_dataset(DatasetSource::of_bursts(vec![nights(home.path())]), &bench.engine);
+        finish(&mut bench);
+        let Bench { model, engine } = &mut bench;
+        model.workspace = Workspace::Trajectories;
+        model.look_at_camera("third.png", engine);
+        assert!(model.messages.last_note().is_some_and(|note| note.contains("no burst named like the camera third.png")));
+        assert_eq!(model.workspace, Workspace::Trajectories);
+        model.look_at_camera("second.png", engine);
+        let second = model.datasets.open.as_ref().and_then(|dataset| dataset.source_at(1));
+        assert_eq!(model.slots.a.opening.pending().map(|request| request.source.clone()), second);
+        assert_eq!(model.workspace, Workspace::Inspect);
+    }
+
+    #[test]
+    fn of_a_lone_sequence_it_is_asked_how_it_is_cut() {
+        let home = tempfile::tempdir().expect("a folder");
+        let film = nights(home.path()).join("first");
+        let mut bench = Bench::new();
+        bench.model.open_dataset(DatasetSource::of_bursts(vec![film.clone()]), &bench.engine);
+        let effects = finish(&mut bench);
+        assert!(
+            matches!(&effects[..], [Effect::Cut { paths, frames: 4 }] if *paths == [film]),
+            "{effects:?}"
+        );
+        assert!(bench.model.datasets.open.is_none());
+    }
+}
