@@ -6,7 +6,7 @@ use super::dataset::CutDialog;
 use super::files;
 use super::window::BurstscopeApp;
 use crate::app::project::Effect;
-use crate::app::project::purpose::Purpose;
+use crate::app::project::effect::Purpose;
 use crate::app::project::side::Side;
 use crate::teach::Lesson;
 use std::collections::VecDeque;

@@ -9,8 +9,8 @@ use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
 use crate::app::pane::KindOfPicture;
 use crate::app::panel::lab::curves::shown_plots;
+use crate::app::project::effect::{ExportKind, Purpose};
 use crate::app::project::pair::MatchRow;
-use crate::app::project::purpose::{ExportKind, Purpose};
 use crate::app::project::side::Side;
 use crate::app::project::trajectories::Which;
 use crate::app::project::workspace::Workspace;
@@ -413,7 +413,7 @@ mod tests {
         let (csv, toml) = (home.path().join("f.csv"), home.path().join("p.toml"));
         let work = [(Purpose::Export(ExportKind::Csv), &csv), (Purpose::SaveParams, &toml)]
             .map(|(purpose, path)| (prepared(purpose, &model).expect("all is there"), path));
-        // Whatever comes later.
+        // Later changes do not matter.
         model.take_burst(open((32, 32), 2));
         model.params = DetectorParams::default();
         for (work, path) in work {

@@ -20,7 +20,6 @@ pub mod figure;
 mod files;
 pub mod gpu;
 pub mod histogram;
-mod icon;
 pub mod inspector;
 pub mod lesson;
 pub mod measure;

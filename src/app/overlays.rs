@@ -1,6 +1,7 @@
 //! Overlays of the window: dialogs, the palette, sheets, messages.
 
-use super::actions::{ActionId, Queue, palette::Palette, shortcuts_sheet};
+use super::actions::menu::Palette;
+use super::actions::{ActionId, Queue, menu};
 use super::dataset::CutDialog;
 use super::dialogs::{PathField, ReplaceFile};
 use super::files;
@@ -8,8 +9,7 @@ use super::lesson::Lessons;
 use crate::app::panel::calibration::CalibrationChoice;
 use crate::app::panel::glossary::GlossaryWindow;
 use crate::app::project::Model;
-use crate::app::project::effect::Effect;
-use crate::app::project::purpose::Purpose;
+use crate::app::project::effect::{Effect, Purpose};
 use crate::app::project::side::Side;
 use crate::burst::OpenOptions;
 use crate::engine::Engine;
@@ -106,7 +106,7 @@ impl Overlays {
     ) -> Vec<Effect> {
         let mut effects = Vec::new();
         self.palette.ui(ctx, model, queue);
-        shortcuts_sheet::sheet_ui(ctx, &mut self.sheet_open);
+        menu::sheet_ui(ctx, &mut self.sheet_open);
         crate::app::panel::about::about_ui(ctx, &mut self.about_open);
         self.glossary.ui(ctx);
         effects.extend(super::lesson::list_ui(ctx, lessons, queue).map(Effect::StartLesson));

@@ -2,12 +2,12 @@
 //! middle, the status bar below.
 //!
 //! Each part of it is given what it reads and what it owns. What a part changes beyond that comes back as an
-//! [`Effect`](crate::app::project::Effect), which [`super::effects`] applies.
+//! [`Effect`](crate::app::project::Effect), which `effects` applies.
 
 use super::actions::{self, ActionId, Queue, menu::menu_bar_ui};
 use super::canvas::Readout;
 use super::clipboard;
-use super::dataset::thumbnails::Thumbnails;
+use super::dataset::filmstrip::Thumbnails;
 use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
 use super::dialogs::{Desk, FileAnswer, Question};
 use super::files::{drop_places, purpose_of_dropped};

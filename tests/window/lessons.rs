@@ -4,7 +4,7 @@ use crate::support::{Memory, Start, Window};
 use burstscope::app::pane::SavedPanes;
 use burstscope::app::parts;
 use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::purpose::Purpose;
+use burstscope::app::project::effect::Purpose;
 use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;

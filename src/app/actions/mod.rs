@@ -6,9 +6,7 @@
 
 mod change;
 pub mod menu;
-pub mod palette;
 pub mod registry;
-pub mod shortcuts_sheet;
 mod state_of;
 
 pub use change::{change, probe_here};

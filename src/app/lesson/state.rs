@@ -1,7 +1,7 @@
 //! The lessons, and the one that is open: opening, going through and leaving it.
 
 use super::snr::SnrTrace;
-use super::{looking, setting_up};
+use super::steps;
 use crate::app::project::Model;
 use crate::app::project::effect::Effect;
 use crate::app::project::side::Side;
@@ -114,7 +114,7 @@ impl OpenLesson {
             return;
         }
         (self.is_ready, self.selects) = (true, state.select == Some(true));
-        setting_up::set_up(model, &state);
+        steps::set_up(model, &state);
         model.settings_are_set();
     }
 }
@@ -211,8 +211,8 @@ impl Lessons {
         }
     }
 
-    /// Applies `wish` to the open lesson, sets its step up once its bursts are open, and checks its tasks. The lesson is
-    /// left when another burst is being opened in it, or a session restored (`is_restoring`).
+    /// Applies `wish` to the open lesson, sets its step up once its bursts are open, and checks its tasks. The lesson
+    /// is left when another burst is being opened in it, or a session restored (`is_restoring`).
     pub fn go_on(&mut self, wish: Option<Wish>, is_restoring: bool, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         let mut effects = Vec::new();
         match wish {
@@ -234,7 +234,7 @@ impl Lessons {
             self.begin_step(model, engine);
         } else if open.is_ready {
             open.select_first(model);
-            let is_met = open.step().task.as_ref().is_some_and(|task| task.goal.is_met(&looking::seen(model)));
+            let is_met = open.step().task.as_ref().is_some_and(|task| task.goal.is_met(&steps::seen(model)));
             if is_met && open.done.insert(open.step) {
                 self.remember();
             }

@@ -29,7 +29,6 @@ pub mod panes;
 mod paper;
 mod pictures;
 pub mod probe;
-pub mod purpose;
 mod ranges;
 pub mod side;
 pub mod slot;

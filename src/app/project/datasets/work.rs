@@ -352,8 +352,16 @@ mod tests {
         let (nights, monitor) = (home.join("nights"), Monitor::default());
         for (name, seed) in [("first", 1), ("second", 2)] {
             let radius = 3.0..=6.0;
-            let chart =
-                ChartParams { width: 96, height: 72, frames: 4, discs: 4, radius, snr: 20.0, seed, ..Default::default() };
+            let chart = ChartParams {
+                width: 96,
+                height: 72,
+                frames: 4,
+                discs: 4,
+                radius,
+                snr: 20.0,
+                seed,
+                ..Default::default()
+            };
             let (burst, truth) = synth_chart(&chart, &monitor).expect("valid parameters");
             write_burst(&nights.join(name), &burst, &truth, &monitor).expect("written");
         }
@@ -411,7 +419,9 @@ mod tests {
         let Bench { model, engine } = &mut bench;
         model.workspace = Workspace::Trajectories;
         model.look_at_camera("third.png", engine);
-        assert!(model.messages.last_note().is_some_and(|note| note.contains("no burst named like the camera third.png")));
+        assert!(
+            model.messages.last_note().is_some_and(|note| note.contains("no burst named like the camera third.png"))
+        );
         assert_eq!(model.workspace, Workspace::Trajectories);
         model.look_at_camera("second.png", engine);
         let second = model.datasets.open.as_ref().and_then(|dataset| dataset.source_at(1));
@@ -426,10 +436,7 @@ mod tests {
         let mut bench = Bench::new();
         bench.model.open_dataset(DatasetSource::of_bursts(vec![film.clone()]), &bench.engine);
         let effects = finish(&mut bench);
-        assert!(
-            matches!(&effects[..], [Effect::Cut { paths, frames: 4 }] if *paths == [film]),
-            "{effects:?}"
-        );
+        assert!(matches!(&effects[..], [Effect::Cut { paths, frames: 4 }] if *paths == [film]), "{effects:?}");
         assert!(bench.model.datasets.open.is_none());
     }
 }
