@@ -1,8 +1,8 @@
 //! Text and pictures for the clipboard: a row, a value, a place, a picture.
 
 use super::canvas::Readout;
+use super::inspector::PaneWidgets;
 use super::pane::PaneId;
-use super::window::BurstscopeApp;
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchColumn, MatchRow, Side};
 use crate::app::project::workspace::Workspace;
@@ -42,64 +42,70 @@ pub fn picture_of(model: &Model, id: PaneId) -> Option<egui::ColorImage> {
     Some(egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw()))
 }
 
-impl BurstscopeApp {
-    /// Copies the selected feature or match, or else the value under the pointer, when that is asked for and no text is
-    /// being edited.
-    pub(super) fn take_copy(&mut self, ctx: &egui::Context) {
-        let asked = ctx.input(|i| i.events.iter().any(|event| matches!(event, egui::Event::Copy)));
-        // Text that is selected in a label is copied by egui itself.
-        let text_is_selected = ctx
-            .plugin_opt::<egui::text_selection::LabelSelectionState>()
-            .is_some_and(|plugin| plugin.lock().has_selection());
-        if asked && !ctx.egui_wants_keyboard_input() && !text_is_selected {
-            self.copy_row(ctx);
-        }
-    }
+/// Whether copying is asked for and no text is being edited or selected.
+pub fn is_asked(ctx: &egui::Context) -> bool {
+    let asked = ctx.input(|i| i.events.iter().any(|event| matches!(event, egui::Event::Copy)));
+    // Text that is selected in a label is copied by egui itself.
+    let text_is_selected = ctx
+        .plugin_opt::<egui::text_selection::LabelSelectionState>()
+        .is_some_and(|plugin| plugin.lock().has_selection());
+    asked && !ctx.egui_wants_keyboard_input() && !text_is_selected
+}
 
-    /// Copies the command that finds the features of the burst in focus.
-    pub(super) fn copy_command(&mut self, ctx: &egui::Context) {
-        let side = self.model.active_side();
-        let Some(burst) = self.model.burst_of(side) else { return };
-        let inputs = match &burst.source {
-            BurstSource::Demo => vec!["demo".to_owned()],
-            BurstSource::DemoLater => vec!["demo-later".to_owned()],
-            BurstSource::Example(example) => vec![example.name().to_owned()],
-            BurstSource::Paths(paths) => paths.iter().map(|path| path.display().to_string()).collect(),
-            BurstSource::Chart(_) | BurstSource::DarkCopy { .. } => {
-                let why = "this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts";
-                self.model.messages.error("Copy as command", why);
-                return;
-            }
-        };
-        let line = crate::cli::detect_line(&inputs, &self.model.asked_of(side), &self.calibration_of(side));
-        self.model.messages.note(format!("Copied {line}"));
-        ctx.copy_text(line);
+/// Copies the selected feature or match, or else the value under the pointer.
+pub fn copy_row(ctx: &egui::Context, model: &mut Model, widgets: &PaneWidgets) {
+    let readouts = model.visible_panes().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
+    let value = readouts.into_iter().next().map(|readout| value_text(&readout));
+    if let Some(text) = selected_text(model).or(value) {
+        let what = text.lines().last().unwrap_or_default().replace('\t', "  ");
+        model.messages.note(format!("Copied {what}"));
+        ctx.copy_text(text);
     }
+}
 
-    /// Options with which the burst of `side` was opened; the default for built-in bursts.
-    fn calibration_of(&self, side: Side) -> OpenOptions {
-        match self.model.burst_of(side).map(|open| &open.source) {
-            Some(BurstSource::Paths(_)) => self.model.calibration.clone(),
-            _ => OpenOptions::default(),
-        }
+/// The selected match in *Two bursts*, elsewhere the selected feature.
+fn selected_text(model: &Model) -> Option<String> {
+    match model.workspace {
+        Workspace::Pair => Some(match_text(&model.pair.matches.as_ref()?.row(model.pair.selected?)?)),
+        _ => model.selected_feature().map(feature_text),
     }
+}
 
-    /// Copies the selected feature or match, or else the value under the pointer.
-    pub(super) fn copy_row(&mut self, ctx: &egui::Context) {
-        let pair = &self.model.pair;
-        let row = match self.model.workspace {
-            Workspace::Pair => {
-                pair.matches.as_ref().and_then(|matches| Some(match_text(&matches.row(pair.selected?)?)))
-            }
-            _ => self.model.selected_feature().map(feature_text),
-        };
-        let readouts = self.model.visible_panes().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
-        let value = readouts.into_iter().next().map(|readout| value_text(&readout));
-        if let Some(text) = row.or(value) {
-            let what = text.lines().last().unwrap_or_default().replace('\t', "  ");
-            self.model.messages.note(format!("Copied {what}"));
-            ctx.copy_text(text);
+/// Copies the command that finds the features of the burst in focus.
+pub fn copy_command(ctx: &egui::Context, model: &mut Model) {
+    let side = model.active_side();
+    let Some(burst) = model.burst_of(side) else { return };
+    match command_text(&burst.source, side, model) {
+        Ok(line) => {
+            model.messages.note(format!("Copied {line}"));
+            ctx.copy_text(line);
         }
+        Err(why) => model.messages.error("Copy as command", why),
+    }
+}
+
+/// The command that finds the features of the burst of `side`, opened from `source`, with the present parameters.
+fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<String, &'static str> {
+    // Built-in bursts are opened without calibration.
+    let (inputs, calibration) = match source {
+        BurstSource::Demo => (vec!["demo".to_owned()], OpenOptions::default()),
+        BurstSource::DemoLater => (vec!["demo-later".to_owned()], OpenOptions::default()),
+        BurstSource::Example(example) => (vec![example.name().to_owned()], OpenOptions::default()),
+        BurstSource::Paths(paths) => {
+            (paths.iter().map(|path| path.display().to_string()).collect(), model.calibration.clone())
+        }
+        BurstSource::Chart(_) | BurstSource::DarkCopy { .. } => {
+            return Err("this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts");
+        }
+    };
+    Ok(crate::cli::detect_line(&inputs, &model.asked_of(side), &calibration))
+}
+
+/// Copies the picture in focus.
+pub fn copy_picture(ctx: &egui::Context, model: &mut Model) {
+    if let Some(image) = picture_of(model, model.focus()) {
+        ctx.copy_image(image);
+        model.messages.note("Copied the picture");
     }
 }
 
@@ -127,6 +133,18 @@ mod tests {
         let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split('\t').collect()).collect();
         assert_eq!((lines.len(), lines[0].len()), (2, lines[1].len()));
         assert_eq!(lines[1], ["1.5", "2", "3", "0.25", "-1", "0.5", "-0.125", "8", "1", "2", "1"]);
+    }
+
+    #[test]
+    fn the_command_has_the_calibration_with_which_files_were_opened() {
+        let mut model = Model::default();
+        model.calibration.full_scale = Some(4095.0);
+        let of_files = command_text(&BurstSource::Paths(vec!["a.npy".into()]), Side::A, &model).expect("files");
+        assert!(of_files.contains("a.npy") && of_files.contains("4095"), "{of_files}");
+        let built_in = command_text(&BurstSource::Demo, Side::A, &model).expect("built in");
+        assert!(built_in.contains("demo") && !built_in.contains("4095"), "{built_in}");
+        let dark = BurstSource::DarkCopy { of: Box::new(BurstSource::Demo), noise: model.lab.dark_copy };
+        assert!(command_text(&dark, Side::A, &model).is_err_and(|why| why.contains("synth")));
     }
 
     #[test]

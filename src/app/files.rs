@@ -1,225 +1,457 @@
-//! File actions of the window: asks for files, opens, restores, loads and writes them.
+//! Files of the window: what is asked for, and what chosen, dropped and written files mean to the project.
+//!
+//! A file that is written is prepared from the shown results, then written in the background, whole or not at all.
 
-use super::dialogs::{ExportKind, FileAnswer, PathField, Purpose, Question, ReplaceFile};
+use super::dialogs::Question;
 use super::session::Session;
-use super::window::BurstscopeApp;
+use crate::app::figure::{drawing_of, rasterise};
+use crate::app::inspector::PaneWidgets;
+use crate::app::measure::profiles_of;
 use crate::app::pane::KindOfPicture;
-use crate::app::project::BottomTab;
+use crate::app::panel::lab::curves::shown_plots;
+use crate::app::project::effect::{ExportKind, Purpose};
+use crate::app::project::pair::MatchRow;
 use crate::app::project::side::Side;
 use crate::app::project::trajectories::Which;
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{BottomTab, Model};
+use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
-use crate::export::{Inputs, OutputRules, Overwrite};
-use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text};
-use crate::requests::{BurstSource, JobId, OpenRequest};
-use std::path::PathBuf;
+use crate::engine::Engine;
+use crate::evaluate::curves::curves_csv;
+use crate::evaluate::curves_figure::curves_svg;
+use crate::export::{self, ExportFormat, Inputs, OutputRules, Overwrite};
+use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
+use crate::plane::Plane;
+use crate::plane::display::to_rgba8;
+use crate::requests::{BurstSource, Picture};
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
-impl BurstscopeApp {
-    pub(super) fn take_answers(&mut self) {
-        for answer in self.desk.take_answers() {
-            match answer {
-                FileAnswer::Chosen(purpose, paths) => self.use_files(purpose, paths),
-                FileAnswer::Nothing => {}
-                FileAnswer::NoDialog(question) => {
-                    let text = if question.purpose.saves() { question.suggested_name } else { String::new() };
-                    self.overlays.path_field = Some(PathField::new(question.purpose, text, true));
-                }
+const NO_MATCHES: &str = "there are no matches; open a second burst and press Match first";
+
+/// Question for files: with the suggested name of a new file, and the folder of the open burst.
+pub(super) fn question(purpose: Purpose, model: &Model) -> Question {
+    Question { purpose, suggested_name: suggested_name(purpose, model), folder: folder_of_burst(model) }
+}
+
+fn suggested_name(purpose: Purpose, model: &Model) -> String {
+    // Features and pictures are those of the burst in focus.
+    let side = match purpose {
+        Purpose::Export(ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz) => model.active_side(),
+        Purpose::Export(ExportKind::Tiff | ExportKind::Png) => model.active_side(),
+        _ => Side::A,
+    };
+    let burst = model.burst_of(side).map_or("burst", |b| b.burst.name.as_str());
+    let stem = Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
+    match purpose {
+        Purpose::SaveSession => format!("{stem}.burstscope.toml"),
+        Purpose::SaveParams => "params.toml".to_owned(),
+        Purpose::Export(kind) => {
+            let (content, of_cursor) = (model.focused().content, model.cursor().kind);
+            let what = match kind {
+                ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz => "features",
+                ExportKind::Matches | ExportKind::MatchPicture => "matches",
+                ExportKind::Profile => "profile",
+                ExportKind::Svg | ExportKind::FigurePng => "figure",
+                ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
+                ExportKind::Tiff | ExportKind::Png => KindOfPicture::of_content(content, of_cursor).file_name,
+            };
+            format!("{stem}-{what}.{}", kind.extension())
+        }
+        _ => String::new(),
+    }
+}
+
+fn folder_of_burst(model: &Model) -> Option<PathBuf> {
+    match &model.slots.a.burst.as_ref()?.source {
+        BurstSource::Paths(paths) => paths.first()?.parent().map(PathBuf::from).filter(|p| p.is_dir()),
+        BurstSource::Demo
+        | BurstSource::DemoLater
+        | BurstSource::Example(_)
+        | BurstSource::Chart(_)
+        | BurstSource::DarkCopy { .. } => None,
+    }
+}
+
+/// Rectangles of the panes in *Two bursts*, with the side for which files dropped there are opened.
+pub(super) fn drop_places(model: &Model, widgets: &PaneWidgets) -> Vec<(egui::Rect, Side)> {
+    if model.workspace != Workspace::Pair || model.slots.a.burst.is_none() {
+        return Vec::new();
+    }
+    let place = |id| Some((widgets.rect_ui(id)?, model.panes.get(id)?.side));
+    model.visible_panes().into_iter().filter_map(place).collect()
+}
+
+/// Purpose of files that were dropped on the window, over a pane of `side`. `calibration` is the one that is being set,
+/// while its dialog is open.
+pub(super) fn purpose_of_dropped(
+    paths: &[PathBuf],
+    side: Side,
+    calibration: Option<&OpenOptions>,
+    model: &Model,
+) -> Purpose {
+    match (paths, calibration) {
+        // The bias frame first, then the flat frame.
+        ([_], Some(draft)) => {
+            if draft.bias.is_none() {
+                Purpose::OpenBias
+            } else {
+                Purpose::OpenFlat
             }
         }
-    }
-
-    pub(super) fn take_dropped_files(&mut self, ctx: &egui::Context) {
-        let paths: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
-        if paths.is_empty() {
-            return;
+        ([one], _) if one.extension().is_some_and(|e| e == "toml") => {
+            let is_session = read_text(one, MAX_SESSION_BYTES).is_ok_and(|text| Session::from_toml(&text).is_ok());
+            if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }
         }
-        if let (Some(draft), [one]) = (&mut self.overlays.calibration, paths.as_slice()) {
-            // Dropped on the open dialog: the bias frame first, then the flat frame.
-            let field = if draft.bias.is_none() { &mut draft.bias } else { &mut draft.flat };
-            *field = Some(one.clone());
-            return;
+        ([_], _) if model.workspace == Workspace::Trajectories => {
+            // The first file dropped is the estimate, the second the truth; a third replaces the estimate.
+            let compared = &model.trajectories.compared;
+            let truth = compared.estimate.is_some() && compared.truth.is_none();
+            if truth { Purpose::OpenTruth } else { Purpose::OpenEstimate }
         }
-        match paths.as_slice() {
-            [one] if one.extension().is_some_and(|e| e == "toml") => {
-                let is_session = read_text(one, MAX_SESSION_BYTES).is_ok_and(|text| Session::from_toml(&text).is_ok());
-                self.use_files(if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }, paths);
-            }
-            [one] if self.model.workspace == Workspace::Trajectories => {
-                // The first file dropped is the estimate, the second the truth; a third replaces the estimate.
-                let compared = &self.model.trajectories.compared;
-                let truth = compared.estimate.is_some() && compared.truth.is_none();
-                let which = if truth { Which::Truth } else { Which::Estimate };
-                self.open_trajectory(which, one.clone());
-            }
-            _ if self.is_dropped_on_b(ctx) => self.open_second(BurstSource::Paths(paths)),
-            _ => self.open(BurstSource::Paths(paths)),
+        _ => match side {
+            Side::A => Purpose::OpenFiles,
+            Side::B => Purpose::OpenFilesB,
+        },
+    }
+}
+
+/// Uses files for a purpose that concerns the project alone; does nothing for other purposes.
+pub(super) fn use_files(purpose: Purpose, paths: Vec<PathBuf>, model: &mut Model, engine: &Engine) {
+    let Some(first) = paths.first().cloned() else { return };
+    match purpose {
+        Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => {
+            model.open(Side::A, BurstSource::Paths(paths), engine);
         }
-    }
-
-    /// Whether the pointer is over a pane of the second burst, for dropped files.
-    fn is_dropped_on_b(&self, ctx: &egui::Context) -> bool {
-        let pointer = ctx.input(|i| i.pointer.latest_pos());
-        let is_there = |rect: &egui::Rect| pointer.is_some_and(|pos| rect.contains(pos));
-        self.drop_places().iter().any(|(rect, side)| *side == Side::B && is_there(rect))
-    }
-
-    /// Rectangles of the panes in *Two bursts*, with the side for which files dropped there are opened.
-    pub(super) fn drop_places(&self) -> Vec<(egui::Rect, Side)> {
-        if self.model.workspace != Workspace::Pair || self.model.slots.a.burst.is_none() {
-            return Vec::new();
+        Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
+            model.open(Side::B, BurstSource::Paths(paths), engine);
         }
-        let place = |id| Some((self.widgets.rect_ui(id)?, self.model.panes.get(id)?.side));
-        self.model.visible_panes().into_iter().filter_map(place).collect()
+        Purpose::OpenDataset => model.open_dataset(DatasetSource::of_bursts(paths), engine),
+        Purpose::OpenEstimate => model.open_trajectory(Which::Estimate, first, engine),
+        Purpose::OpenTruth => model.open_trajectory(Which::Truth, first, engine),
+        Purpose::FeatureFolder => model.use_feature_folder(first, engine),
+        Purpose::PaperFigures => model.make_figures(first, engine),
+        #[cfg(feature = "colmap")]
+        Purpose::ExportDatabase => model.export_database(first, engine),
+        // Without the feature `colmap` there is no action for this.
+        #[cfg(not(feature = "colmap"))]
+        Purpose::ExportDatabase => {}
+        Purpose::OpenGold(side) => model.open_gold(side, BurstSource::Paths(paths), engine),
+        Purpose::OpenFeatures(side) => {
+            model.lay_over(side, first);
+            model.bottom_tab = BottomTab::Compared;
+        }
+        Purpose::LoadParams => load_params(&first, model),
+        Purpose::OpenBias
+        | Purpose::OpenFlat
+        | Purpose::OpenLessons
+        | Purpose::RestoreSession
+        | Purpose::SaveSession
+        | Purpose::SaveParams
+        | Purpose::Export(_) => {}
     }
+}
 
-    /// Asks for files with the system's dialog.
-    pub(super) fn ask(&mut self, purpose: Purpose) {
-        let question =
-            Question { purpose, suggested_name: self.suggested_name(purpose), folder: self.folder_of_burst() };
-        self.desk.ask(question);
+fn load_params(path: &Path, model: &mut Model) {
+    const TITLE: &str = "Load parameters";
+    let read = read_text(path, MAX_SETTINGS_BYTES).map_err(|e| e.to_string());
+    match read.and_then(|text| SearchParams::from_toml(&text).map_err(|e| explained(&text, &e))) {
+        Ok(params) => {
+            model.set_search(params);
+            model.messages.resolved(TITLE);
+            model.messages.note(format!("Loaded parameters from {}", path.display()));
+        }
+        Err(error) => model.messages.error(TITLE, format!("{error}: {}", path.display())),
     }
+}
 
-    /// Asks for a path with a field to type it into.
-    pub(super) fn open_path_field(&mut self, purpose: Purpose, instead_of_dialog: bool) {
-        self.overlays.path_field = Some(PathField::new(purpose, String::new(), instead_of_dialog));
+/// Rules for overwriting after the user agreed: any file but those that are open.
+pub(super) fn may_replace(path: &Path, model: &Model) -> OutputRules {
+    // A file that does not exist is not open either; this avoids listing the files of a large dataset.
+    let is_there = std::fs::symlink_metadata(path).is_ok();
+    let opened = if is_there { model.opened_files() } else { Vec::new() };
+    OutputRules::new(Inputs::of(opened), Overwrite::Force)
+}
+
+/// Writes a file. The user has agreed to overwriting.
+pub(super) fn write(purpose: Purpose, path: PathBuf, model: &mut Model, widgets: &PaneWidgets, engine: &Engine) {
+    let rules = may_replace(&path, model);
+    let prepared = prepare(purpose, model, widgets);
+    match rules.check(&path).map_err(|e| e.to_string()).and(prepared) {
+        Ok(work) => {
+            model.messages.resolved(purpose.title());
+            engine.task(purpose.title(), move || {
+                // The task may have waited, and files changed meanwhile.
+                rules.check(&path).map_err(|e| e.to_string())?;
+                work(&path)?;
+                Ok(format!("Wrote {}", path.display()))
+            });
+        }
+        Err(why) => model.messages.error(purpose.title(), why),
     }
+}
 
-    fn suggested_name(&self, purpose: Purpose) -> String {
-        // Features and pictures are those of the burst in focus.
-        let side = match purpose {
-            Purpose::Export(ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz) => self.model.active_side(),
-            Purpose::Export(ExportKind::Tiff | ExportKind::Png) => self.model.active_side(),
-            _ => Side::A,
+/// Writes a file; the error says what went wrong.
+type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
+
+/// Prepares the writing of the file for `purpose`, with a snapshot of all it needs of the model.
+///
+/// # Errors
+/// When a detection, a picture or a burst is missing; the message names it.
+fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
+    match purpose {
+        Purpose::SaveParams => Ok(text_work(written_by() + &model.asked().to_toml())),
+        Purpose::SaveSession => {
+            let session = Session::of(model).ok_or("no burst is open; open one first")?;
+            Ok(text_work(written_by() + &session.to_toml()))
+        }
+        Purpose::Export(ExportKind::Csv) => features_work(model, ExportFormat::Csv),
+        Purpose::Export(ExportKind::Colmap) => features_work(model, ExportFormat::Colmap),
+        Purpose::Export(ExportKind::Npz) => features_work(model, ExportFormat::Npz),
+        Purpose::Export(ExportKind::Matches) => matches_work(model),
+        Purpose::Export(ExportKind::MatchPicture) => match_picture_work(model),
+        Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
+        Purpose::Export(ExportKind::CurvesCsv) => Ok(text_work(curves_csv(&shown_plots(&model.lab)))),
+        Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(curves_svg(&shown_plots(&model.lab)))),
+        Purpose::Export(kind @ (ExportKind::Svg | ExportKind::FigurePng)) => figure_work(model, widgets, kind),
+        Purpose::Export(kind) => picture_work(model, kind),
+        _ => Err("nothing is written for this".to_owned()),
+    }
+}
+
+fn text_work(text: String) -> Work {
+    Box::new(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string()))
+}
+
+fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {
+    let found = model.found_of(model.active_side()).ok_or("there are no features; press Detect first")?;
+    let detection = found.detection.clone();
+    Ok(Box::new(move |path| format.write(path, &detection).map_err(|e| e.to_string())))
+}
+
+fn matches_work(model: &Model) -> Result<Work, String> {
+    let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
+    Ok(Box::new(move |path| {
+        let rows: Vec<export::MatchRow> = matches.rows().map(|row| export_row(&row)).collect();
+        export::write_matches_csv(path, &rows).map_err(|e| e.to_string())
+    }))
+}
+
+fn profile_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
+    let line = model.measure.line.ok_or("there is no line; draw one with Q first")?;
+    let profiles: Vec<export::PictureProfile> = profiles_of(model, widgets, &line)
+        .into_iter()
+        .map(|profile| export::PictureProfile {
+            picture: format!("{}  {}", profile.number, profile.label),
+            samples: profile.samples,
+        })
+        .collect();
+    if profiles.is_empty() {
+        return Err("the pane with the line is closed; draw another line with Q".to_owned());
+    }
+    Ok(Box::new(move |path| export::write_profiles_csv(path, &profiles).map_err(|e| e.to_string())))
+}
+
+fn export_row(row: &MatchRow<'_>) -> export::MatchRow {
+    export::MatchRow {
+        features: [row.found.a, row.found.b],
+        a: [f64::from(row.a.u), f64::from(row.a.v)],
+        b: [f64::from(row.b.u), f64::from(row.b.v)],
+        distance: row.found.distance,
+        ratio: row.found.ratio,
+        // Where no geometry was found the error is infinite, as the command writes it.
+        verified: row.inlier.map(|inlier| (row.error_px.unwrap_or(f32::INFINITY), inlier)),
+    }
+}
+
+fn match_picture_work(model: &Model) -> Result<Work, String> {
+    let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
+    let listed = model.pair.listed.clone();
+    let side = |side: Side| {
+        let picture = model.picture_of(side).cloned().ok_or("there is no picture; open a burst first")?;
+        let display = model.display_of(model.pane_for(side));
+        Ok::<_, String>((picture, display))
+    };
+    let sides = [side(Side::A)?, side(Side::B)?];
+    Ok(Box::new(move |path| {
+        let lines: Vec<export::MatchLine> = listed
+            .iter()
+            .filter_map(|&index| matches.row(index))
+            .map(|row| {
+                let (inlier, row) = (row.inlier != Some(false), export_row(&row));
+                export::MatchLine { a: row.a, b: row.b, inlier }
+            })
+            .collect();
+        let drawn = sides.each_ref().map(|(picture, display)| to_rgba8(&on_image_pixels(picture), display));
+        let [a, b] = drawn.each_ref().map(|rgba| {
+            let (width, height) = rgba.dimensions();
+            export::Picture::rgba(width as usize, height as usize, rgba.as_raw())
+        });
+        export::write_match_picture(path, a, b, &lines).map_err(|e| e.to_string())
+    }))
+}
+
+fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
+    let picture = model.picture().cloned().ok_or("there is no picture; open a burst first")?;
+    let display = model.display_of(model.focus());
+    Ok(match kind {
+        ExportKind::Tiff => Box::new(move |path| export::write_tiff(path, &picture.plane).map_err(|e| e.to_string())),
+        _ => Box::new(move |path| {
+            let rgba = picture.rgba(&display);
+            let (width, height) = picture.plane.size();
+            export::write_png(path, export::Picture::rgba(width, height, rgba.as_raw())).map_err(|e| e.to_string())
+        }),
+    })
+}
+
+fn figure_work(model: &Model, widgets: &PaneWidgets, kind: ExportKind) -> Result<Work, String> {
+    let drawing = drawing_of(model, widgets, &model.figure)?;
+    Ok(match kind {
+        ExportKind::FigurePng => Box::new(move |path| {
+            let image = rasterise(&drawing)?;
+            let (width, height) = image.dimensions();
+            let picture = export::Picture::rgba(width as usize, height as usize, image.as_raw());
+            export::write_png(path, picture).map_err(|e| e.to_string())
+        }),
+        _ => Box::new(move |path| export::write_drawing_svg(path, &drawing).map_err(|e| e.to_string())),
+    })
+}
+
+/// Resamples the picture to the pixels of the input image, so that features are drawn at their places.
+fn on_image_pixels(picture: &Picture) -> Plane {
+    let step = picture.request.kind.input_px_per_pixel();
+    let (width, height) = picture.request.burst.burst.size();
+    if picture.plane.size() == (width, height) && step == 1.0 {
+        return (*picture.plane).clone();
+    }
+    let last = |n: usize| n.saturating_sub(1);
+    let (last_u, last_v) = (last(picture.plane.width()), last(picture.plane.height()));
+    Plane::from_fn(width, height, |u, v| {
+        let nearest = |x: usize, most: usize| ((x as f32 / step).round() as usize).min(most);
+        picture.plane.at(nearest(u, last_u), nearest(v, last_v))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::{detected, feature, open};
+    use crate::detector::{DetectorParams, SearchParams};
+    use crate::monitor::Monitor;
+    use crate::requests::Request;
+    use crate::requests::{PictureKind, PictureRequest};
+    use std::time::Duration;
+
+    const EXPORTS: [ExportKind; 12] = [
+        ExportKind::Csv,
+        ExportKind::Colmap,
+        ExportKind::Npz,
+        ExportKind::Png,
+        ExportKind::Tiff,
+        ExportKind::Svg,
+        ExportKind::FigurePng,
+        ExportKind::Matches,
+        ExportKind::MatchPicture,
+        ExportKind::Profile,
+        ExportKind::CurvesCsv,
+        ExportKind::CurvesSvg,
+    ];
+
+    #[test]
+    fn dropped_files_mean_what_is_open_where_they_are_dropped() {
+        let home = tempfile::tempdir().expect("a folder");
+        let file = |name: &str, text: &str| {
+            let path = home.path().join(name);
+            std::fs::write(&path, text).expect("written");
+            vec![path]
         };
-        let burst = self.model.burst_of(side).map_or("burst", |b| b.burst.name.as_str());
-        let stem = std::path::Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
-        match purpose {
-            Purpose::SaveSession => format!("{stem}.burstscope.toml"),
-            Purpose::SaveParams => "params.toml".to_owned(),
-            Purpose::Export(kind) => {
-                let (content, of_cursor) = (self.model.focused().content, self.model.cursor().kind);
-                let what = match kind {
-                    ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz => "features",
-                    ExportKind::Matches | ExportKind::MatchPicture => "matches",
-                    ExportKind::Profile => "profile",
-                    ExportKind::Svg | ExportKind::FigurePng => "figure",
-                    ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
-                    ExportKind::Tiff | ExportKind::Png => KindOfPicture::of_content(content, of_cursor).file_name,
-                };
-                format!("{stem}-{what}.{}", kind.extension())
-            }
-            _ => String::new(),
-        }
+        let (frames, params) = (file("x.npy", ""), file("params.toml", "levels = 3"));
+        let mut model = Model::default();
+        model.take_burst(open((64, 48), 5));
+        let session = file("s.toml", &Session::of(&model).expect("a burst is open").to_toml());
+        let purpose = |paths: &[PathBuf], side, draft: Option<&OpenOptions>, model: &Model| {
+            purpose_of_dropped(paths, side, draft, model)
+        };
+        assert_eq!(purpose(&frames, Side::A, None, &model), Purpose::OpenFiles);
+        assert_eq!(purpose(&frames, Side::B, None, &model), Purpose::OpenFilesB);
+        assert_eq!(purpose(&params, Side::B, None, &model), Purpose::LoadParams);
+        assert_eq!(purpose(&session, Side::A, None, &model), Purpose::RestoreSession);
+        let mut draft = OpenOptions::default();
+        assert_eq!(purpose(&frames, Side::A, Some(&draft), &model), Purpose::OpenBias);
+        draft.bias = Some(frames[0].clone());
+        assert_eq!(purpose(&frames, Side::A, Some(&draft), &model), Purpose::OpenFlat);
+        model.workspace = Workspace::Trajectories;
+        assert_eq!(purpose(&frames, Side::A, None, &model), Purpose::OpenEstimate);
+        let two = [frames, params].concat();
+        assert_eq!(purpose(&two, Side::A, None, &model), Purpose::OpenFiles);
     }
 
-    fn folder_of_burst(&self) -> Option<PathBuf> {
-        match &self.model.slots.a.burst.as_ref()?.source {
-            BurstSource::Paths(paths) => paths.first()?.parent().map(PathBuf::from).filter(|p| p.is_dir()),
-            BurstSource::Demo
-            | BurstSource::DemoLater
-            | BurstSource::Example(_)
-            | BurstSource::Chart(_)
-            | BurstSource::DarkCopy { .. } => None,
-        }
+    fn prepared(purpose: Purpose, model: &Model) -> Result<Work, String> {
+        prepare(purpose, model, &PaneWidgets::default())
     }
 
-    pub(super) fn use_files(&mut self, purpose: Purpose, paths: Vec<PathBuf>) {
-        let Some(first) = paths.first().cloned() else { return };
-        match purpose {
-            Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => self.open(BurstSource::Paths(paths)),
-            Purpose::OpenDataset => self.open_dataset(DatasetSource::of_bursts(paths)),
-            Purpose::OpenEstimate => self.open_trajectory(Which::Estimate, first),
-            Purpose::OpenTruth => self.open_trajectory(Which::Truth, first),
-            Purpose::FeatureFolder => self.use_feature_folder(first),
-            Purpose::PaperFigures => self.model.make_figures(first, &self.engine),
-            #[cfg(feature = "colmap")]
-            Purpose::ExportDatabase => self.export_database(first),
-            // Without the feature `colmap` there is no action for this.
-            #[cfg(not(feature = "colmap"))]
-            Purpose::ExportDatabase => {}
-            Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
-                self.open_second(BurstSource::Paths(paths));
-            }
-            Purpose::OpenGold(side) => self.model.open_gold(side, BurstSource::Paths(paths), &self.engine),
-            Purpose::OpenBias => self.overlays.calibration_draft(&self.model.calibration).bias = Some(first),
-            Purpose::OpenFlat => self.overlays.calibration_draft(&self.model.calibration).flat = Some(first),
-            Purpose::OpenFeatures(side) => {
-                self.model.lay_over(side, first);
-                self.model.bottom_tab = BottomTab::Compared;
-            }
-            Purpose::OpenLessons => self.open_lessons(&first),
-            Purpose::RestoreSession => {
-                self.restore_session(&first);
-            }
-            Purpose::LoadParams => self.load_params(&first),
-            Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => self.write(purpose, first),
-        }
-    }
-
-    /// Restores a session file: opens its burst, then restores everything else, even if the burst could not be opened.
-    /// Until then nothing changes. Returns the request that opens the burst; `None` if the file cannot be read.
-    pub fn restore_session(&mut self, path: &std::path::Path) -> Option<JobId> {
-        let read = read_text(path, MAX_SESSION_BYTES).map_err(|e| e.to_string());
-        match read.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e))) {
-            Ok(session) => {
-                self.model.messages.resolved("Open session");
-                let (source, options) = (session.burst.clone(), session.calibration.clone());
-                let id = self.model.slots.a.opening.ask(&self.engine, OpenRequest { source, options });
-                self.restoring.session = Some((id, Box::new(session)));
-                Some(id)
-            }
-            Err(error) => {
-                self.model.messages.error("Open session", format!("{error}: {}", path.display()));
-                None
+    #[test]
+    fn what_is_missing_is_said_with_what_to_do() {
+        let model = Model::default();
+        for kind in EXPORTS {
+            match prepared(Purpose::Export(kind), &model) {
+                // Curves that are not there are a file without lines.
+                Ok(_) => assert!(matches!(kind, ExportKind::CurvesCsv | ExportKind::CurvesSvg), "{kind:?}"),
+                Err(why) => assert!(why.contains("first") && why.starts_with("there") || why.contains(';'), "{why}"),
             }
         }
+        assert_eq!(prepared(Purpose::SaveSession, &model).err().as_deref(), Some("no burst is open; open one first"));
+        assert!(prepared(Purpose::OpenFolder, &model).is_err(), "nothing is written when something is opened");
     }
 
-    fn load_params(&mut self, path: &std::path::Path) {
-        let read = read_text(path, MAX_SETTINGS_BYTES).map_err(|e| e.to_string());
-        match read.and_then(|text| SearchParams::from_toml(&text).map_err(|e| explained(&text, &e))) {
-            Ok(params) => {
-                self.model.set_search(params);
-                self.model.messages.resolved("Load parameters");
-                self.model.messages.note(format!("Loaded parameters from {}", path.display()));
-            }
-            Err(error) => self.model.messages.error("Load parameters", format!("{error}: {}", path.display())),
+    #[test]
+    fn what_is_written_is_what_was_there_when_it_was_asked_for() {
+        let mut model = Model::default();
+        let burst = open((64, 48), 5);
+        model.take_burst(burst.clone());
+        let params = DetectorParams { levels: 3, ..model.params.clone() };
+        model.params = params.clone();
+        let features = vec![feature(10.0, 10.0, 4, &params.slopes), feature(30.0, 20.0, 2, &params.slopes)];
+        let found = detected(&burst, &params, features);
+        model.take_detection(Side::A, found.clone(), Duration::ZERO);
+        let home = tempfile::tempdir().expect("a folder");
+        let (csv, toml) = (home.path().join("f.csv"), home.path().join("p.toml"));
+        let work = [(Purpose::Export(ExportKind::Csv), &csv), (Purpose::SaveParams, &toml)]
+            .map(|(purpose, path)| (prepared(purpose, &model).expect("all is there"), path));
+        // Later changes do not matter.
+        model.take_burst(open((32, 32), 2));
+        model.params = DetectorParams::default();
+        for (work, path) in work {
+            work(path).expect("written");
         }
+        let expected = home.path().join("expected.csv");
+        export::write_csv(&expected, &found.detection.features).expect("written");
+        let read = |path: &Path| std::fs::read_to_string(path).expect("text");
+        assert_eq!(read(&csv), read(&expected));
+        assert_eq!(SearchParams::from_toml(&read(&toml)).expect("parameters").detector.levels, 3);
+        // A folder that is made is fine; a file in place of a folder is not.
+        let nowhere = csv.join("p.toml");
+        let why = prepared(Purpose::SaveParams, &model).expect("always")(&nowhere).expect_err("that is no folder");
+        assert!(why.contains("f.csv"), "{why}");
     }
 
-    /// Writes a file to a path that was typed; where there is a file, it asks first.
-    pub(super) fn ask_and_write(&mut self, purpose: Purpose, path: PathBuf) {
-        let is_there = std::fs::symlink_metadata(&path).is_ok();
-        match self.may_replace(&path).check(&path) {
-            Ok(()) if is_there => self.overlays.replace_file = Some(ReplaceFile::new(purpose, path)),
-            _ => self.write(purpose, path),
-        }
-    }
-
-    /// Rules for overwriting after the user agreed: any file but those that are open.
-    fn may_replace(&self, path: &std::path::Path) -> OutputRules {
-        // A file that does not exist is not open either; this avoids listing the files of a large dataset.
-        let is_there = std::fs::symlink_metadata(path).is_ok();
-        let opened = if is_there { self.model.opened_files() } else { Vec::new() };
-        OutputRules::new(Inputs::of(opened), Overwrite::Force)
-    }
-
-    /// Writes a file. The dialog that gave the path has asked before overwriting.
-    pub(super) fn write(&mut self, purpose: Purpose, path: PathBuf) {
-        let rules = self.may_replace(&path);
-        let prepared = crate::app::jobs::writing::prepare(purpose, &self.model, &self.widgets);
-        match rules.check(&path).map_err(|e| e.to_string()).and(prepared) {
-            Ok(work) => {
-                self.model.messages.resolved(purpose.title());
-                self.engine.task(purpose.title(), move || {
-                    // The task may have waited, and files changed meanwhile.
-                    rules.check(&path).map_err(|e| e.to_string())?;
-                    work(&path)?;
-                    Ok(format!("Wrote {}", path.display()))
-                });
-            }
-            Err(why) => self.model.messages.error(purpose.title(), why),
+    #[test]
+    fn a_coarse_picture_is_laid_on_the_pixels_of_the_image() {
+        let of = |kind| {
+            let params = DetectorParams { octaves: 2, ..DetectorParams::default() };
+            PictureRequest::new(open((65, 40), 3), kind, params)
+                .compute(&crate::requests::Work::alone(&Monitor::default()))
+                .expect("a picture")
+        };
+        let frame = of(PictureKind::Frame(0));
+        assert_eq!(on_image_pixels(&frame), *frame.plane);
+        let dog = of(PictureKind::Dog { octave: 1, level: 1, slope: Default::default() });
+        let laid = on_image_pixels(&dog);
+        assert!(laid.size() == (65, 40) && dog.plane.size() != (65, 40));
+        for (u, v) in [(0, 0), (8, 6), (60, 38)] {
+            assert_eq!(laid.at(u, v), dog.plane.at(u / 2, v / 2), "pixel ({u}, {v})");
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The window: panes, panels, overlays, shortcuts. It computes nothing that a command could not compute.
 //!
-//! [`project`] holds what is open as plain values. Each pass of [`window::BurstscopeApp`] takes what the workers of
-//! [`crate::engine`] have published, runs the [`actions`] that were asked for, draws, and lets `jobs` request what is
-//! missing from the workers.
+//! [`project`] holds what is open as plain values. Each pass of [`window::BurstscopeApp`] lets it take what the workers
+//! of [`crate::engine`] have published, draws, runs the [`actions`] that were asked for, and lets it request what is
+//! missing. What a part changes beyond what it owns is a value, a [`project::Effect`]; `effects` applies all of them.
 //!
 //! Between toolbar and status bar lies a [`workspace`]: one burst, two, several methods, or many bursts ([`dataset`]);
 //! each arranges panes and panels. Pictures are shown in [panes](pane), each with its own cursor; the [`inspector`]
@@ -15,14 +15,12 @@ pub mod canvas;
 pub mod clipboard;
 pub mod dataset;
 pub mod dialogs;
-mod ending;
+mod effects;
 pub mod figure;
 mod files;
 pub mod gpu;
 pub mod histogram;
-mod icon;
 pub mod inspector;
-mod jobs;
 pub mod lesson;
 pub mod measure;
 pub mod offscreen;
@@ -36,7 +34,6 @@ mod render;
 mod run;
 pub mod session;
 pub mod settings;
-mod shell;
 mod startup;
 mod style;
 pub mod view;
@@ -44,8 +41,7 @@ pub mod window;
 pub mod words;
 pub mod workspace;
 
-pub use ending::EndRequest;
 pub use render::{RenderError, RenderOptions, render_to_png};
 pub use run::run;
-pub use startup::Startup;
+pub use startup::{EndRequest, Startup};
 pub use window::BurstscopeApp;

@@ -1,14 +1,20 @@
 //! Overlays of the window: dialogs, the palette, sheets, messages.
 
-use super::actions::{Queue, palette::Palette, shortcuts_sheet};
+use super::actions::menu::Palette;
+use super::actions::{ActionId, Queue, menu};
 use super::dataset::CutDialog;
 use super::dialogs::{PathField, ReplaceFile};
-use super::window::BurstscopeApp;
+use super::files;
+use super::lesson::Lessons;
 use crate::app::panel::calibration::CalibrationChoice;
 use crate::app::panel::glossary::GlossaryWindow;
-use crate::app::project::pair::Side;
+use crate::app::project::Model;
+use crate::app::project::effect::{Effect, Purpose};
+use crate::app::project::side::Side;
 use crate::burst::OpenOptions;
+use crate::engine::Engine;
 use crate::requests::{BurstId, BurstSource};
+use std::path::PathBuf;
 
 /// State of the overlays.
 #[derive(Default)]
@@ -39,100 +45,125 @@ impl Overlays {
     pub fn calibration_draft(&mut self, now: &OpenOptions) -> &mut OpenOptions {
         self.calibration.get_or_insert_with(|| now.clone())
     }
-}
 
-impl BurstscopeApp {
-    /// Opens the bursts and the dataset again with this calibration.
-    pub(super) fn calibrate(&mut self, options: OpenOptions) {
-        self.model.calibration = options;
-        // The thumbnails were made with the earlier calibration.
-        self.thumbnails.clear();
-        if let Some(source) = self.model.slots.a.burst.as_ref().map(|open| open.source.clone()) {
-            self.open(source);
+    /// Opens the overlay that the action opens. Returns whether there is one.
+    pub fn open(&mut self, id: ActionId, model: &Model) -> bool {
+        match id {
+            ActionId::Palette => self.palette.open(),
+            ActionId::Shortcuts => self.sheet_open = !self.sheet_open,
+            ActionId::About => self.about_open = true,
+            ActionId::Glossary => self.glossary.open(None),
+            ActionId::FigureOptions => self.figure_open = true,
+            ActionId::Calibration => {
+                self.calibration_draft(&model.calibration);
+            }
+            ActionId::OpenPath => self.open_path_field(Purpose::OpenPath, String::new(), false),
+            ActionId::OpenPathB => self.open_path_field(Purpose::OpenPathB, String::new(), false),
+            _ => return false,
         }
-        if let Some(source) = self.model.slots.b.burst.as_ref().map(|open| open.source.clone()) {
-            self.open_second(source);
-        }
-        if let Some(dataset) = &self.model.datasets.open {
-            self.look_at_dataset(dataset.source.clone(), dataset.folder.clone());
-        }
+        true
     }
 
-    /// Bursts of which the user has to choose one before anything is opened; usually none.
-    pub fn choice(&self) -> &[BurstSource] {
-        &self.overlays.choice
+    /// Asks for a path with a field that holds `text`.
+    pub fn open_path_field(&mut self, purpose: Purpose, text: String, instead_of_dialog: bool) {
+        self.path_field = Some(PathField::new(purpose, text, instead_of_dialog));
+    }
+
+    /// Whether cutting the open film is offered: it was not declined, and how it is cut is not being asked.
+    pub fn offers_cut(&self, model: &Model) -> bool {
+        let open = model.slots.a.burst.as_ref().map(|open| open.id);
+        model.is_film() && self.stays_whole != open && self.cut.is_none()
+    }
+
+    /// Keeps the open film as one burst: cutting it is not offered any more.
+    pub fn keep_whole(&mut self, model: &Model) {
+        self.stays_whole = model.slots.a.burst.as_ref().map(|open| open.id);
     }
 
     /// Whether a dialog is open that gets all keys.
-    pub(super) fn modal_is_open(&self) -> bool {
-        self.overlays.palette.is_open()
-            || self.overlays.sheet_open
-            || self.overlays.about_open
-            || self.lessons.list_is_open
-            || self.overlays.figure_open
-            || self.overlays.calibration.is_some()
-            || self.overlays.path_field.is_some()
-            || self.overlays.replace_file.is_some()
-            || self.overlays.cut.is_some()
-            || self.overlays.replace_features
-            || !self.overlays.choice.is_empty()
+    pub fn are_modal(&self, lessons: &Lessons) -> bool {
+        self.palette.is_open()
+            || self.sheet_open
+            || self.about_open
+            || lessons.list_is_open
+            || self.figure_open
+            || self.calibration.is_some()
+            || self.path_field.is_some()
+            || self.replace_file.is_some()
+            || self.cut.is_some()
+            || self.replace_features
+            || !self.choice.is_empty()
     }
 
-    pub(super) fn overlays_ui(&mut self, ctx: &egui::Context, queue: &mut Queue) {
-        self.overlays.palette.ui(ctx, &self.model, queue);
-        shortcuts_sheet::sheet_ui(ctx, &mut self.overlays.sheet_open);
-        crate::app::panel::about::about_ui(ctx, &mut self.overlays.about_open);
-        self.overlays.glossary.ui(ctx);
-        if let Some(lesson) = super::lesson::list_ui(ctx, &mut self.lessons, queue) {
-            self.start_lesson(lesson);
-        }
-        if self.lessons.open.is_some() && !self.modal_is_open() {
+    /// Draws the open overlays, and returns what they change beyond themselves and the project.
+    pub fn ui(
+        &mut self,
+        ctx: &egui::Context,
+        model: &mut Model,
+        lessons: &mut Lessons,
+        engine: &Engine,
+        queue: &mut Queue,
+    ) -> Vec<Effect> {
+        let mut effects = Vec::new();
+        self.palette.ui(ctx, model, queue);
+        menu::sheet_ui(ctx, &mut self.sheet_open);
+        crate::app::panel::about::about_ui(ctx, &mut self.about_open);
+        self.glossary.ui(ctx);
+        effects.extend(super::lesson::list_ui(ctx, lessons, queue).map(Effect::StartLesson));
+        if lessons.open.is_some() && !self.are_modal(lessons) {
             super::lesson::highlights_ui(ctx);
         }
-        super::figure::figure_dialog_ui(ctx, &mut self.overlays.figure_open, &mut self.model.figure, queue);
-        match crate::app::panel::calibration::calibration_ui(ctx, &mut self.overlays.calibration) {
-            Some(CalibrationChoice::Choose(purpose)) => self.ask(purpose),
-            Some(CalibrationChoice::Apply(options)) => self.calibrate(options),
+        super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut model.figure, queue);
+        match crate::app::panel::calibration::calibration_ui(ctx, &mut self.calibration) {
+            Some(CalibrationChoice::Choose(purpose)) => effects.push(Effect::Ask(purpose)),
+            Some(CalibrationChoice::Apply(options)) => effects.push(model.calibrate(options, engine)),
             None => {}
         }
-        if let Some(field) = &mut self.overlays.path_field {
+        effects.extend(self.path_ui(ctx, model));
+        if let Some(burst) = crate::app::panel::chooser::chooser_ui(ctx, &mut self.choice) {
+            model.open(self.choice_side, burst, engine);
+        }
+        if let Some(dialog) = &mut self.cut {
+            let (source, stay) = dialog.ui(ctx);
+            if !stay {
+                self.cut = None;
+            }
+            if let Some(source) = source {
+                model.open_dataset(source, engine);
+            }
+        }
+        if super::dataset::replace_features_ui(ctx, &mut self.replace_features, &model.datasets) {
+            model.detect_all(engine);
+        }
+        crate::app::panel::messages::messages_ui(ctx, &mut model.messages);
+        effects
+    }
+
+    /// Draws the field for a path, or the question whether the file there may be replaced.
+    fn path_ui(&mut self, ctx: &egui::Context, model: &Model) -> Option<Effect> {
+        if let Some(field) = &mut self.path_field {
             let purpose = field.purpose;
             let (path, stay) = field.ui(ctx);
             if !stay {
-                self.overlays.path_field = None;
+                self.path_field = None;
             }
-            match path {
-                Some(path) if purpose.saves() => self.ask_and_write(purpose, path),
-                Some(path) => self.use_files(purpose, vec![path]),
-                None => {}
-            }
-        } else if let Some(question) = &self.overlays.replace_file
-            && let Some(may_replace) = question.ui(ctx)
-            && let Some(ReplaceFile { purpose, path, .. }) = self.overlays.replace_file.take()
-            && may_replace
-        {
-            self.write(purpose, path);
+            return match path? {
+                path if purpose.saves() => self.write_or_ask(purpose, path, model),
+                path => Some(Effect::UseFiles(purpose, vec![path])),
+            };
         }
-        if let Some(burst) = crate::app::panel::chooser::chooser_ui(ctx, &mut self.overlays.choice) {
-            self.open_for(self.overlays.choice_side, burst);
-        }
-        if let Some(dialog) = &mut self.overlays.cut {
-            let (source, stay) = dialog.ui(ctx);
-            if !stay {
-                self.overlays.cut = None;
-            }
-            if let Some(source) = source {
-                self.open_dataset(source);
-            }
-        }
-        if super::dataset::replace_features_ui(ctx, &mut self.overlays.replace_features, &self.model.datasets) {
-            self.detect_all();
-        }
-        crate::app::panel::messages::messages_ui(ctx, &mut self.model.messages);
+        let may_replace = self.replace_file.as_ref()?.ui(ctx)?;
+        let ReplaceFile { purpose, path, .. } = self.replace_file.take()?;
+        may_replace.then_some(Effect::Write(purpose, path))
     }
 
-    /// Asks the user which of `bursts` is to be opened as `side`.
-    pub(super) fn choose_among(&mut self, bursts: Vec<BurstSource>, side: Side) {
-        (self.overlays.choice, self.overlays.choice_side) = (bursts, side);
+    /// Writes a file to a path that was typed; where there is a file, it asks first.
+    fn write_or_ask(&mut self, purpose: Purpose, path: PathBuf, model: &Model) -> Option<Effect> {
+        let is_there = std::fs::symlink_metadata(&path).is_ok();
+        if is_there && files::may_replace(&path, model).check(&path).is_ok() {
+            self.replace_file = Some(ReplaceFile::new(purpose, path));
+            return None;
+        }
+        Some(Effect::Write(purpose, path))
     }
 }

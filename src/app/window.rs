@@ -1,39 +1,39 @@
-//! The window: its state, and the steps of each pass. Requests to the engine and its answers are in
-//! `jobs`.
+//! The window: its state, the steps of each pass, and its layout: menus and toolbar above, the open workspace in the
+//! middle, the status bar below.
+//!
+//! Each part of it is given what it reads and what it owns. What a part changes beyond that comes back as an
+//! [`Effect`](crate::app::project::Effect), which `effects` applies.
 
-mod reading;
-
-use super::actions::{self, ActionId, Queue};
-use super::dataset::thumbnails::Thumbnails;
-use super::dialogs::Desk;
-use super::ending::EndRequest;
-use super::inspector::PaneWidgets;
-use super::lesson::{Captions, Lessons};
+use super::actions::{self, ActionId, Queue, menu::menu_bar_ui};
+use super::canvas::Readout;
+use super::clipboard;
+use super::dataset::filmstrip::Thumbnails;
+use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
+use super::dialogs::{Desk, FileAnswer, Question};
+use super::files::{drop_places, purpose_of_dropped};
+use super::inspector::{PaneWidgets, PlaceValue};
+use super::lesson::{Captions, Lessons, Wish, lesson_ui};
 use super::measure::RegionCache;
 use super::overlays::Overlays;
+use super::pane::PaneId;
+use super::panel;
+use super::panel::probe::{PlaneTexture, ProbePanel};
+use super::panel::selection::SelectionState;
+use super::parts;
+use super::project::panes::CursorBefore;
+use super::project::side::Side;
+use super::project::{Effect, Model, history};
 use super::recovery::Recovery;
-use super::settings::Settings;
-use super::startup::Startup;
-use crate::app::jobs::opening::Restoring;
-use crate::app::jobs::panes::CursorBefore;
-use crate::app::panel::probe::{PlaneTexture, ProbePanel};
-use crate::app::panel::selection::SelectionState;
-use crate::app::project::Model;
-use crate::app::project::history;
-use crate::app::project::pair::Side;
-use crate::app::workspace::pair::PairPanels;
+use super::session::Restoring;
+use super::settings::{Recent, Settings};
+use super::startup::{EndRequest, Startup};
+use super::workspace::pair::PairPanels;
+use super::workspace::{WorkspaceParts, switch_ui, workspace_ui};
 use crate::engine::{Engine, OnUpdate};
-use crate::requests::OpenBurst;
+use crate::requests::BurstSource;
+use egui::{CentralPanel, Frame, Margin, Panel};
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
-
-/// Progress of playing through the slopes.
-#[derive(Default)]
-pub(super) struct Play {
-    pub step: usize,
-    /// When the next slope is due.
-    pub due: Option<Instant>,
-}
 
 /// The window.
 pub struct BurstscopeApp {
@@ -54,11 +54,6 @@ pub struct BurstscopeApp {
     pub(super) thumbnails: Thumbnails,
     pub(super) overlays: Overlays,
     pub(super) restoring: Restoring,
-    pub(super) play: Play,
-    /// Whether cursors were set explicitly, each to its own place, so that none follows another.
-    pub(super) cursors_set: bool,
-    /// Whether settings were changed by something other than a step that can be undone.
-    pub(super) history_set: bool,
     /// The lessons, and the one that is open.
     pub lessons: Lessons,
     pub(super) captions: Captions,
@@ -70,7 +65,7 @@ pub struct BurstscopeApp {
     pub(super) end: EndRequest,
     /// Whether the window is ending.
     pub(super) is_ending: bool,
-    settings: Settings,
+    pub(super) settings: Settings,
 }
 
 impl BurstscopeApp {
@@ -104,9 +99,6 @@ impl BurstscopeApp {
             thumbnails: Thumbnails::default(),
             overlays: Overlays::default(),
             restoring: Restoring::default(),
-            play: Play::default(),
-            cursors_set: false,
-            history_set: false,
             lessons: Lessons { progress: startup.settings.lessons.clone(), ..Lessons::default() },
             captions: Captions::default(),
             desk: Desk::new(startup.dialogs, on_update),
@@ -116,16 +108,17 @@ impl BurstscopeApp {
             is_ending: false,
             settings: startup.settings,
         };
-        app.begin_keeping_session(startup.kept.as_ref());
+        let Self { model, engine, restoring, recovery, .. } = &mut app;
+        *recovery = Recovery::begin(startup.kept.as_ref(), &mut model.messages);
         if let Some(path) = startup.session {
-            app.restore_session(&path);
+            restoring.restore(&path, model, engine);
         } else if let Some(dataset) = startup.dataset {
-            app.open_dataset(dataset);
+            model.open_dataset(dataset, engine);
         } else if let Some(source) = startup.source {
-            app.open(source);
+            model.open(Side::A, source, engine);
         }
         if let Some(second) = startup.second {
-            app.open_second(second);
+            model.open(Side::B, second, engine);
         }
         app.lessons.add(startup.lessons);
         if let Some(lesson) = startup.lesson {
@@ -140,7 +133,7 @@ impl BurstscopeApp {
             && !self.desk.is_asking()
             && self.model.is_settled()
             && !self.thumbnails.is_waiting()
-            && self.lesson_is_settled()
+            && self.lessons.is_settled(&self.model)
     }
 
     /// Whether a dialog for files is open.
@@ -154,22 +147,26 @@ impl BurstscopeApp {
         ctx.set_theme(self.model.theme);
         self.model.refresh_workspace();
         let cursor_before = CursorBefore::of(&self.model);
-        self.take_updates(&ctx);
-        self.take_answers();
+        self.take_answers(&ctx);
         self.take_dropped_files(&ctx);
         let before = history::Settings::of(&self.model);
         let mut queue = Queue::new();
         // While a dialog is open, or is being opened by the system, only the dialog gets keys.
-        if !self.modal_is_open() && !self.desk.is_asking() {
+        if !self.overlays.are_modal(&self.lessons) && !self.desk.is_asking() {
             actions::take_shortcuts(&ctx, &self.model, &mut queue);
             if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
                 queue.push(ActionId::Palette);
             }
-            self.take_copy(&ctx);
+            if clipboard::is_asked(&ctx) {
+                clipboard::copy_row(&ctx, &mut self.model, &self.widgets);
+            }
         }
-        self.step_play(&ctx);
-        let wish = super::shell::shell_ui(self, ui, &mut queue);
-        self.overlays_ui(&ctx, &mut queue);
+        if let Some(rest) = self.model.step_play() {
+            ctx.request_repaint_after(rest);
+        }
+        let wish = self.layout_ui(ui, &mut queue);
+        let effects = self.overlays.ui(&ctx, &mut self.model, &mut self.lessons, &self.engine, &mut queue);
+        self.apply(effects);
         for id in queue {
             self.run_action(&ctx, id);
             self.model.refresh_workspace();
@@ -177,46 +174,284 @@ impl BurstscopeApp {
         self.go_on_with_lesson(&ctx, wish);
         self.model.check_params();
         self.model.check_pair();
-        if !std::mem::take(&mut self.cursors_set) {
-            cursor_before.lead(&mut self.model);
-        }
-        self.keep_history(&ctx, before);
+        self.model.lead_cursors(cursor_before);
+        let goes_on = ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down());
+        self.model.keep_history(before, goes_on);
         self.model.refresh_listed();
         self.model.pair.refresh_listed();
-        self.request_what_is_missing(&ctx);
+        self.forget_closed_panes();
+        self.model.ask(&self.engine, ctx.input(|i| i.pointer.any_down()));
+        self.thumbnails.request(&self.engine, &self.model.calibration);
         self.keep_session(&ctx);
     }
 
-    /// Records the user's changes of this pass in the history, for undo.
-    fn keep_history(&mut self, ctx: &egui::Context, before: history::Settings) {
-        if std::mem::take(&mut self.history_set) {
+    /// Takes what the engine and the system's dialogs have answered.
+    fn take_answers(&mut self, ctx: &egui::Context) {
+        let effects = self.model.take_answers(&self.engine);
+        self.apply(effects);
+        if let Some(dataset) = &self.model.datasets.open {
+            self.thumbnails.take_made(ctx, &dataset.bursts);
+        }
+        for done in self.engine.take_tasks() {
+            let messages = &mut self.model.messages;
+            if self.recovery.as_mut().is_some_and(|recovery| recovery.has_kept(&done, messages)) {
+                continue;
+            }
+            match done.result {
+                Ok(text) => messages.note(text),
+                Err(error) => messages.error(done.label, error.to_string()),
+            }
+        }
+        for answer in self.desk.take_answers() {
+            match answer {
+                FileAnswer::Chosen(purpose, paths) => self.apply([Effect::UseFiles(purpose, paths)]),
+                FileAnswer::Nothing => {}
+                FileAnswer::NoDialog(Question { purpose, suggested_name, .. }) => {
+                    let text = if purpose.saves() { suggested_name } else { String::new() };
+                    self.overlays.open_path_field(purpose, text, true);
+                }
+            }
+        }
+    }
+
+    fn take_dropped_files(&mut self, ctx: &egui::Context) {
+        let paths: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
+        if paths.is_empty() {
             return;
         }
-        let after = history::Settings::of(&self.model);
-        let goes_on = self.model.playing || ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down());
-        self.model.history.take(before, &after, goes_on);
+        let pointer = ctx.input(|i| i.pointer.latest_pos());
+        let is_there = |rect: &egui::Rect| pointer.is_some_and(|pos| rect.contains(pos));
+        let places = drop_places(&self.model, &self.widgets);
+        let on_b = places.iter().any(|(rect, side)| *side == Side::B && is_there(rect));
+        let side = if on_b { Side::B } else { Side::A };
+        let purpose = purpose_of_dropped(&paths, side, self.overlays.calibration.as_ref(), &self.model);
+        self.apply([Effect::UseFiles(purpose, paths)]);
     }
 
-    /// Puts a burst at the top of the recent list. A burst of the open dataset is not listed, and gets its name in the
-    /// dataset.
-    pub(super) fn remember(&mut self, burst: &mut OpenBurst) {
-        match &self.model.datasets.open {
-            Some(dataset) if dataset.place_of(Some(burst)).is_some() => dataset.name_as_here(burst),
-            _ => self.settings.remember(&burst.source),
+    fn go_on_with_lesson(&mut self, ctx: &egui::Context, wish: Option<Wish>) {
+        let is_restoring = self.restoring.waits_for(&self.model).is_some();
+        let effects = self.lessons.go_on(wish, is_restoring, &mut self.model, &self.engine);
+        self.apply(effects);
+        parts::want(ctx, self.lessons.highlighted());
+    }
+
+    /// Drops the state and the requests of closed panes.
+    fn forget_closed_panes(&mut self) {
+        let panes = &self.model.panes;
+        self.widgets.retain(|id| panes.get(id).is_some());
+        self.model.forget_closed_pictures();
+    }
+
+    /// Saves the session in the background, if it is due and has changed.
+    fn keep_session(&mut self, ctx: &egui::Context) {
+        let waits_for = self.restoring.waits_for(&self.model);
+        let Some(recovery) = &mut self.recovery else { return };
+        recovery.give_up_unless(waits_for);
+        // A burst that is being opened would be missing; the session is saved in a pass after that.
+        if self.model.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
+            return;
+        }
+        if let Some(rest) = recovery.keep(self.lessons.project_of_user(&self.model), &self.engine) {
+            ctx.request_repaint_after(rest);
         }
     }
 
-    pub(super) fn go_to_selected(&mut self) {
-        let Some(feature) = self.model.selected_feature().copied() else { return };
-        self.model.focus_on_side(Side::A);
-        self.model.playing = false;
-        let pane = self.model.focused_mut();
-        pane.cursor.slope = feature.slope;
-        pane.show_slope();
-        let before = pane.view;
-        pane.view.look_at(egui::pos2(feature.u, feature.v), 60.0 / feature.sigma.max(1.0));
-        let focus = self.model.focus();
-        self.model.panes.follow_view(focus, &before);
+    /// Saves the session at once: another window goes on with it, and if that fails it is offered later.
+    pub(super) fn keep_session_now(&mut self) {
+        let Some(recovery) = &self.recovery else { return };
+        if let Err((title, error)) = recovery.keep_now(self.lessons.project_of_user(&self.model)) {
+            self.model.messages.error(title, error);
+        }
+    }
+
+    /// Draws the whole window except its overlays. Returns the wish of the user about the open lesson.
+    fn layout_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<Wish> {
+        let mut open_recent = None;
+        let bar = |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
+
+        Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                menu_bar_ui(ui, &self.model, &self.settings, queue, &mut open_recent);
+                switch_ui(ui, &self.model, queue);
+            });
+        });
+        Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panel::toolbar::toolbar_ui(ui, &self.model, queue));
+        Panel::bottom("status bar")
+            .frame(bar(ui))
+            .show(ui, |ui| panel::status::status_ui(ui, &self.model, self.readout().as_deref(), queue));
+        self.offers_ui(ui, bar(ui), queue);
+        let mut open_burst = None;
+        if self.model.datasets.open.is_some() && self.model.panels.filmstrip {
+            Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
+                open_burst = filmstrip::filmstrip_ui(ui, &mut self.model, &mut self.thumbnails, queue).open;
+            });
+        }
+        let wish = self.lesson_panel_ui(ui);
+        let mut start_lesson = None;
+        if self.model.slots.a.burst.is_none() && self.model.workspace.needs_burst() {
+            CentralPanel::default().show(ui, |ui| {
+                start_lesson =
+                    panel::welcome::welcome_ui(ui, &self.model, &self.settings, &self.lessons, queue, &mut open_recent);
+            });
+        } else {
+            self.workspace_ui(ui, queue);
+        }
+        self.drop_hint_ui(ui);
+        if let Some(place) = open_burst {
+            self.model.open_burst_at(place, &self.engine);
+        }
+        match open_recent {
+            Some(Recent::Burst(source)) => {
+                self.model.open(Side::A, source, &self.engine);
+            }
+            Some(Recent::Dataset(source)) => self.model.open_dataset(source, &self.engine),
+            None => {}
+        }
+        self.apply(start_lesson.map(Effect::StartLesson));
+        wish
+    }
+
+    /// Draws the offers to restore a session and to cut a film.
+    fn offers_ui(&mut self, ui: &mut egui::Ui, bar: Frame, queue: &mut Queue) {
+        if let Some(recovery) = &mut self.recovery
+            && let Some(offer) = recovery.offer()
+        {
+            let offer_ui = |ui: &mut egui::Ui| panel::recovery::recovery_ui(ui, &offer);
+            if let Some(choice) = Panel::top("recovery offer").frame(bar).show(ui, offer_ui).inner {
+                recovery.settle(choice, &mut self.restoring, &mut self.model, &self.engine);
+            }
+        }
+        if self.overlays.offers_cut(&self.model) {
+            let (frames, length) = (self.model.frame_count(), self.settings.burst_length);
+            match Panel::top("cut offer").frame(bar).show(ui, |ui| cut_offer_ui(ui, frames, length)).inner {
+                Some(CutChoice::Cut) => self.model.cut_open_burst(length, &self.engine),
+                Some(CutChoice::Ask) => queue.push(ActionId::CutSequence),
+                Some(CutChoice::Keep) => self.overlays.keep_whole(&self.model),
+                None => {}
+            }
+        }
+    }
+
+    /// Draws the panel of the open lesson, if there is one.
+    fn lesson_panel_ui(&mut self, ui: &mut egui::Ui) -> Option<Wish> {
+        self.lessons.open.as_ref()?;
+        let width = (0.27 * ui.available_width()).clamp(290.0, 360.0);
+        let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin { left: 12, right: 10, top: 8, bottom: 2 });
+        let clicks = Panel::right("lesson")
+            .frame(frame)
+            .default_size(width)
+            .size_range(270.0..=520.0)
+            .show(ui, |ui| lesson_ui(ui, &mut self.lessons, &mut self.model, &mut self.captions))
+            .inner;
+        if let Some(word) = &clicks.word {
+            self.overlays.glossary.open(Some(word));
+        }
+        clicks.wish
+    }
+
+    /// Draws the open workspace, and fulfils its requests.
+    fn workspace_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) {
+        let mut parts = WorkspaceParts {
+            model: &mut self.model,
+            widgets: &mut self.widgets,
+            pair: &mut self.pair_panels,
+            selection: &mut self.selection,
+            probe: &mut self.probe,
+            regions: &mut self.regions,
+            lab_picture: &mut self.lab_picture,
+            queue,
+        };
+        let wishes = workspace_ui(ui, &mut parts);
+        wishes.changes.into_iter().for_each(|change| self.model.change_panes(change));
+        if wishes.compare_again {
+            self.model.compare_trajectories_again(&self.engine);
+        }
+        if let Some(label) = wishes.camera {
+            self.model.look_at_camera(&label, &self.engine);
+        }
+    }
+
+    /// Draws where files are opened that are being dragged over the window.
+    fn drop_hint_ui(&self, ui: &egui::Ui) {
+        let places = drop_places(&self.model, &self.widgets);
+        if places.is_empty() {
+            panel::welcome::drop_hint_ui(ui.ctx(), &[(ui.ctx().content_rect(), "Let go to open")]);
+        } else {
+            let hint = |side: Side| if side == Side::A { "Let go to open as A" } else { "Let go to open as B" };
+            let hints: Vec<_> = places.into_iter().map(|(rect, side)| (rect, hint(side))).collect();
+            panel::welcome::drop_hint_ui(ui.ctx(), &hints);
+        }
+    }
+
+    /// Window place (points) of an image place (pixels) in the pane in focus, as last drawn.
+    pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
+        self.widgets.pos_ui(self.model.focus(), pos_image)
+    }
+
+    /// Window place (points) of an image place (pixels) in the pane of the burst of `side`, as last drawn.
+    pub fn ui_from_image_of(&self, side: Side, pos_image: egui::Pos2) -> Option<egui::Pos2> {
+        self.widgets.pos_ui(PaneId::of(side), pos_image)
+    }
+
+    /// The value under the pointer; with several panes those of all that are linked.
+    fn readout(&self) -> Option<String> {
+        if self.model.panes.are_many() {
+            let (first, rest) = self.widgets.values.split_first()?;
+            let value = |v: &PlaceValue| format!("{}: {}", v.number, v.readout.short_text());
+            let values: Vec<String> = std::iter::once(first).chain(rest).map(value).collect();
+            return Some(format!("u {:.1}  v {:.1}   {}", first.readout.u, first.readout.v, values.join("  ")));
+        }
+        let readouts = self.model.visible_panes().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
+        readouts.into_iter().next().map(|readout: Readout| readout.to_string())
+    }
+
+    /// Settings remembered from earlier runs.
+    pub fn remembered(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Bursts that were opened before, the latest first.
+    pub fn recent(&self) -> &[BurstSource] {
+        &self.settings.recent
+    }
+
+    /// Bursts of which the user has to choose one before anything is opened; usually none.
+    pub fn choice(&self) -> &[BurstSource] {
+        &self.overlays.choice
+    }
+
+    /// Whether the device is lost. If so, saves the session, in case no other device is found, and closes the window to
+    /// be opened again.
+    fn leaves_lost_device(&mut self, ctx: &egui::Context) -> bool {
+        let Some(gpu) = super::gpu::Gpu::of(ctx) else { return false };
+        let Some(why) = gpu.lost() else { return false };
+        if self.lost_device.is_none() {
+            self.lost_device = Some(why.to_owned());
+            self.keep_session_now();
+        }
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        true
+    }
+
+    /// Whether the window was asked to end from outside. If so, saves its session and closes it.
+    fn leaves_when_asked(&mut self, ctx: &egui::Context) -> bool {
+        if !self.end.is_made() {
+            return false;
+        }
+        if !std::mem::replace(&mut self.is_ending, true) {
+            self.keep_session_now();
+        }
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        true
+    }
+
+    /// Takes the reason why the device was lost, if it was, and shows it as an error: another device draws the window
+    /// from now on.
+    pub(super) fn take_lost_device(&mut self) -> Option<String> {
+        let why = self.lost_device.take()?;
+        let text = format!("the driver gave it up ({why}); the window was opened again, and nothing else has changed");
+        self.model.messages.error("Graphics device lost", text);
+        Some(why)
     }
 }
 
@@ -230,7 +465,7 @@ impl eframe::App for BurstscopeApp {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         // Settings made by a lesson are not stored.
-        self.settings.take_from(self.lessons.open.as_ref().map_or(&self.model, |open| open.before()));
+        self.settings.take_from(self.lessons.project_of_user(&self.model));
         (self.settings.theme, self.settings.lessons) = (self.model.theme, self.lessons.progress.clone());
         self.settings.store(storage);
     }

@@ -126,6 +126,11 @@ impl<R: Request> Wanted<R> {
         self.pending.last().map(|(_, request)| request)
     }
 
+    /// Id of the latest request that has no answer yet.
+    pub fn pending_id(&self) -> Option<JobId> {
+        self.pending.last().map(|(id, _)| *id)
+    }
+
     /// Whether a request has no answer yet.
     pub fn is_pending(&self) -> bool {
         !self.pending.is_empty()

@@ -1,10 +1,10 @@
 //! Lessons: every step of each, played by its own data; leaving and coming back; lessons from files.
 
 use crate::support::{Memory, Start, Window};
-use burstscope::app::dialogs::Purpose;
 use burstscope::app::pane::SavedPanes;
 use burstscope::app::parts;
 use burstscope::app::project::cursor::ViewKind;
+use burstscope::app::project::effect::Purpose;
 use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;

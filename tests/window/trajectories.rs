@@ -140,7 +140,8 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     let (mut window, _) = open_both(home.path());
     let broken = home.path().join("broken.txt");
     std::fs::write(&broken, "1 2 3\n").unwrap();
-    window.app_mut().open_trajectory(Which::Truth, broken);
+    let app = window.app_mut();
+    app.model.open_trajectory(Which::Truth, broken, &app.engine);
     window.settle();
     assert!(window.shows("broken.txt") && window.shows("line 1"));
     assert!(window.app().model.trajectories.report().is_some());

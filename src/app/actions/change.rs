@@ -1,18 +1,212 @@
-//! Actions that only change values of the project: content, selection, links.
+//! Actions that change the project: its values, and what it asks of the engine.
 
 use super::ActionId;
+use crate::app::canvas::View;
 use crate::app::canvas::overlay::ColourBy;
+use crate::app::inspector::PaneWidgets;
 use crate::app::measure::Tool;
-use crate::app::pane::Link;
-use crate::app::project::Model;
+use crate::app::pane::{Direction, Link, Preset};
+use crate::app::project::against::With;
 use crate::app::project::cursor::{ViewKind, snapped, stepped};
+use crate::app::project::effect::{ExportKind, Purpose};
+use crate::app::project::panes::Change;
+use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{BottomTab, Effect, Model};
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
+use crate::engine::Engine;
+use crate::requests::{BurstSource, ProbeQuestion};
+use crate::synth::Example;
 
-/// Runs an action that only changes the project.
-pub(super) fn change_model(model: &mut Model, id: ActionId) {
+/// Runs an action that changes the project alone. Returns what it changes beyond the project.
+pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
+    use ActionId as A;
+    if let Some(purpose) = asked_files(id, model.active_side()) {
+        return Some(Effect::Ask(purpose));
+    }
+    if let Some(source) = built_in(id) {
+        model.open(Side::A, source, engine);
+        return None;
+    }
+    if let Some(preset) = layout(id) {
+        model.change_panes(Change::LayOut(model.focus(), preset));
+        return None;
+    }
+    match id {
+        A::CloseDataset => return Some(model.close_dataset()),
+        A::CutSequence => return model.cut_of_open_burst(),
+        A::DetectAll => return model.ask_and_detect_all(engine),
+        A::Detect => {
+            model.start_detection(Side::A, engine);
+            if model.workspace == Workspace::Pair && model.slots.b.param_error.is_none() {
+                model.start_detection(Side::B, engine);
+            }
+        }
+        A::Cancel => model.cancel_searches(),
+        A::CancelDataset => model.datasets.wanted.cancel(),
+        A::CancelStudy => model.lab.wanted.cancel(),
+        A::CancelFigures => model.figures.cancel(),
+        A::Match => model.start_matching(engine),
+        A::MatchPairs => model.match_pairs(engine),
+        A::MatchSelected => model.match_selected(engine),
+        A::RunStudy => model.run_study(engine),
+        A::OpenChart => {
+            if let Some(chart) = model.lab.selected_chart().and_then(|chart| chart.params()) {
+                model.workspace = Workspace::Inspect;
+                model.open(Side::A, BurstSource::Chart(Box::new(chart)), engine);
+            }
+        }
+        A::OpenDarkCopy => {
+            if let Some(burst) = &model.slots.a.burst {
+                let of = Box::new(burst.source.clone());
+                model.open(Side::A, BurstSource::DarkCopy { of, noise: model.lab.dark_copy }, engine);
+            }
+        }
+        A::PreviousBurst => model.step_burst(-1, engine),
+        A::NextBurst => model.step_burst(1, engine),
+        A::ShowPair => model.show_selected_pair(engine),
+        A::UseFolderParams => model.use_folder_params(engine),
+        A::OpenDemoB => {
+            model.open(Side::B, BurstSource::DemoLater, engine);
+        }
+        A::CloseB => {
+            model.close_second();
+            model.forget_closed_trails(engine);
+        }
+        _ => change_values(id, model),
+    }
+    None
+}
+
+/// Files that the action asks for.
+fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
+    use ActionId as A;
+    Some(match id {
+        A::OpenFolder => Purpose::OpenFolder,
+        A::OpenFiles => Purpose::OpenFiles,
+        A::OpenDataset => Purpose::OpenDataset,
+        A::OpenFolderB => Purpose::OpenFolderB,
+        A::OpenFilesB => Purpose::OpenFilesB,
+        A::OpenGoldA => Purpose::OpenGold(Side::A),
+        A::OpenGoldB => Purpose::OpenGold(Side::B),
+        A::OpenLessons => Purpose::OpenLessons,
+        A::OpenFeatures => Purpose::OpenFeatures(active),
+        A::OpenEstimate => Purpose::OpenEstimate,
+        A::OpenTruth => Purpose::OpenTruth,
+        A::FeatureFolder => Purpose::FeatureFolder,
+        A::PaperFigures => Purpose::PaperFigures,
+        A::ExportDatabase => Purpose::ExportDatabase,
+        A::RestoreSession => Purpose::RestoreSession,
+        A::SaveSession => Purpose::SaveSession,
+        A::LoadParams => Purpose::LoadParams,
+        A::SaveParams => Purpose::SaveParams,
+        A::ExportCsv => Purpose::Export(ExportKind::Csv),
+        A::ExportColmap => Purpose::Export(ExportKind::Colmap),
+        A::ExportNpz => Purpose::Export(ExportKind::Npz),
+        A::ExportTiff => Purpose::Export(ExportKind::Tiff),
+        A::ExportPng => Purpose::Export(ExportKind::Png),
+        A::ExportSvg => Purpose::Export(ExportKind::Svg),
+        A::ExportFigurePng => Purpose::Export(ExportKind::FigurePng),
+        A::ExportMatches => Purpose::Export(ExportKind::Matches),
+        A::ExportMatchPicture => Purpose::Export(ExportKind::MatchPicture),
+        A::ExportProfile => Purpose::Export(ExportKind::Profile),
+        A::ExportCurvesCsv => Purpose::Export(ExportKind::CurvesCsv),
+        A::ExportCurvesSvg => Purpose::Export(ExportKind::CurvesSvg),
+        _ => return None,
+    })
+}
+
+/// Burst that is built into the program and that the action opens.
+fn built_in(id: ActionId) -> Option<BurstSource> {
+    use ActionId as A;
+    Some(BurstSource::Example(match id {
+        A::OpenDemo => return Some(BurstSource::Demo),
+        A::OpenDepths => Example::Depths,
+        A::OpenStreet => Example::Street,
+        A::OpenStreetLater => Example::StreetLater,
+        A::OpenAliasing => Example::Aliasing,
+        A::OpenLowContrast => Example::LowContrast,
+        A::OpenTripod => Example::Tripod,
+        A::OpenHotPixels => Example::HotPixels,
+        _ => return None,
+    }))
+}
+
+/// Layout of the panes that the action makes from the one in focus.
+fn layout(id: ActionId) -> Option<Preset> {
+    use ActionId as A;
+    Some(match id {
+        A::LayoutSingle => Preset::Single,
+        A::LayoutFrameAndStack => Preset::FrameAndStack,
+        A::LayoutTwoSlopes => Preset::TwoSlopes,
+        A::LayoutThreeSlopes => Preset::Slopes(3),
+        A::LayoutFiveSlopes => Preset::Slopes(5),
+        A::LayoutSevenSlopes => Preset::Slopes(7),
+        A::LayoutNineSlopes => Preset::Slopes(9),
+        A::LayoutSlice => Preset::Slice,
+        A::LayoutScales => Preset::Scales,
+        A::LayoutTwoByTwo => Preset::TwoByTwo,
+        _ => return None,
+    })
+}
+
+/// Probes the place under the pointer, or else the middle of what is seen of the picture in focus.
+pub fn probe_here(model: &mut Model, widgets: &PaneWidgets) {
+    let middle = || {
+        let visible = widgets.get(model.focus())?.picture.visible_image?.center();
+        let (width, height) = model.focused_size();
+        let within = |x: f32, n: usize| x.clamp(0.0, n.saturating_sub(1) as f32);
+        Some((model.focused().side, [within(visible.x, width), within(visible.y, height)]))
+    };
+    if let Some((side, place)) = model.probe.pointer.or_else(middle) {
+        model.probe.follows = false;
+        model.probe_place(side, place);
+    }
+}
+
+/// Runs an action that only changes values: content, selection, links.
+fn change_values(id: ActionId, model: &mut Model) {
     use ActionId as A;
     match id {
+        A::Undo => model.undo(),
+        A::Redo => model.redo(),
+        A::Play => model.toggle_play(),
+        A::Fit => model.change_views(View::set_fit),
+        A::ZoomIn => model.change_views(|view| view.zoom_by(1.25)),
+        A::ZoomOut => model.change_views(|view| view.zoom_by(0.8)),
+        A::SplitRight => model.change_panes(Change::Split(model.focus(), Direction::Right)),
+        A::SplitDown => model.change_panes(Change::Split(model.focus(), Direction::Down)),
+        A::ClosePane => model.change_panes(Change::Close(model.focus())),
+        A::GoToFeature if model.workspace == Workspace::Pair => {
+            model.go_to_match();
+            model.cursors_are_set();
+        }
+        A::GoToFeature => model.go_to_selected(),
+        A::BurstAsA => model.choose_open_burst(Side::A),
+        A::BurstAsB => model.choose_open_burst(Side::B),
+        A::CloseTrajectories => model.trajectories.clear(),
+        A::SwapSides => model.swap_sides(),
+        A::ProbeFeature => {
+            if let Some((side, index)) = model.feature_to_probe() {
+                model.probe_feature(side, index);
+            }
+        }
+        A::ProbeStrongest => model.ask_probe(model.active_side(), ProbeQuestion::Strongest),
+        A::ProbeFollow => model.follow_with_probe(),
+        A::CloseProbe => model.probe.clear(),
+        A::PinResult => {
+            model.pin_result(model.active_side());
+            model.bottom_tab = BottomTab::Compared;
+            model.messages.note("Pinned: later detections are shown against these features");
+        }
+        A::UnpinResult => model.unpin_result(model.active_side()),
+        A::CloseFeatures => model.forget_foreign(model.active_side()),
+        A::ShowTruth => {
+            let side = model.active_side();
+            let on = model.slots[side].against.with == Some(With::Truth);
+            model.show_against(side, (!on).then_some(With::Truth));
+            model.bottom_tab = BottomTab::Compared;
+        }
         A::WorkspaceInspect => model.open_workspace(Workspace::Inspect),
         A::WorkspacePair => model.open_workspace(Workspace::Pair),
         A::WorkspaceMatches => model.open_workspace(Workspace::Matches),

@@ -1,11 +1,14 @@
-//! Menu bar, drawn from the registry.
+//! Menu bar, command palette and sheet of shortcuts, drawn from the registry.
+//!
+//! The palette finds every action by parts of its name; the sheet shows the actions that have keys, by menu.
 
-use super::{ACTIONS, ActionId, Menu, Queue, checked, enabled, keys_text, tooltip};
+use super::{ACTIONS, Action, ActionId, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::project::Model;
 use crate::app::settings::{Recent, Settings};
 use crate::app::words::explained;
 use crate::dataset::DatasetSource;
 use crate::requests::BurstSource;
+use egui::{Key, Modifiers, RichText};
 use std::path::PathBuf;
 
 /// Draws the menus. A chosen entry of the recently opened ones is put into `open_recent`.
@@ -84,5 +87,269 @@ pub fn dataset_label(source: &DatasetSource) -> String {
     match source.burst_length {
         Some(length) => format!("{}, in bursts of {length}", source.label()),
         None => format!("{}, a dataset", source.label()),
+    }
+}
+
+/// Maximum height of the list, in points; longer lists scroll.
+const PALETTE_HEIGHT: f32 = 340.0;
+
+/// State of the palette.
+#[derive(Debug, Default)]
+pub struct Palette {
+    open: bool,
+    text: String,
+    chosen: usize,
+}
+
+impl Palette {
+    /// Opens the palette, with an empty text.
+    pub fn open(&mut self) {
+        *self = Self { open: true, ..Self::default() };
+    }
+
+    /// Whether the palette is open.
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// Draws the palette if it is open.
+    pub fn ui(&mut self, ctx: &egui::Context, model: &Model, queue: &mut Queue) {
+        if !self.open {
+            return;
+        }
+        let (up, down, enter) = ctx.input_mut(|i| {
+            (
+                i.consume_key(Modifiers::NONE, Key::ArrowUp),
+                i.consume_key(Modifiers::NONE, Key::ArrowDown),
+                i.consume_key(Modifiers::NONE, Key::Enter),
+            )
+        });
+        let mut run = None;
+        let area = egui::Modal::default_area(egui::Id::unique("palette"))
+            .anchor(egui::Align2::CENTER_TOP, egui::vec2(0.0, 72.0));
+        let modal = egui::Modal::new(egui::Id::unique("palette")).area(area).show(ctx, |ui| {
+            ui.set_width(440.0);
+            let edit = egui::TextEdit::singleline(&mut self.text)
+                .hint_text("Type what you want to do")
+                .desired_width(f32::INFINITY);
+            let edit = ui.add(edit);
+            crate::app::panel::widgets::name_field(&edit, "Find an action", &self.text);
+            if edit.changed() {
+                self.chosen = 0;
+            }
+            edit.request_focus();
+            // Text typed in this pass counts already.
+            let found = found_by(&self.text, model);
+            let last = found.len().saturating_sub(1);
+            let steps = isize::from(down) - isize::from(up);
+            self.chosen = self.chosen.min(last).saturating_add_signed(steps).min(last);
+            run = enter.then(|| found.get(self.chosen).copied()).flatten();
+            ui.add_space(4.0);
+            // The height of the present list, not that of the previous one.
+            let row = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
+            let height = (row * found.len().max(1) as f32).min(PALETTE_HEIGHT);
+            let list = egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+            list.auto_shrink([false, true]).show(ui, |ui| {
+                for (place, action) in found.iter().enumerate() {
+                    let response = palette_row_ui(ui, model, action, place == self.chosen);
+                    if place == self.chosen && (up || down) {
+                        response.scroll_to_me(None);
+                    }
+                    if response.clicked() {
+                        run = Some(action);
+                    }
+                }
+                if found.is_empty() {
+                    ui.weak("No action is called so.");
+                }
+            });
+        });
+        if let Some(action) = run {
+            queue.push(action.id);
+            self.open = false;
+        } else if modal.should_close() {
+            self.open = false;
+        }
+    }
+}
+
+fn palette_row_ui(ui: &mut egui::Ui, model: &Model, action: &Action, chosen: bool) -> egui::Response {
+    let on = if checked(action.id, model) == Some(true) { " ✔" } else { "" };
+    let weak = ui.visuals().weak_text_color();
+    let menu = RichText::new(format!("{} ›", action.menu.label())).color(weak);
+    let keys = action.shortcut.as_ref().map_or_else(String::new, |s| keys_text(ui.ctx(), s));
+    let button = egui::Button::selectable(chosen, (menu, format!("{}{on}", action.label)))
+        .min_size(egui::vec2(ui.available_width(), 0.0))
+        .right_text(RichText::new(keys).color(weak));
+    ui.add(button).on_hover_text(action.help)
+}
+
+/// Enabled actions whose label or help contains the letters of `text` in their order; the best match first.
+fn found_by(text: &str, model: &Model) -> Vec<&'static Action> {
+    let mut possible: Vec<&Action> =
+        ACTIONS.iter().filter(|a| enabled(a.id, model) && a.id != super::ActionId::Palette).collect();
+    if text.trim().is_empty() {
+        // In the order of the menus, after the most frequent action.
+        possible.sort_by_key(|a| a.id != super::ActionId::Detect);
+        return possible;
+    }
+    let mut scored: Vec<(i32, &Action)> = possible
+        .into_iter()
+        .filter_map(|a| score(text, a.label).or_else(|| score(text, a.help).map(|s| s - 1000)).map(|s| (s, a)))
+        .collect();
+    scored.sort_by_key(|(score, _)| -score);
+    scored.into_iter().map(|(_, action)| action).collect()
+}
+
+/// Score of the letters of `wanted` found in `label` in their order; `None` if one is missing. Consecutive letters and
+/// beginnings of words count more.
+fn score(wanted: &str, label: &str) -> Option<i32> {
+    let label: Vec<char> = label.to_lowercase().chars().collect();
+    let (mut at, mut total, mut last) = (0, 0, None);
+    for letter in wanted.to_lowercase().chars().filter(|c| !c.is_whitespace()) {
+        let found = (at..label.len()).find(|&i| label[i] == letter)?;
+        let begins_word = found == 0 || !label[found - 1].is_alphanumeric();
+        let in_a_row = last.is_some_and(|l: usize| l + 1 == found);
+        total += 1 + 4 * i32::from(begins_word) + 6 * i32::from(in_a_row) - (found - at).min(8) as i32 / 2;
+        (last, at) = (Some(found), found + 1);
+    }
+    Some(total * 4 - label.len() as i32 / 4)
+}
+
+/// Minimum width of a window with [`SHEET_COLUMNS`] columns, in points; narrower ones have half as many.
+const SHEET_WIDE: f32 = 900.0;
+const SHEET_COLUMNS: usize = 4;
+/// Height of a menu's heading, in rows.
+const SHEET_HEADING_ROWS: usize = 2;
+
+/// Draws the sheet; `open` becomes false when it is closed.
+pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
+    if !*open {
+        return;
+    }
+    let modal = egui::Modal::new(egui::Id::unique("shortcuts sheet")).show(ctx, |ui| {
+        let room = ui.ctx().content_rect().size();
+        ui.set_width((room.x - 60.0).min(1280.0));
+        ui.horizontal(|ui| {
+            ui.heading("Keyboard shortcuts");
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Close").clicked() {
+                    ui.close();
+                }
+                ui.weak("In the picture: drag to pan, wheel to zoom, click to select");
+            });
+        });
+        ui.separator();
+        egui::ScrollArea::vertical().max_height(room.y - 130.0).min_scrolled_height(room.y - 130.0).show(ui, |ui| {
+            ui.spacing_mut().item_spacing = egui::vec2(24.0, 1.0);
+            ui.spacing_mut().interact_size.y = 16.0;
+            let groups = in_columns(if room.x > SHEET_WIDE { SHEET_COLUMNS } else { SHEET_COLUMNS / 2 });
+            ui.columns(groups.len(), |columns| {
+                for (ui, menus) in columns.iter_mut().zip(groups) {
+                    menus.iter().for_each(|menu| sheet_menu_ui(ui, *menu));
+                }
+            });
+        });
+        ui.separator();
+        let keys = ActionId::Palette.action().shortcut.map(|keys| keys_text(ui.ctx(), &keys)).unwrap_or_default();
+        ui.weak(format!("{keys} finds every action by its name, also those without keys"));
+    });
+    if modal.should_close() {
+        *open = false;
+    }
+}
+
+/// Actions of a menu that have keys.
+fn with_keys(menu: Menu) -> impl Iterator<Item = &'static Action> {
+    ACTIONS.iter().filter(move |action| action.menu == menu && action.shortcut.is_some())
+}
+
+/// Menus that have keys, in their order, in at most `count` columns, with the longest column as short as possible.
+fn in_columns(count: usize) -> Vec<Vec<Menu>> {
+    let menus: Vec<Menu> = Menu::ALL.into_iter().filter(|menu| with_keys(*menu).next().is_some()).collect();
+    let rows = |menu: Menu| SHEET_HEADING_ROWS + with_keys(menu).count();
+    let within = |limit: usize| {
+        let (mut columns, mut height) = (vec![Vec::new()], 0);
+        for &menu in &menus {
+            if height > 0 && height + rows(menu) > limit {
+                columns.push(Vec::new());
+                height = 0;
+            }
+            height += rows(menu);
+            columns.last_mut().expect("there is one from the beginning").push(menu);
+        }
+        columns
+    };
+    let longest = menus.iter().map(|menu| rows(*menu)).max().unwrap_or(0);
+    (longest..).map(within).find(|columns| columns.len() <= count).expect("with room for all rows one is enough")
+}
+
+fn sheet_menu_ui(ui: &mut egui::Ui, menu: Menu) {
+    ui.add_space(2.0);
+    ui.label(RichText::new(menu.label()).strong());
+    for action in with_keys(menu) {
+        ui.horizontal(|ui| {
+            ui.label(action.label).on_hover_text(action.help);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if let Some(shortcut) = &action.shortcut {
+                    key_ui(ui, &keys_text(ui.ctx(), shortcut));
+                }
+            });
+        });
+    }
+    ui.add_space(6.0);
+}
+
+fn key_ui(ui: &mut egui::Ui, keys: &str) {
+    let visuals = ui.visuals();
+    egui::Frame::new()
+        .fill(visuals.faint_bg_color)
+        .stroke(visuals.widgets.noninteractive.bg_stroke)
+        .corner_radius(3)
+        .inner_margin(egui::Margin::symmetric(5, 0))
+        .show(ui, |ui| ui.label(RichText::new(keys).monospace().size(11.0)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::actions::ActionId;
+
+    fn first(text: &str) -> Option<ActionId> {
+        found_by(text, &Model::default()).first().map(|a| a.id)
+    }
+
+    #[test]
+    fn parts_of_names_find_their_action() {
+        assert_eq!(first("open dem"), Some(ActionId::OpenDemo));
+        assert_eq!(first("demo"), Some(ActionId::OpenDemo));
+        assert_eq!(first("light"), Some(ActionId::ThemeLight));
+        assert_eq!(first("keyb"), Some(ActionId::Shortcuts));
+        assert_eq!(first("opth"), Some(ActionId::OpenPath));
+        assert_eq!(first("qqqq"), None);
+    }
+
+    #[test]
+    fn nothing_typed_lists_everything_that_can_be_done() {
+        let model = Model::default();
+        let expected = ACTIONS.iter().filter(|a| enabled(a.id, &model)).count() - 1;
+        assert_eq!(found_by("", &model).len(), expected);
+        assert_eq!(first(""), Some(ActionId::OpenFolder), "nothing that ends the program");
+    }
+
+    #[test]
+    fn every_menu_with_keys_is_in_one_column_and_the_columns_are_about_as_long_as_one_another() {
+        for count in [1, 2, 4] {
+            let columns = in_columns(count);
+            assert!(columns.len() <= count);
+            let all: Vec<Menu> = columns.concat();
+            let expected = Menu::ALL.into_iter().filter(|menu| with_keys(*menu).next().is_some());
+            assert!(all.iter().copied().eq(expected), "{all:?}");
+            let rows = |menus: &Vec<Menu>| menus.iter().map(|menu| SHEET_HEADING_ROWS + with_keys(*menu).count()).sum();
+            let longest: usize = columns.iter().map(rows).max().unwrap_or(0);
+            let longest_menu = all.iter().map(|menu| rows(&vec![*menu])).max().unwrap_or(0);
+            let total: usize = rows(&all);
+            assert!(longest <= longest_menu.max(total * 4 / (3 * count)), "{count}: {longest} of {total}");
+        }
     }
 }

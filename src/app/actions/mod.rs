@@ -6,12 +6,10 @@
 
 mod change;
 pub mod menu;
-pub mod palette;
 pub mod registry;
-mod run;
-pub mod shortcuts_sheet;
 mod state_of;
 
+pub use change::{change, probe_here};
 pub use registry::{ACTIONS, Action, ActionId, Menu};
 pub use state_of::{checked, enabled};
 

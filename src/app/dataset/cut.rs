@@ -1,8 +1,11 @@
-//! Dialog that asks how a long sequence of frames is cut into bursts, and shows the result.
+//! Questions before work on a dataset: how a long sequence is cut into bursts, whether a film that was opened as one
+//! burst is cut, and whether features of other parameters may be replaced.
 
+use crate::app::project::datasets::Datasets;
 use crate::burst::SequenceCut;
 use crate::dataset::DatasetSource;
-use egui::{DragValue, Grid, Ui};
+use crate::inspect::words::counted;
+use egui::{DragValue, Grid, RichText, Ui};
 use std::path::PathBuf;
 
 /// State of the open dialog.
@@ -94,6 +97,76 @@ impl CutDialog {
         };
         format!("{count} {bursts}, each named after its middle frame{rest}")
     }
+}
+
+/// Choice of the user.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CutChoice {
+    /// Cut it into bursts of the offered length.
+    Cut,
+    /// Ask how it is cut.
+    Ask,
+    /// Leave it as it is.
+    Keep,
+}
+
+/// Draws the offer to cut a film of `frames` frames into bursts of `length`.
+pub fn cut_offer_ui(ui: &mut Ui, frames: usize, length: usize) -> Option<CutChoice> {
+    let mut choice = None;
+    ui.horizontal_wrapped(|ui| {
+        let text = format!("{} are long for one burst: nothing moves evenly for so long.", counted(frames, "frame"));
+        ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
+        let cut = ui.button(format!("Cut into bursts of {length}"));
+        if cut.on_hover_text("Open them as a dataset, one burst after another").clicked() {
+            choice = Some(CutChoice::Cut);
+        }
+        if ui.button("Cut…").on_hover_text("Choose length and step of the bursts first").clicked() {
+            choice = Some(CutChoice::Ask);
+        }
+        if ui.button("Keep as one").on_hover_text("Look at all frames as one burst").clicked() {
+            choice = Some(CutChoice::Keep);
+        }
+    });
+    choice
+}
+
+/// Asks while `open`; returns whether the features may be replaced.
+pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Datasets) -> bool {
+    if !*open {
+        return false;
+    }
+    let Some(dataset) = &datasets.open else {
+        *open = false;
+        return false;
+    };
+    let mut replace = false;
+    let modal = egui::Modal::new(egui::Id::unique("replace features")).show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.heading("Replace features?");
+        ui.add_space(4.0);
+        let folder = dataset.folder.as_ref().map_or_else(String::new, |f| f.display().to_string());
+        ui.label(format!("The folder {folder} has features that were found with other parameters."));
+        ui.add_space(4.0);
+        let bursts = counted(dataset.bursts.len(), "burst");
+        ui.label(format!(
+            "Detect all finds the features of {bursts} again with the parameters as they are now, and writes them in \
+             place of those, burst by burst. Cancelled, it keeps the new features of the bursts that are finished. The bursts \
+             themselves are not touched. To keep the old features, cancel and choose another folder."
+        ));
+        ui.add_space(6.0);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.button("Replace").clicked() {
+                replace = true;
+            }
+            if ui.button("Cancel").clicked() {
+                ui.close();
+            }
+        });
+    });
+    if replace || modal.should_close() {
+        *open = false;
+    }
+    replace
 }
 
 #[cfg(test)]

@@ -1,17 +1,23 @@
 //! Filmstrip: a dataset's bursts in order, each with a thumbnail, its state, and whether it is A or B.
+//!
+//! Thumbnails are requested as they come into view, and kept on the card up to a number.
 
-use super::thumbnails::{Shown, Thumbnails};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{middle_elided, progress_text};
 use crate::app::project::Model;
 use crate::app::project::datasets::{BurstState, Dataset, Datasets};
 use crate::app::style;
+use crate::burst::{BurstSource, OpenOptions};
+use crate::dataset::Thumbnail;
+use crate::engine::{Engine, Wanted};
 use crate::inspect::words::counted;
+use crate::requests::ThumbnailsRequest;
 use egui::{
-    Align, Align2, Color32, FontId, Label, Layout, Pos2, ProgressBar, Rect, Response, RichText, ScrollArea, Sense,
-    Stroke, StrokeKind, Ui, pos2, vec2,
+    Align, Align2, Color32, ColorImage, Context, FontId, Label, Layout, Pos2, ProgressBar, Rect, Response, RichText,
+    ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, pos2, vec2,
 };
+use std::collections::HashMap;
 
 /// Sizes of a burst's cell and of its parts, in points.
 const CELL_WIDTH: f32 = 116.0;
@@ -174,7 +180,7 @@ fn cell_ui(
     dataset: &mut Dataset,
     place: usize,
     rect: Rect,
-    picture: Option<&Shown>,
+    picture: Option<&ThumbnailState>,
     open: bool,
     fraction: f32,
 ) -> Response {
@@ -232,21 +238,21 @@ pub fn side_colour(side: usize) -> Color32 {
     [Color32::from_rgb(0xf2, 0xb1, 0x4b), Color32::from_rgb(0x6c, 0xb8, 0xf2)][side]
 }
 
-fn picture_ui(ui: &Ui, area: Rect, picture: Option<&Shown>) {
+fn picture_ui(ui: &Ui, area: Rect, picture: Option<&ThumbnailState>) {
     let painter = ui.painter_at(area);
     painter.rect_filled(area, 0.0, ui.visuals().extreme_bg_color);
     let say = |text: &str, colour: Color32| {
         painter.text(area.center(), Align2::CENTER_CENTER, text, FontId::proportional(11.0), colour);
     };
     match picture {
-        Some(Shown::Picture(texture)) => {
+        Some(ThumbnailState::Picture(texture)) => {
             let size = texture.size_vec2();
             let size = size * (area.width() / size.x).min(area.height() / size.y);
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             painter.image(texture.id(), Rect::from_center_size(area.center(), size), whole, Color32::WHITE);
         }
-        Some(Shown::Failed(_)) => say("no picture", ui.visuals().error_fg_color),
-        Some(Shown::Asked) | None => say("…", ui.visuals().weak_text_color()),
+        Some(ThumbnailState::Failed(_)) => say("no picture", ui.visuals().error_fg_color),
+        Some(ThumbnailState::Asked) | None => say("…", ui.visuals().weak_text_color()),
     }
 }
 
@@ -293,5 +299,81 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
                 painter.line_segment([centre - arm, centre + arm], stroke);
             }
         }
+    }
+}
+
+/// Maximum side of a thumbnail, pixels.
+pub const SIDE_PX: usize = 160;
+/// Maximum number of thumbnails kept.
+const MOST_KEPT: usize = 400;
+/// Maximum number of thumbnails in a request, so that those that come into view soon need not wait long.
+const MOST_ASKED: usize = 8;
+
+/// State of a thumbnail.
+pub enum ThumbnailState {
+    /// Requested.
+    Asked,
+    /// Available.
+    Picture(TextureHandle),
+    /// Failed, with the reason.
+    Failed(String),
+}
+
+/// Thumbnails of one dataset, by the bursts' names.
+#[derive(Default)]
+pub struct Thumbnails {
+    shown: HashMap<String, ThumbnailState>,
+    /// Bursts that came into view in this pass.
+    in_view: Vec<BurstSource>,
+    wanted: Wanted<ThumbnailsRequest>,
+}
+
+impl Thumbnails {
+    /// Removes all thumbnails: another dataset was opened.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// State of the thumbnail of `burst`; an unknown one is requested next.
+    pub fn get(&mut self, burst: &BurstSource) -> Option<&ThumbnailState> {
+        if !self.shown.contains_key(&burst.name) {
+            self.in_view.push(burst.clone());
+        }
+        self.shown.get(&burst.name)
+    }
+
+    /// Whether some thumbnails that came into view are still missing.
+    pub fn is_waiting(&self) -> bool {
+        !self.in_view.is_empty() || self.shown.values().any(|s| matches!(s, ThumbnailState::Asked))
+    }
+
+    /// Requests the thumbnails that came into view in this pass from the workers; bursts are opened with `open`.
+    pub fn request(&mut self, engine: &Engine, open: &OpenOptions) {
+        let mut bursts = std::mem::take(&mut self.in_view);
+        if bursts.is_empty() || self.wanted.is_pending() {
+            return;
+        }
+        if self.shown.len() + bursts.len() > MOST_KEPT {
+            // Those in view are made again soon; this is simpler than tracking which were seen last.
+            self.shown.clear();
+        }
+        bursts.truncate(MOST_ASKED);
+        self.shown.extend(bursts.iter().map(|b| (b.name.clone(), ThumbnailState::Asked)));
+        self.wanted.ask(engine, ThumbnailsRequest { bursts, max_side_px: SIDE_PX, open: open.clone() });
+    }
+
+    /// Takes the pictures that were made of `bursts`.
+    pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstSource]) {
+        for (source, picture) in self.wanted.take_told().into_iter().filter(|(source, _)| bursts.contains(source)) {
+            let shown = match picture {
+                Ok(Thumbnail { width, height, rgb }) => {
+                    let image = ColorImage::from_rgb([width, height], &rgb);
+                    ThumbnailState::Picture(ctx.load_texture(&source.name, image, TextureOptions::LINEAR))
+                }
+                Err(error) => ThumbnailState::Failed(error),
+            };
+            self.shown.insert(source.name.clone(), shown);
+        }
+        self.wanted.take();
     }
 }

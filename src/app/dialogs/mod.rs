@@ -5,13 +5,10 @@
 //! chosen" at once, faster than a person can cancel; the path field opens then.
 
 mod path_field;
-mod purpose;
-mod replace_file;
 
-pub use path_field::{PathField, path_from_text};
-pub use purpose::{ExportKind, Purpose};
-pub use replace_file::ReplaceFile;
+pub use path_field::{PathField, ReplaceFile, path_from_text};
 
+use crate::app::project::effect::Purpose;
 use crate::engine::OnUpdate;
 use std::path::PathBuf;
 use std::sync::{Arc, mpsc};

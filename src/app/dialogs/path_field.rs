@@ -1,6 +1,8 @@
-//! Field to type a path into, where the system has no dialog or a person prefers to type.
+//! Field to type a path into, where the system has no dialog or a person prefers to type, and the question whether a
+//! file there may be replaced, which the system's own dialog asks itself.
 
-use super::Purpose;
+use crate::app::project::effect::Purpose;
+use crate::export::is_ours;
 use std::path::PathBuf;
 
 /// Field to type a path into.
@@ -87,6 +89,52 @@ pub fn path_from_text(text: &str) -> PathBuf {
     match (plain.strip_prefix("~/"), std::env::home_dir()) {
         (Some(rest), Some(home)) => home.join(rest),
         _ => PathBuf::from(plain),
+    }
+}
+
+/// Existing file at the path of a new one.
+#[derive(Debug, Clone)]
+pub struct ReplaceFile {
+    /// Purpose of the new file.
+    pub purpose: Purpose,
+    /// Path of the file.
+    pub path: PathBuf,
+    about: &'static str,
+}
+
+impl ReplaceFile {
+    /// Creates the question about the file at `path`.
+    pub fn new(purpose: Purpose, path: PathBuf) -> Self {
+        let is_link = std::fs::symlink_metadata(&path).is_ok_and(|file| file.is_symlink());
+        let about = match (is_link, is_ours(&path)) {
+            (true, _) => "It is a link. The link is replaced by the file, and what it leads to stays as it is.",
+            (false, true) => "Burstscope wrote it. What it holds is lost.",
+            (false, false) => "Burstscope did not write it. What it holds is lost.",
+        };
+        Self { purpose, path, about }
+    }
+
+    /// Draws the question. Returns whether the file may be replaced, once that is decided.
+    pub fn ui(&self, ctx: &egui::Context) -> Option<bool> {
+        let mut answer = None;
+        let modal = egui::Modal::new(egui::Id::unique("replace file")).show(ctx, |ui| {
+            ui.set_width(420.0);
+            ui.heading("Replace this file?");
+            ui.add_space(4.0);
+            ui.label(self.path.display().to_string());
+            ui.add_space(4.0);
+            ui.label(self.about);
+            ui.add_space(6.0);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Replace").clicked() {
+                    answer = Some(true);
+                }
+                if ui.button("Cancel").clicked() {
+                    answer = Some(false);
+                }
+            });
+        });
+        answer.or_else(|| modal.should_close().then_some(false))
     }
 }
 

@@ -1,5 +1,7 @@
 //! Menu of a pane; it is also part of the menu that the secondary button opens on its picture.
 
+pub use crate::app::project::panes::Change;
+
 use crate::app::actions::{ActionId, Queue, menu::item_ui, shown_by};
 use crate::app::pane::{Content, Direction, Link, MethodsPreset, Over, Pane, PaneId, Preset, SidesPreset, SliceAxis};
 use crate::app::project::Model;
@@ -9,21 +11,6 @@ use crate::app::project::workspace::Workspace;
 use crate::app::words::{explained, picture_word};
 use crate::requests::MapKind;
 use egui::{Button, Ui};
-
-/// Request of a pane that changes the set of panes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Change {
-    /// Add a second pane beside this one.
-    Split(PaneId, Direction),
-    /// Close this pane.
-    Close(PaneId),
-    /// Lay all panes out anew, from this one.
-    LayOut(PaneId, Preset),
-    /// Lay out *Two bursts* anew.
-    LayOutSides(SidesPreset),
-    /// Lay out *Methods* anew.
-    LayOutMethods(MethodsPreset),
-}
 
 /// Draws the menu of pane `id`.
 pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: &mut Vec<Change>, queue: &mut Queue) {

@@ -1,13 +1,19 @@
-//! Panel of the open lesson: step number, explanation, task, back and forward.
+//! Panel of the open lesson (step number, explanation, task, back and forward), the frames around what it highlights,
+//! and the list of all lessons.
 
-use super::caption::Captions;
 use super::snr::snr_ui;
 use super::state::{Lessons, OpenLesson, Wish};
+use crate::app::actions::{ActionId, Queue};
 use crate::app::project::Model;
-use crate::app::style;
+use crate::app::{parts, style};
+use crate::teach::Lesson;
+use crate::teach::glossary::glossary;
 use egui::{
-    Align, Button, Color32, CornerRadius, Frame, Layout, Margin, RichText, ScrollArea, Sense, Stroke, Ui, vec2,
+    Align, Button, Color32, Context, CornerRadius, Frame, Id, LayerId, Layout, Margin, Order, RichText, ScrollArea,
+    Sense, Stroke, StrokeKind, Ui, vec2,
 };
+use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
+use std::sync::Arc;
 
 /// Clicks in the panel.
 #[derive(Debug, Default)]
@@ -151,4 +157,115 @@ fn dots_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
             clicks.wish = Some(Wish::Step(place));
         }
     }
+}
+
+/// Prefix of links to the glossary.
+const GLOSSARY: &str = "word:";
+
+/// Cache of the text widget, kept between passes.
+pub struct Captions {
+    cache: CommonMarkCache,
+}
+
+impl Default for Captions {
+    fn default() -> Self {
+        let mut cache = CommonMarkCache::default();
+        for word in glossary().words() {
+            cache.add_link_hook(format!("{GLOSSARY}{}", word.name));
+        }
+        Self { cache }
+    }
+}
+
+impl std::fmt::Debug for Captions {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Captions").finish_non_exhaustive()
+    }
+}
+
+impl Captions {
+    /// Draws a text. Returns the name of the glossary entry whose link was clicked.
+    pub fn ui(&mut self, ui: &mut Ui, text: &str) -> Option<String> {
+        CommonMarkViewer::new().indentation_spaces(2).show(ui, &mut self.cache, text);
+        let clicked = self.cache.link_hooks().iter().find(|(_, clicked)| **clicked)?.0;
+        Some(clicked.strip_prefix(GLOSSARY)?.to_owned())
+    }
+}
+
+/// Colour of the frame; also that of the selection in pictures.
+const HIGHLIGHT: Color32 = Color32::from_rgb(255, 200, 60);
+
+/// Draws frames around the highlighted parts.
+pub fn highlights_ui(ctx: &Context) {
+    let painter = ctx.layer_painter(LayerId::new(Order::Middle, Id::unique("lesson highlight")));
+    for (_, rect) in parts::drawn(ctx) {
+        let rect = rect.expand(3.0).intersect(ctx.content_rect().shrink(2.0));
+        // A glow around it makes it visible over bright and dark pictures.
+        for (width, alpha) in [(9.0, 26), (6.0, 50)] {
+            let glow = Color32::from_rgba_unmultiplied(HIGHLIGHT.r(), HIGHLIGHT.g(), HIGHLIGHT.b(), alpha);
+            painter.rect_stroke(rect, CornerRadius::same(6), Stroke::new(width, glow), StrokeKind::Middle);
+        }
+        painter.rect_stroke(rect, CornerRadius::same(5), Stroke::new(2.0, HIGHLIGHT), StrokeKind::Middle);
+    }
+}
+
+/// Chosen lesson, if any.
+pub type Chosen = Option<Arc<Lesson>>;
+
+/// Draws the list if it is open. Returns the chosen lesson.
+pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) -> Chosen {
+    if !lessons.list_is_open {
+        return None;
+    }
+    let mut chosen = None;
+    let modal = egui::Modal::new(egui::Id::unique("lessons")).show(ctx, |ui| {
+        ui.set_width(520.0);
+        ui.heading("Lessons");
+        ui.weak("Each takes a few minutes, over the live window. What is open now comes back afterwards.");
+        ui.add_space(8.0);
+        ScrollArea::vertical().max_height(480.0).min_scrolled_height(300.0).show(ui, |ui| {
+            chosen = rows_ui(ui, lessons);
+        });
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button("Close").clicked() {
+                ui.close();
+            }
+            let own =
+                ui.button("Open lessons…").on_hover_text("A folder of lessons, such as a teacher's own (TOML files)");
+            if own.clicked() {
+                queue.push(ActionId::OpenLessons);
+                ui.close();
+            }
+        });
+    });
+    if chosen.is_some() || modal.should_close() {
+        lessons.list_is_open = false;
+    }
+    chosen
+}
+
+/// Draws a row for each lesson. Returns the chosen one.
+pub fn rows_ui(ui: &mut Ui, lessons: &Lessons) -> Chosen {
+    let mut chosen = None;
+    for lesson in lessons.all() {
+        let progress = lessons.progress_in(lesson);
+        let (done, count) = (progress.done.len(), lesson.steps.len());
+        let state = match done {
+            0 if progress.step == 0 => format!("{count} steps"),
+            done if done == count => "✔ done".to_owned(),
+            _ => format!("step {} of {count}", progress.step + 1),
+        };
+        let button =
+            egui::Button::new(RichText::new(&lesson.title).strong()).min_size(vec2(ui.available_width(), 26.0));
+        let response = ui.add(button);
+        response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Lesson: {}", lesson.title)));
+        if response.on_hover_text(&lesson.about).clicked() {
+            chosen = Some(lesson.clone());
+        }
+        ui.add(egui::Label::new(RichText::new(format!("{state} · {}", lesson.about)).weak()).wrap());
+        ui.add_space(6.0);
+    }
+    chosen
 }

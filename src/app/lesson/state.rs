@@ -1,11 +1,17 @@
-//! State of the lessons in the window.
+//! The lessons, and the one that is open: opening, going through and leaving it.
 
 use super::snr::SnrTrace;
+use super::steps;
 use crate::app::project::Model;
+use crate::app::project::effect::Effect;
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
+use crate::engine::Engine;
 use crate::requests::BurstSource;
-use crate::teach::{Lesson, Step, built_in};
+use crate::teach::{Lesson, Part, Step, built_in, lessons_at};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Progress of the user in a lesson.
@@ -44,11 +50,10 @@ pub struct Lessons {
 
 /// State before the lesson, to be restored.
 #[derive(Debug)]
-pub(in crate::app) struct Kept {
-    /// Project.
-    pub model: Model,
+struct Kept {
+    model: Model,
     /// Burst that was being opened.
-    pub opening: Option<BurstSource>,
+    opening: Option<BurstSource>,
 }
 
 /// Open lesson, with its state.
@@ -63,12 +68,12 @@ pub struct OpenLesson {
     /// Whether the step is set up; until then its bursts are being opened.
     pub is_ready: bool,
     /// Whether the first feature or match is to be selected as soon as there is one.
-    pub(in crate::app) selects: bool,
+    selects: bool,
     /// Bursts that the step opens itself.
-    pub(in crate::app) opens: Vec<BurstSource>,
+    opens: Vec<BurstSource>,
     /// Signal-to-noise ratios measured so far.
-    pub(in crate::app) snr: SnrTrace,
-    pub(in crate::app) kept: Box<Kept>,
+    pub(super) snr: SnrTrace,
+    kept: Box<Kept>,
 }
 
 impl OpenLesson {
@@ -83,8 +88,34 @@ impl OpenLesson {
     }
 
     /// Project as it was before the lesson.
-    pub fn before(&self) -> &Model {
+    fn before(&self) -> &Model {
         &self.kept.model
+    }
+
+    /// Selects the first feature or match once there is one, if the step begins with one selected.
+    fn select_first(&mut self, model: &mut Model) {
+        if !self.selects {
+            return;
+        }
+        if model.workspace == Workspace::Pair {
+            model.pair.selected = model.pair.listed.first().copied();
+        } else if model.stale().is_none() {
+            model.selected = model.listed.first().copied();
+        }
+        self.selects = model.pair.selected.is_none() && model.selected.is_none();
+    }
+
+    /// Sets the step up, if its bursts are open.
+    fn set_up(&mut self, model: &mut Model) {
+        let state = self.step().state.clone();
+        let is_open = |side, source: &BurstSource| model.burst_of(side).is_some_and(|b| b.source == *source);
+        let second = state.second.as_ref().is_none_or(|source| is_open(Side::B, source));
+        if !(is_open(Side::A, &state.burst()) && second) {
+            return;
+        }
+        (self.is_ready, self.selects) = (true, state.select == Some(true));
+        steps::set_up(model, &state);
+        model.settings_are_set();
     }
 }
 
@@ -110,8 +141,152 @@ impl Lessons {
         progress
     }
 
+    /// Project of the user: the one before the open lesson, or without one `shown`.
+    pub fn project_of_user<'a>(&'a self, shown: &'a Model) -> &'a Model {
+        self.open.as_ref().map_or(shown, OpenLesson::before)
+    }
+
+    /// Parts of the window that the open step highlights.
+    pub fn highlighted(&self) -> &[Part] {
+        self.open.as_ref().map_or(&[], |open| &open.step().highlight)
+    }
+
+    /// Whether the open lesson waits for nothing.
+    pub fn is_settled(&self, model: &Model) -> bool {
+        let failed = !model.messages.errors().is_empty();
+        self.open.as_ref().is_none_or(|open| open.is_ready || failed)
+    }
+
+    /// Opens a lesson at the step where it was left last. `model` is put aside until the lesson is left.
+    #[must_use]
+    pub fn start(&mut self, lesson: Arc<Lesson>, model: &mut Model, engine: &Engine) -> Effect {
+        self.leave(model, engine);
+        self.list_is_open = false;
+        let opening = model.slots.a.opening.pending().map(|request| request.source.clone());
+        let mut of_lesson = Model::default();
+        (of_lesson.theme, of_lesson.figure, of_lesson.in_lesson) = (model.theme, model.figure, true);
+        model.slots.a.opening.forget();
+        let kept = show(of_lesson, model);
+        let progress = self.progress_in(&lesson);
+        self.open = Some(OpenLesson {
+            lesson,
+            step: progress.step,
+            done: progress.done,
+            is_ready: false,
+            selects: false,
+            opens: Vec::new(),
+            snr: SnrTrace::default(),
+            kept: Box::new(Kept { model: kept, opening }),
+        });
+        self.begin_step(model, engine);
+        Effect::ForgetWidgets
+    }
+
+    /// Leaves the lesson, if one is open, and restores the project that was open before it.
+    pub fn leave(&mut self, model: &mut Model, engine: &Engine) -> Option<Effect> {
+        self.remember();
+        let Kept { model: kept, opening } = *self.open.take()?.kept;
+        let theme = model.theme;
+        drop(show(kept, model));
+        model.theme = theme;
+        if let Some(source) = opening {
+            model.open(Side::A, source, engine);
+        }
+        Some(Effect::ForgetWidgets)
+    }
+
+    /// Opens the lessons of a folder or a file, or shows the error in them.
+    pub fn open_at(&mut self, path: &Path, model: &mut Model) {
+        const TITLE: &str = "Open lessons";
+        match lessons_at(path) {
+            Ok(lessons) => {
+                model.messages.resolved(TITLE);
+                self.add(lessons);
+                self.list_is_open = true;
+            }
+            Err(errors) => {
+                let text: Vec<String> = errors.iter().map(ToString::to_string).collect();
+                model.messages.error(TITLE, text.join("\n"));
+            }
+        }
+    }
+
+    /// Applies `wish` to the open lesson, sets its step up once its bursts are open, and checks its tasks. The lesson
+    /// is left when another burst is being opened in it, or a session restored (`is_restoring`).
+    pub fn go_on(&mut self, wish: Option<Wish>, is_restoring: bool, model: &mut Model, engine: &Engine) -> Vec<Effect> {
+        let mut effects = Vec::new();
+        match wish {
+            Some(Wish::Leave) => effects.extend(self.leave(model, engine)),
+            Some(Wish::Step(step)) => {
+                if let Some(open) = &mut self.open {
+                    open.step = step.min(open.lesson.steps.len() - 1);
+                }
+                self.begin_step(model, engine);
+            }
+            Some(Wish::Again) => self.begin_step(model, engine),
+            None => {}
+        }
+        effects.extend(self.leave_for_what_was_opened(is_restoring, model, engine));
+        let Some(open) = &mut self.open else { return effects };
+        let is_other = model.slots.a.burst.as_ref().is_some_and(|burst| burst.source != open.step().state.burst());
+        if open.is_ready && is_other {
+            // A burst that was requested for another step has been opened.
+            self.begin_step(model, engine);
+        } else if open.is_ready {
+            open.select_first(model);
+            let is_met = open.step().task.as_ref().is_some_and(|task| task.goal.is_met(&steps::seen(model)));
+            if is_met && open.done.insert(open.step) {
+                self.remember();
+            }
+        } else {
+            open.set_up(model);
+        }
+        effects
+    }
+
+    /// Begins the open step: opens its bursts where others are open.
+    fn begin_step(&mut self, model: &mut Model, engine: &Engine) {
+        let Some(open) = &mut self.open else { return };
+        // The burst that another step requested is not needed any more.
+        model.slots.a.opening.forget();
+        let (first, second) = (open.step().state.burst(), open.step().state.second.clone());
+        (open.is_ready, open.opens) = (false, Vec::new());
+        open.snr.clear();
+        for (side, source) in [(Side::A, Some(first)), (Side::B, second)] {
+            let is_open = model.burst_of(side).is_some_and(|burst| Some(&burst.source) == source.as_ref());
+            let Some(source) = source.filter(|_| !is_open) else { continue };
+            open.opens.push(source.clone());
+            // A burst that was open before the lesson need not be opened again.
+            let mut kept = open.before().slots.both().into_iter().filter_map(|slot| slot.burst.as_ref());
+            match (side, kept.find(|burst| burst.source == source).cloned()) {
+                (Side::A, Some(burst)) => model.take_burst(burst),
+                (Side::B, Some(burst)) => model.take_second_burst(burst),
+                (side, None) => {
+                    model.open(side, source, engine);
+                }
+            }
+        }
+        open.set_up(model);
+        self.remember();
+    }
+
+    /// Leaves the lesson when another burst or session is being opened in it; the opening goes on in the earlier
+    /// project.
+    fn leave_for_what_was_opened(&mut self, is_restoring: bool, model: &mut Model, engine: &Engine) -> Option<Effect> {
+        let open = self.open.as_ref()?;
+        let is_own = |source: &BurstSource| *source == open.step().state.burst() || open.opens.contains(source);
+        let opening = model.slots.a.opening.pending();
+        if !is_restoring && opening.is_none_or(|request| is_own(&request.source)) {
+            return None;
+        }
+        let opening = std::mem::take(&mut model.slots.a.opening);
+        let effect = self.leave(model, engine);
+        model.slots.a.opening = opening;
+        effect
+    }
+
     /// Stores the progress in the open lesson.
-    pub(in crate::app) fn remember(&mut self) {
+    fn remember(&mut self) {
         if let Some(open) = &self.open {
             let progress = Progress { step: open.step, done: open.done.clone() };
             self.progress.insert(open.lesson.name.clone(), progress);
@@ -119,9 +294,30 @@ impl Lessons {
     }
 }
 
+/// Shows another project, and returns the one that was shown until now. Datasets, trajectories, the Lab, messages and
+/// figures stay, so that their work goes on.
+fn show(mut other: Model, model: &mut Model) -> Model {
+    std::mem::swap(&mut other, model);
+    let (from, to) = (&mut other, model);
+    std::mem::swap(&mut from.datasets, &mut to.datasets);
+    std::mem::swap(&mut from.trajectories, &mut to.trajectories);
+    std::mem::swap(&mut from.lab, &mut to.lab);
+    std::mem::swap(&mut from.messages, &mut to.messages);
+    std::mem::swap(&mut from.figures, &mut to.figures);
+    to.messages.forget_note();
+    to.settings_are_set();
+    other
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::project::tests::{Bench, open};
+    use crate::app::session::Restoring;
+    use std::time::{Duration, Instant};
+
+    /// Time within which a small burst is opened.
+    const PATIENCE: Duration = Duration::from_secs(60);
 
     #[test]
     fn what_is_remembered_of_a_longer_lesson_stays_within_this_one() {
@@ -141,5 +337,59 @@ mod tests {
         lessons.add(vec![Lesson { title: "New".to_owned(), ..lesson }]);
         assert_eq!(lessons.all().count(), built_in().len() + 1);
         assert_eq!(lessons.opened[0].title, "New");
+    }
+
+    /// Makes passes in which a lesson goes on until `done`; returns the effects.
+    fn go_on_until(bench: &mut Bench, lessons: &mut Lessons, done: impl Fn(&Lessons, &Model) -> bool) -> Vec<Effect> {
+        let (mut restoring, mut others, end) = (Restoring::default(), Vec::new(), Instant::now() + PATIENCE);
+        while !done(lessons, &bench.model) {
+            assert!(Instant::now() < end, "the lesson does not go on");
+            let Bench { model, engine } = bench;
+            for effect in model.take_answers(engine) {
+                match effect {
+                    Effect::Opened(side, ended) => drop(restoring.take_opened(side, ended, model, engine)),
+                    other => others.push(other),
+                }
+            }
+            others.extend(lessons.go_on(None, false, model, engine));
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        others
+    }
+
+    #[test]
+    fn a_lesson_opens_its_bursts_and_leaves_the_project_of_the_user_as_it_was() {
+        let (mut bench, mut lessons) = (Bench::new(), Lessons::default());
+        bench.model.take_burst(open((64, 48), 5));
+        bench.model.params.levels = 3;
+        let lesson = built_in()[0].clone();
+        let effect = lessons.start(lesson.clone(), &mut bench.model, &bench.engine);
+        assert!(matches!(effect, Effect::ForgetWidgets) && bench.model.in_lesson);
+        assert_eq!(lessons.project_of_user(&bench.model).params.levels, 3);
+        go_on_until(&mut bench, &mut lessons, |lessons, _| lessons.open.as_ref().is_some_and(|open| open.is_ready));
+        assert!(lessons.is_settled(&bench.model));
+        let burst = bench.model.slots.a.burst.as_ref().map(|burst| burst.source.clone());
+        assert_eq!(burst, Some(lesson.steps[0].state.burst()));
+        // Another step, and out again.
+        let Bench { model, engine } = &mut bench;
+        lessons.go_on(Some(Wish::Step(1)), false, model, engine);
+        assert_eq!(lessons.progress_in(&lesson).step, 1);
+        let effects = lessons.go_on(Some(Wish::Leave), false, model, engine);
+        assert!(matches!(effects[..], [Effect::ForgetWidgets]) && lessons.open.is_none());
+        assert!(!model.in_lesson && model.params.levels == 3 && model.size() == (64, 48));
+    }
+
+    #[test]
+    fn opening_something_else_leaves_the_lesson_and_goes_on_outside() {
+        let (mut bench, mut lessons) = (Bench::new(), Lessons::default());
+        let effect = lessons.start(built_in()[0].clone(), &mut bench.model, &bench.engine);
+        assert!(matches!(effect, Effect::ForgetWidgets));
+        bench.model.open(Side::A, BurstSource::Paths(vec!["/no/such/burst".into()]), &bench.engine);
+        let Bench { model, engine } = &mut bench;
+        let effects = lessons.go_on(None, false, model, engine);
+        assert!(matches!(effects[..], [Effect::ForgetWidgets]) && !model.in_lesson);
+        assert!(model.slots.a.opening.is_pending());
+        go_on_until(&mut bench, &mut lessons, |_, model| !model.messages.errors().is_empty());
+        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("/no/such/burst")));
     }
 }

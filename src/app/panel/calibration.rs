@@ -1,7 +1,7 @@
 //! Dialog of the calibration, from values in files to intensities: bias and flat frame, black level and full scale,
 //! linear light, raw colours.
 
-use crate::app::dialogs::Purpose;
+use crate::app::project::effect::Purpose;
 use crate::burst::{OpenOptions, RawColour};
 use egui::{DragValue, Ui};
 use std::path::PathBuf;

@@ -1,18 +1,9 @@
 //! Offer to restore the session after the program ended unexpectedly.
 
-use crate::app::recovery::Offer;
+use crate::app::recovery::{Offer, RecoveryChoice};
 use crate::inspect::words::counted;
 use egui::{Button, RichText, Ui};
 use std::time::Duration;
-
-/// Choice of the user.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RecoveryChoice {
-    /// Open it.
-    Restore,
-    /// Remove it.
-    Forget,
-}
 
 /// Draws the offer. Returns the choice, once it is made.
 pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {

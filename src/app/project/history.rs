@@ -133,6 +133,35 @@ impl History {
     }
 }
 
+impl Model {
+    /// Undoes the last step.
+    pub fn undo(&mut self) {
+        self.with_history(History::undo);
+    }
+
+    /// Redoes the step that was undone last.
+    pub fn redo(&mut self) {
+        self.with_history(History::redo);
+    }
+
+    fn with_history(&mut self, step: impl FnOnce(&mut History, &mut Self)) {
+        let mut history = std::mem::take(&mut self.history);
+        step(&mut history, self);
+        self.history = history;
+        // Every pane goes to its earlier place, and none follows another.
+        self.settings_are_set();
+    }
+
+    /// Records the user's changes of a pass since the settings `before`; as [`History::take`].
+    pub(in crate::app) fn keep_history(&mut self, before: Settings, goes_on: bool) {
+        let are_set = std::mem::take(&mut self.set_explicitly.history);
+        if !are_set {
+            let after = Settings::of(self);
+            self.history.take(before, &after, goes_on || self.playing);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

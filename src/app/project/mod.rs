@@ -8,6 +8,7 @@ mod asking;
 pub mod compare;
 pub mod cursor;
 pub mod datasets;
+pub mod effect;
 pub mod explained;
 pub mod figure;
 pub mod filter;
@@ -18,6 +19,7 @@ pub mod measure;
 pub mod messages;
 pub mod method;
 pub mod pair;
+pub mod panes;
 mod pictures;
 pub mod probe;
 pub mod side;
@@ -25,7 +27,7 @@ pub mod slot;
 pub mod trajectories;
 pub mod workspace;
 
-pub use asking::Effect;
+pub use effect::Effect;
 pub use slot::{FoundFeatures, SavedSelection, Stale};
 
 use crate::app::pane::{PaneId, Panes};
@@ -170,6 +172,8 @@ pub struct Model {
     pub trajectories: Trajectories,
     /// Studies of charts.
     pub lab: lab::Lab,
+    play: panes::Play,
+    set_explicitly: panes::SetExplicitly,
     listed_for: Option<filter::ListedFor>,
 }
 

@@ -4,12 +4,12 @@
 //! found. The selected feature is kept across detections. What was opened is never overwritten.
 
 use crate::app::pane::PaneId;
-use crate::app::project::Model;
 use crate::app::project::against::Against;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::side::Side;
+use crate::app::project::{Effect, Model};
 use crate::app::view::View;
-use crate::burst;
+use crate::burst::{self, OpenOptions};
 use crate::detector::{
     Advice, Detection, DetectorParams, Feature, Method, ParamError, SearchParams, Slope, SlopeFinding, SlopeGrid,
     explain,
@@ -42,6 +42,14 @@ pub struct Slot {
 }
 
 impl Side {
+    /// Title of messages about opening a burst.
+    pub(in crate::app) fn opening(self) -> &'static str {
+        match self {
+            Self::A => "Open",
+            Self::B => "Open B",
+        }
+    }
+
     /// Name of a detection in messages.
     fn detection(self) -> &'static str {
         match self {
@@ -56,6 +64,59 @@ impl Model {
     pub(in crate::app) fn open(&mut self, side: Side, source: BurstSource, engine: &Engine) -> JobId {
         let options = self.calibration.clone();
         self.slots[side].opening.ask(engine, OpenRequest { source, options })
+    }
+
+    /// Shows a burst that was opened for `side`. It goes to the recent list, unless it is one of the open dataset; that
+    /// gives it its name in the dataset.
+    pub(in crate::app) fn take_opened(&mut self, side: Side, mut burst: OpenBurst, engine: &Engine) -> Option<Effect> {
+        let dataset = self.datasets.open.as_ref().filter(|dataset| dataset.place_of(Some(&burst)).is_some());
+        let recent = match dataset {
+            Some(dataset) => {
+                dataset.name_as_here(&mut burst);
+                None
+            }
+            None => Some(Effect::Recent(burst.source.clone())),
+        };
+        self.messages.resolved(side.opening());
+        match side {
+            Side::A => {
+                self.messages.note(format!("Opened {}", burst.describe()));
+                for note in burst.burst.notes() {
+                    self.messages.note(note.for_window());
+                }
+                let before = self.slots.a.burst.as_ref().map(|open| open.source.clone());
+                self.take_burst(burst);
+                self.start_probe(before.as_ref());
+                self.settings_are_set();
+                self.history.clear();
+                self.measure.clear();
+            }
+            Side::B => {
+                self.messages.note(format!("Opened as B: {}", burst.describe()));
+                self.take_second_burst(burst);
+                self.cursors_are_set();
+            }
+        }
+        self.forget_closed_trails(engine);
+        recent
+    }
+
+    /// Drops the trails of bursts that are not open any more.
+    pub(in crate::app) fn forget_closed_trails(&self, engine: &Engine) {
+        let open = Side::BOTH.into_iter().filter_map(|side| Some(self.burst_of(side)?.id));
+        engine.keep_trails_of(&open.collect::<Vec<_>>());
+    }
+
+    /// Opens the bursts and the dataset again, with this calibration.
+    pub(in crate::app) fn calibrate(&mut self, options: OpenOptions, engine: &Engine) -> Effect {
+        self.calibration = options;
+        for side in Side::BOTH {
+            if let Some(source) = self.burst_of(side).map(|open| open.source.clone()) {
+                self.open(side, source, engine);
+            }
+        }
+        self.look_at_dataset_again(engine);
+        Effect::ForgetThumbnails
     }
 
     /// Request for a detection in the burst of `side` with the present parameters.

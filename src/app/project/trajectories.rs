@@ -145,7 +145,7 @@ impl Trajectories {
 
 impl Model {
     /// Reads a trajectory, and compares it with the other one.
-    pub(in crate::app) fn open_trajectory(&mut self, which: Which, path: PathBuf, engine: &Engine) {
+    pub fn open_trajectory(&mut self, which: Which, path: PathBuf, engine: &Engine) {
         let request = self.trajectories.request_with(which, path);
         self.trajectories.reading.ask(engine, request);
         self.workspace = Workspace::Trajectories;

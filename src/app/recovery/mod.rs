@@ -6,17 +6,22 @@
 
 mod record;
 
-pub use record::{Record, Turn};
+pub use record::Record;
 
-use super::session::Session;
-use crate::engine::TaskId;
-use crate::files::{MAX_SESSION_BYTES, read_text};
+use super::session::{Restoring, Session};
+use crate::app::project::Model;
+use crate::app::project::messages::Messages;
+use crate::engine::{Engine, TaskDone, TaskId};
+use crate::files::{MAX_SESSION_BYTES, read_text, written_by};
 use crate::requests::JobId;
 use std::collections::VecDeque;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
+
+/// Title of messages about the saving.
+const TITLE: &str = "Save the session by itself";
 
 /// Shortest time between two savings of the session.
 pub const SAVED_EVERY: Duration = Duration::from_secs(10);
@@ -43,35 +48,18 @@ pub struct Offer {
     pub is_restoring: bool,
 }
 
-/// Text of a session that is due for writing.
-#[derive(Debug)]
-pub struct DueSession {
-    record: Arc<Record>,
-    turn: Turn,
-    text: String,
-}
-
-impl DueSession {
-    /// Writes the session, unless a newer one was written meanwhile.
-    ///
-    /// # Errors
-    /// When it cannot be written; the message is a sentence.
-    pub fn write(&self) -> Result<(), String> {
-        self.record.write_in_turn(&self.text, self.turn)
-    }
-}
-
-/// Result of writing a session.
+/// Choice of the user for an offer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WritingEnded {
-    /// It was written.
-    Well,
-    /// It was written, after earlier failures.
-    WellAgain,
-    /// It could not be written.
-    Failed,
-    /// It could not be written, for the reason of the last failure.
-    FailedAgain,
+pub enum RecoveryChoice {
+    /// Open it.
+    Restore,
+    /// Remove it.
+    Forget,
+}
+
+/// Text of the session of `model`; `None` without a burst.
+fn session_text(model: &Model) -> Option<String> {
+    Some(written_by() + &Session::of(model)?.to_toml())
 }
 
 /// The record of a window, and the records that other windows left behind.
@@ -111,52 +99,81 @@ impl Recovery {
         Ok(Self { own, every: kept.every, written, given, failed, looked, writing, left, restoring })
     }
 
-    /// Session to be written now, from the text of `session`. The error is the time to wait before calling again, or
-    /// `None` if nothing is due.
-    pub fn due(&mut self, session: impl FnOnce() -> Option<String>) -> Result<DueSession, Option<Duration>> {
+    /// As [`Self::new`]; where no record can be created, a message says so.
+    pub fn begin(kept: Option<&KeptIn>, messages: &mut Messages) -> Option<Self> {
+        let kept = kept?;
+        Self::new(kept)
+            .inspect_err(|error| {
+                let text =
+                    format!("{error}: {}; until it can, nothing is restored after a crash", kept.folder.display());
+                messages.error(TITLE, text);
+            })
+            .ok()
+    }
+
+    /// Saves the session of `model` in the background, if it is due and has changed. Returns the time to wait before
+    /// calling again, if nothing else happens.
+    pub fn keep(&mut self, model: &Model, engine: &Engine) -> Option<Duration> {
         if self.writing.is_some() || self.restoring.is_some() {
-            return Err(None);
+            return None;
         }
         let since = self.looked.map(|looked| looked.elapsed());
         if let Some(rest) = since.and_then(|since| self.every.checked_sub(since)).filter(|rest| !rest.is_zero()) {
-            return Err(Some(rest));
+            return Some(rest);
         }
         self.looked = Some(Instant::now());
-        let text = session().ok_or(None)?;
-        if self.written.as_ref() == Some(&text) {
-            return Err(None);
-        }
+        let text = session_text(model).filter(|text| self.written.as_ref() != Some(text))?;
         self.given = Some(text.clone());
-        Ok(DueSession { record: self.own.clone(), turn: self.own.turn(), text })
+        let (record, turn) = (self.own.clone(), self.own.turn());
+        let write = move || record.write_in_turn(&text, turn).map(|()| String::new());
+        self.writing = Some(engine.task(TITLE, write));
+        None
     }
 
-    /// Writes `text` at once.
+    /// Saves the session of `model` at once: another window goes on with it, and if that fails it is offered later.
     ///
     /// # Errors
-    /// When it cannot be written; the message is a sentence.
-    pub fn write_now(&self, text: &str) -> Result<(), String> {
-        self.own.write(text)
+    /// When it cannot be written: the title and text of the message.
+    pub fn keep_now(&self, model: &Model) -> Result<(), (&'static str, String)> {
+        session_text(model).map_or(Ok(()), |text| self.own.write(&text).map_err(|error| (TITLE, error)))
     }
 
-    /// Notes the task that is writing the session.
-    pub fn begun(&mut self, task: TaskId) {
-        self.writing = Some(task);
-    }
-
-    /// Result of writing the session, if `task` was writing it. After a failure the session is due again at the next
-    /// interval.
-    pub fn has_ended(&mut self, task: TaskId, result: Result<(), &str>) -> Option<WritingEnded> {
-        self.writing.take_if(|writing| *writing == task)?;
+    /// Whether the task that ended was the saving of the session. A failure is reported once for each reason, and the
+    /// session is due again at the next interval.
+    pub fn has_kept(&mut self, done: &TaskDone, messages: &mut Messages) -> bool {
+        if self.writing.take_if(|writing| *writing == done.id).is_none() {
+            return false;
+        }
         let given = self.given.take();
-        match result {
-            Ok(()) => {
+        match &done.result {
+            Ok(_) => {
                 self.written = given;
-                Some(self.failed.take().map_or(WritingEnded::Well, |_| WritingEnded::WellAgain))
+                if self.failed.take().is_some() {
+                    messages.resolved(TITLE);
+                }
             }
-            Err(why) if self.failed.as_deref() == Some(why) => Some(WritingEnded::FailedAgain),
-            Err(why) => {
-                self.failed = Some(why.to_owned());
-                Some(WritingEnded::Failed)
+            Err(error) => {
+                let why = error.to_string();
+                if self.failed.as_ref() != Some(&why) {
+                    messages.error(TITLE, why.clone());
+                    self.failed = Some(why);
+                }
+            }
+        }
+        true
+    }
+
+    /// Applies the choice for the offered session.
+    pub fn settle(&mut self, choice: RecoveryChoice, restoring: &mut Restoring, model: &mut Model, engine: &Engine) {
+        match choice {
+            RecoveryChoice::Forget => {
+                self.forget();
+                model.messages.note("Removed the saved session");
+            }
+            RecoveryChoice::Restore => {
+                if let Some((record, _)) = self.left.front() {
+                    self.restoring = restoring.restore(record.session(), model, engine);
+                }
             }
         }
     }
@@ -168,13 +185,8 @@ impl Recovery {
         Some(Offer { label: label.clone(), age, more: self.left.len() - 1, is_restoring: self.restoring.is_some() })
     }
 
-    /// The session file that is offered.
-    pub fn offered(&self) -> Option<&Path> {
-        self.left.front().map(|(record, _)| record.session())
-    }
-
     /// Deletes the offered session, unless it is being restored.
-    pub fn forget(&mut self) {
+    fn forget(&mut self) {
         if self.restoring.is_none()
             && let Some((record, _)) = self.left.pop_front()
         {
@@ -182,9 +194,10 @@ impl Recovery {
         }
     }
 
-    /// Notes the request that restores the offered session.
-    pub fn is_restored_by(&mut self, request: JobId) {
-        self.restoring = Some(request);
+    /// Keeps the offer where its session is not being restored any more: `waits_for` is the request that opens the
+    /// burst of the session that is.
+    pub fn give_up_unless(&mut self, waits_for: Option<JobId>) {
+        self.restoring = self.restoring.filter(|restoring| Some(*restoring) == waits_for);
     }
 
     /// Takes the end of a request to restore a session. If it was that of the offer and `is_done`, the offered record
@@ -202,5 +215,85 @@ impl Recovery {
     /// Removes the window's own record: the window ends normally.
     pub fn end(&self) {
         self.own.remove();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::{Bench, open};
+    use std::path::Path;
+
+    fn kept_in(folder: &Path) -> KeptIn {
+        KeptIn { folder: folder.to_owned(), every: Duration::ZERO }
+    }
+
+    /// Saves the session of the project, if that is due, and takes the end of it. Returns whether it was due.
+    fn keep(recovery: &mut Recovery, Bench { model, engine }: &mut Bench) -> bool {
+        assert_eq!(recovery.keep(model, engine), None, "at any rate");
+        assert!(engine.wait_idle(Duration::from_secs(60)));
+        let ended: Vec<bool> =
+            engine.take_tasks().iter().map(|done| recovery.has_kept(done, &mut model.messages)).collect();
+        assert!(ended.iter().all(|was_session| *was_session));
+        !ended.is_empty()
+    }
+
+    #[test]
+    fn a_session_is_saved_after_changes_and_a_failure_is_reported_once() {
+        let home = tempfile::tempdir().expect("a folder");
+        let folder = home.path().join("running");
+        let mut bench = Bench::new();
+        let kept = kept_in(&folder);
+        let mut recovery = Recovery::begin(Some(&kept), &mut bench.model.messages).expect("a folder can be made");
+        assert!(!keep(&mut recovery, &mut bench), "nothing is open");
+        bench.model.take_burst(open((64, 48), 5));
+        assert!(keep(&mut recovery, &mut bench));
+        assert!(!keep(&mut recovery, &mut bench), "nothing changed");
+        assert!(recovery.own.session().is_file());
+        // A file in place of the folder.
+        std::fs::remove_dir_all(&folder).expect("removed");
+        std::fs::write(&folder, "").expect("written");
+        bench.model.params.levels = 3;
+        assert!(keep(&mut recovery, &mut bench));
+        let errors = |bench: &Bench| bench.model.messages.errors().len();
+        assert_eq!(errors(&bench), 1);
+        bench.model.messages.resolved(TITLE);
+        assert!(keep(&mut recovery, &mut bench), "it is tried again");
+        assert_eq!(errors(&bench), 0, "the same reason is not told again");
+        assert!(recovery.keep_now(&bench.model).is_err());
+        std::fs::remove_file(&folder).expect("removed");
+        assert!(keep(&mut recovery, &mut bench) && recovery.own.session().is_file());
+        // Where nothing can be kept, a message says so.
+        let nowhere = kept_in(&recovery.own.session().join("below a file"));
+        assert!(Recovery::begin(Some(&nowhere), &mut bench.model.messages).is_none());
+        assert_eq!(errors(&bench), 1);
+    }
+
+    #[test]
+    fn an_offered_session_is_restored_forgotten_or_kept() {
+        let home = tempfile::tempdir().expect("a folder");
+        let mut bench = Bench::new();
+        bench.model.take_burst(open((64, 48), 5));
+        for _ in 0..2 {
+            let left = Record::new(home.path()).expect("made");
+            left.write(&session_text(&bench.model).expect("a burst is open")).expect("written");
+        }
+        let kept = kept_in(home.path());
+        let mut recovery = Recovery::begin(Some(&kept), &mut bench.model.messages).expect("made");
+        let (Bench { model, engine }, mut restoring) = (&mut bench, Restoring::default());
+        let more = |recovery: &Recovery| recovery.offer().map(|offer| offer.more);
+        assert_eq!(more(&recovery), Some(1));
+        recovery.settle(RecoveryChoice::Restore, &mut restoring, model, engine);
+        let request = restoring.waits_for(model).expect("its burst is opened");
+        recovery.give_up_unless(Some(request));
+        assert!(recovery.offer().is_some_and(|offer| offer.is_restoring));
+        // Something else is opened: the session stays offered.
+        recovery.give_up_unless(None);
+        assert!(recovery.offer().is_some_and(|offer| !offer.is_restoring));
+        recovery.settle(RecoveryChoice::Restore, &mut restoring, model, engine);
+        recovery.restored(restoring.waits_for(model).expect("its burst is opened"), true);
+        assert_eq!(more(&recovery), Some(0));
+        recovery.settle(RecoveryChoice::Forget, &mut restoring, model, engine);
+        assert_eq!(more(&recovery), None);
     }
 }

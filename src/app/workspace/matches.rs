@@ -3,7 +3,7 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::dataset::filmstrip::working_ui;
-use crate::app::dataset::{matrix, pair_list};
+use crate::app::dataset::pairs;
 use crate::app::panel::widgets::section_ui;
 use crate::app::project::Model;
 use crate::app::style;
@@ -36,7 +36,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: 
             ui,
             |ui| {
                 if let Some(dataset) = &mut model.datasets.open {
-                    opened = pair_list::pair_list_ui(ui, dataset);
+                    opened = pairs::pair_list_ui(ui, dataset);
                 }
             },
         );
@@ -47,7 +47,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: 
         header.show(ui, |ui| header_ui(ui, model));
         Frame::new().inner_margin(Margin::same(8)).show(ui, |ui| {
             if let Some(dataset) = &mut model.datasets.open {
-                opened = matrix::matrix_ui(ui, dataset).or(opened);
+                opened = pairs::matrix_ui(ui, dataset).or(opened);
             }
         });
     });
@@ -114,7 +114,7 @@ fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let Some(dataset) = &model.datasets.open else { return };
         match dataset.selected() {
             Some(pair) => {
-                ui.add(Label::new(matrix::pair_text(dataset, pair)).wrap());
+                ui.add(Label::new(pairs::pair_text(dataset, pair)).wrap());
             }
             None => {
                 ui.weak("Click a cell of the matrix, or choose A and B in the filmstrip.");
@@ -138,5 +138,5 @@ fn header_ui(ui: &mut Ui, model: &Model) {
             format!("{} matched, {verified} of them verified", crate::inspect::words::counted(matches.len(), "pair"));
         ui.add(Label::new(RichText::new(text).weak()).truncate());
     });
-    ui.horizontal(|ui| matrix::legend_ui(ui, matches.strongest()));
+    ui.horizontal(|ui| pairs::legend_ui(ui, matches.strongest()));
 }

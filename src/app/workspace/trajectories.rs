@@ -2,7 +2,7 @@
 //! right.
 
 use crate::app::actions::Queue;
-use crate::app::dataset::{camera_list, errors_panel, plane_view, points_strip};
+use crate::app::dataset::{cameras, errors_panel};
 use crate::app::project::Model;
 use crate::app::workspace::{WorkspaceWishes, bottom_panel, side_frame, side_width};
 use egui::{CentralPanel, Frame, Panel, ScrollArea, Ui, vec2};
@@ -27,14 +27,14 @@ pub(super) fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &
     if model.panels.bottom {
         bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
             ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
-                points_strip::points_strip_ui(ui, &mut model.trajectories);
+                cameras::points_strip_ui(ui, &mut model.trajectories);
             });
             ui.separator();
-            camera_list::camera_list_ui(ui, &mut model.trajectories);
+            cameras::camera_list_ui(ui, &mut model.trajectories);
         });
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
-        plane_view::plane_ui(ui, &mut model.trajectories);
+        cameras::plane_ui(ui, &mut model.trajectories);
     });
     let camera = model.trajectories.wanted.take();
     WorkspaceWishes { compare_again: again, camera, ..WorkspaceWishes::default() }

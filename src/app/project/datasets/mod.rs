@@ -2,10 +2,9 @@
 
 mod dataset;
 pub mod pairs;
-mod state;
+mod work;
 
-pub use dataset::Dataset;
-pub use state::{BurstState, StateCounts};
+pub use dataset::{BurstState, Dataset, StateCounts};
 
 use crate::engine::Wanted;
 use crate::matching::PairSelection;

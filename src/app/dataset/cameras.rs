@@ -1,11 +1,16 @@
-//! Both trajectories in a plane: the truth as a line with rings, the estimate as a dashed line with discs, and their
-//! differences between them.
+//! Cameras of an estimated and a true trajectory: in a plane, as a strip of their points and errors, and as a list.
+//!
+//! In the plane the truth is a line with rings, the estimate a dashed line with discs; their differences are drawn
+//! between them.
 
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::project::trajectories::{PlaneScene, Spot, Trajectories, round_length};
 use crate::app::style;
 use crate::evaluate::poses::{PairReport, Trajectory};
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use egui::{
+    Align, Align2, Color32, FontId, Label, Layout, Painter, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2,
+};
+use egui_extras::{Column, TableBuilder};
 
 /// Maximum distance of the pointer from a camera, in points.
 const REACH: f32 = 12.0;
@@ -193,4 +198,194 @@ enum Entry {
     Truth,
     Estimate,
     Missing,
+}
+
+/// Bar of one image.
+#[derive(Debug, Clone, PartialEq)]
+struct Bar {
+    label: String,
+    /// Number of 3D points; `None` for an image that was not registered.
+    points: Option<usize>,
+    pair: Option<usize>,
+}
+
+/// Makes a bar for each image: those of the truth in their order where there is a comparison, otherwise those of the
+/// estimate.
+fn bars(trajectories: &Trajectories) -> Vec<Bar> {
+    let compared = &trajectories.compared;
+    let Some((_, estimate)) = &compared.estimate else { return Vec::new() };
+    if estimate.model.is_none() {
+        return Vec::new();
+    }
+    match (&compared.truth, trajectories.report()) {
+        (Some((_, truth)), Some(report)) => {
+            let mut bars: Vec<Bar> =
+                truth.poses.iter().map(|p| Bar { label: p.label.clone(), points: None, pair: None }).collect();
+            for (index, pair) in report.pairs.iter().enumerate() {
+                bars[pair.truth] = Bar {
+                    label: pair.label.clone(),
+                    points: points_of(trajectories, pair.estimate),
+                    pair: Some(index),
+                };
+            }
+            bars
+        }
+        _ => {
+            let bar = |(index, pose): (usize, &crate::evaluate::poses::Pose)| Bar {
+                label: pose.label.clone(),
+                points: points_of(trajectories, index),
+                pair: None,
+            };
+            estimate.poses.iter().enumerate().map(bar).collect()
+        }
+    }
+}
+
+/// Draws the strip in the available space; without points it says what is missing.
+pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
+    let bars = bars(trajectories);
+    let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(40.0, 40.0)), Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D points of each image"));
+    let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
+    let font = FontId::proportional(11.0);
+    if bars.is_empty() {
+        let text = "A sparse model tells how many 3D points each image sees; a trajectory file does not";
+        painter.text(rect.center(), Align2::CENTER_CENTER, text, font, visuals.weak_text_color());
+        return;
+    }
+    let most = bars.iter().filter_map(|b| b.points).max().unwrap_or(0).max(1);
+    let plot = Rect::from_min_max(rect.min + vec2(44.0, 6.0), rect.max - vec2(6.0, 4.0));
+    let step = plot.width() / bars.len() as f32;
+    let gap = if step > 6.0 { 1.0 } else { 0.0 };
+    let bar_at = |k: usize| {
+        Rect::from_x_y_ranges(
+            plot.left() + k as f32 * step + gap..=plot.left() + (k + 1) as f32 * step - gap,
+            plot.y_range(),
+        )
+    };
+    for (text, y, align) in
+        [(most.to_string(), plot.top(), Align2::RIGHT_TOP), ("0".to_owned(), plot.bottom(), Align2::RIGHT_BOTTOM)]
+    {
+        painter.text(pos2(plot.left() - 6.0, y), align, text, font.clone(), visuals.weak_text_color());
+    }
+    let pointed = response.hover_pos().filter(|p| plot.contains(*p)).map(|p| ((p.x - plot.left()) / step) as usize);
+    if response.hovered() {
+        trajectories.hovered = pointed.and_then(|k| bars.get(k)?.pair);
+    }
+    if response.clicked() {
+        trajectories.selected = trajectories.hovered;
+    }
+    for (k, bar) in bars.iter().enumerate() {
+        let column = bar_at(k);
+        let marked = bar.pair.is_some() && (bar.pair == trajectories.hovered || bar.pair == trajectories.selected);
+        if marked || pointed == Some(k) {
+            painter.rect_filled(column.expand(gap), 0.0, visuals.widgets.hovered.weak_bg_fill);
+        }
+        match bar.points {
+            Some(points) => {
+                let top = plot.bottom() - plot.height() * points as f32 / most as f32;
+                let colour = if marked { visuals.strong_text_color() } else { estimate_colour(ui) };
+                painter.rect_filled(column.with_min_y(top), 0.0, colour);
+            }
+            None => {
+                // A low bar of another colour: an image that was not registered differs from one without points.
+                painter.rect_filled(column.with_min_y(plot.bottom() - 3.0), 0.0, visuals.error_fg_color);
+            }
+        }
+    }
+    if let Some(bar) = pointed.and_then(|k| bars.get(k)) {
+        let text = match (trajectories.report(), bar.pair, bar.points) {
+            (Some(report), Some(pair), _) => pair_text(trajectories, &report.pairs[pair]),
+            (_, _, Some(points)) => format!("{}\n{points} 3D points", bar.label),
+            _ => format!("{}\nnot registered", bar.label),
+        };
+        response.on_hover_text_at_pointer(text);
+    }
+}
+
+const ROW_HEIGHT: f32 = 18.0;
+
+/// Headings of the columns, and their meanings.
+const HEADINGS: [(&str, &str); 4] = [
+    ("image", "The image's name, or the time"),
+    ("error", "Distance of the camera's centre from the true one, in the truth's unit"),
+    ("angle °", "Angle between the camera's directions and the true ones, degrees"),
+    ("3D points", "Points of the sparse model that the image sees"),
+];
+
+/// Draws the list.
+pub fn camera_list_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
+    let Some(report) = trajectories.report().cloned() else {
+        ui.centered_and_justified(|ui| ui.weak("Cameras that have a true one are listed here"));
+        return;
+    };
+    let (mut clicked, mut hovered) = (None, None);
+    let scroll_id = ui.scope_id().with("scrolled to");
+    let scrolled_to: Option<usize> = ui.data(|d| d.get_temp(scroll_id)).flatten();
+    let mut table = TableBuilder::new(ui)
+        .striped(true)
+        .sense(Sense::click())
+        .cell_layout(Layout::left_to_right(Align::Center))
+        .min_scrolled_height(0.0)
+        .auto_shrink(false)
+        .column(Column::remainder().at_least(120.0))
+        .columns(Column::exact(84.0), HEADINGS.len() - 1);
+    if let Some(row) = trajectories.selected.filter(|_| trajectories.selected != scrolled_to) {
+        table = table.scroll_to_row(row, None);
+    }
+    table
+        .header(20.0, |mut header| {
+            for (column, (heading, help)) in HEADINGS.into_iter().enumerate() {
+                let (_, cell) = header.col(|ui| cell_ui(ui, column, RichText::new(heading).small()));
+                cell.on_hover_text(help);
+            }
+        })
+        .body(|body| {
+            body.rows(ROW_HEIGHT, report.pairs.len(), |mut row| {
+                let index = row.index();
+                let pair = &report.pairs[index];
+                row.set_selected(trajectories.selected == Some(index));
+                row.set_hovered(trajectories.hovered == Some(index));
+                let points = points_of(trajectories, pair.estimate).map_or("–".to_owned(), |n| n.to_string());
+                let texts = [
+                    pair.label.clone(),
+                    format!("{:.4}", pair.translation_error),
+                    format!("{:.3}", pair.rotation_error_deg),
+                    points,
+                ];
+                for (column, text) in texts.into_iter().enumerate() {
+                    row.col(|ui| cell_ui(ui, column, RichText::new(text).monospace()));
+                }
+                let response = row.response();
+                let label = format!("Camera {}", pair.label);
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
+                if response.hovered() {
+                    hovered = Some(index);
+                }
+                if response.clicked() {
+                    clicked = Some(index);
+                }
+                if response.double_clicked() {
+                    trajectories.wanted = Some(pair.label.clone());
+                }
+            });
+        });
+    if hovered.is_some() {
+        trajectories.hovered = hovered;
+    }
+    if clicked.is_some() {
+        trajectories.selected = clicked;
+    }
+    let shown = trajectories.selected;
+    ui.data_mut(|d| d.insert_temp(scroll_id, shown));
+}
+
+/// Draws a cell: names at its left end, numbers at its right.
+fn cell_ui(ui: &mut Ui, column: usize, text: RichText) {
+    let label = Label::new(text).selectable(false).extend();
+    if column == 0 {
+        ui.add(label);
+    } else {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.add(label));
+    }
 }

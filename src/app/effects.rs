@@ -1,0 +1,122 @@
+//! Actions of the user and effects of the window's parts: applied here, and only here, to the part that they concern.
+
+use super::actions::{self, ActionId};
+use super::clipboard;
+use super::dataset::CutDialog;
+use super::files;
+use super::window::BurstscopeApp;
+use crate::app::project::Effect;
+use crate::app::project::effect::Purpose;
+use crate::app::project::side::Side;
+use crate::teach::Lesson;
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+impl BurstscopeApp {
+    /// Runs an action, as if it had been chosen from a menu. A disabled action does nothing.
+    pub fn run_action(&mut self, ctx: &egui::Context, id: ActionId) {
+        if !actions::enabled(id, &self.model) || self.overlays.open(id, &self.model) {
+            return;
+        }
+        let Self { model, widgets, engine, .. } = self;
+        let effect = match id {
+            ActionId::Lessons => {
+                self.lessons.list_is_open = true;
+                None
+            }
+            ActionId::LeaveLesson => self.lessons.leave(model, engine),
+            ActionId::Quit => {
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+                None
+            }
+            ActionId::OneToOne => {
+                model.change_views(|view| view.set_one_to_one(ctx.pixels_per_point()));
+                None
+            }
+            ActionId::ProbePlace => {
+                actions::probe_here(model, widgets);
+                None
+            }
+            ActionId::CopyRow => {
+                clipboard::copy_row(ctx, model, widgets);
+                None
+            }
+            ActionId::CopyCommand => {
+                clipboard::copy_command(ctx, model);
+                None
+            }
+            ActionId::CopyPicture => {
+                clipboard::copy_picture(ctx, model);
+                None
+            }
+            _ => actions::change(id, model, engine),
+        };
+        self.apply(effect);
+    }
+
+    /// Applies effects, and those that follow from them.
+    pub(super) fn apply(&mut self, effects: impl IntoIterator<Item = Effect>) {
+        let mut left: VecDeque<Effect> = effects.into_iter().collect();
+        while let Some(effect) = left.pop_front() {
+            left.extend(self.applied(effect));
+        }
+    }
+
+    /// Applies an effect. Returns those that follow from it.
+    fn applied(&mut self, effect: Effect) -> Vec<Effect> {
+        let Self { model, engine, .. } = self;
+        match effect {
+            Effect::Opened(side, ended) => {
+                if let (Side::A, Some(recovery)) = (side, &mut self.recovery) {
+                    recovery.restored(ended.id, ended.result.is_ok());
+                }
+                return self.restoring.take_opened(side, ended, model, engine);
+            }
+            Effect::Recent(source) => self.settings.remember(&source),
+            Effect::RecentDataset(source) => self.settings.remember_dataset(&source),
+            Effect::Choose(side, bursts) => {
+                (self.overlays.choice, self.overlays.choice_side) = (bursts, side);
+            }
+            Effect::Cut { paths, frames } => {
+                self.overlays.cut = Some(CutDialog::new(paths, frames, self.settings.burst_length));
+            }
+            Effect::ReplaceFeatures => self.overlays.replace_features = true,
+            Effect::ForgetThumbnails => self.thumbnails.clear(),
+            Effect::Ask(purpose) => self.desk.ask(files::question(purpose, model)),
+            Effect::UseFiles(purpose, paths) => self.use_files(purpose, paths),
+            Effect::Write(purpose, path) => files::write(purpose, path, model, &self.widgets, engine),
+            Effect::StartLesson(lesson) => self.start_lesson(lesson),
+            Effect::ForgetWidgets => {
+                self.widgets = Default::default();
+                self.pair_panels = Default::default();
+                (self.selection, self.probe, self.regions) = Default::default();
+            }
+        }
+        Vec::new()
+    }
+
+    /// Uses files that were chosen, typed or dropped.
+    fn use_files(&mut self, purpose: Purpose, paths: Vec<PathBuf>) {
+        let Self { model, engine, .. } = self;
+        let Some(first) = paths.first() else { return };
+        match purpose {
+            Purpose::OpenBias => self.overlays.calibration_draft(&model.calibration).bias = Some(first.clone()),
+            Purpose::OpenFlat => self.overlays.calibration_draft(&model.calibration).flat = Some(first.clone()),
+            Purpose::OpenLessons => self.lessons.open_at(first, model),
+            Purpose::RestoreSession => {
+                self.restoring.restore(first, model, engine);
+            }
+            Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => {
+                files::write(purpose, first.clone(), model, &self.widgets, engine);
+            }
+            _ => files::use_files(purpose, paths, model, engine),
+        }
+    }
+
+    /// Opens a lesson at the step where it was left last. What is open is put aside until the lesson is left.
+    pub fn start_lesson(&mut self, lesson: Arc<Lesson>) {
+        let effect = self.lessons.start(lesson, &mut self.model, &self.engine);
+        self.apply([effect]);
+    }
+}

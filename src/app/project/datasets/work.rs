@@ -1,0 +1,442 @@
+//! Work on a dataset: the requests, and what their answers change.
+
+use super::pairs::BurstPair;
+use super::{Dataset, Datasets, Work};
+use crate::app::project::Model;
+use crate::app::project::effect::Effect;
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
+use crate::burst::OpenError;
+use crate::dataset::DatasetSource;
+use crate::engine::{Ended, Engine};
+use crate::inspect::words::counted;
+use crate::requests::{BurstSource, DatasetAnswer, DatasetRequest, JobError, OpenDataset};
+#[cfg(feature = "colmap")]
+use crate::requests::{ColmapDone, ColmapRequest};
+use std::path::PathBuf;
+
+/// Number of frames from which a burst counts as a film: motion is not uniform for so long.
+const FILM_FRAMES: usize = 30;
+
+impl Datasets {
+    fn begin(&mut self, work: Work, request: DatasetRequest, engine: &Engine) {
+        self.work = Some(work);
+        self.wanted.ask(engine, request);
+    }
+}
+
+impl Model {
+    /// Opens a dataset in the background; the open one stays until then.
+    pub(in crate::app) fn open_dataset(&mut self, source: DatasetSource, engine: &Engine) {
+        self.look_at_dataset(source, None, engine);
+    }
+
+    /// Opens the bursts of `source` as a dataset, whose features are kept in `folder`; `None` keeps them beside the
+    /// bursts. A single long sequence is first offered for cutting.
+    pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>, engine: &Engine) {
+        let (params, open) = (self.asked(), self.calibration.clone());
+        self.datasets.begin(Work::Opening, DatasetRequest::Open { source, folder, params, open }, engine);
+    }
+
+    /// Reads the open dataset again: its folder, the parameters or the calibration changed.
+    pub(in crate::app) fn look_at_dataset_again(&mut self, engine: &Engine) {
+        if let Some(Dataset { source, folder, .. }) = &self.datasets.open {
+            self.look_at_dataset(source.clone(), folder.clone(), engine);
+        }
+    }
+
+    /// Sets the folder in which the dataset's features are kept.
+    pub(in crate::app) fn use_feature_folder(&mut self, folder: PathBuf, engine: &Engine) {
+        if let Some(dataset) = &self.datasets.open {
+            self.look_at_dataset(dataset.source.clone(), Some(folder), engine);
+        }
+    }
+
+    /// Takes over the parameters with which the features in the dataset's folder were found.
+    pub(in crate::app) fn use_folder_params(&mut self, engine: &Engine) {
+        if let Some(params) = self.datasets.open.as_ref().and_then(|dataset| dataset.other_params.clone()) {
+            self.set_search(params);
+            self.look_at_dataset_again(engine);
+        }
+    }
+
+    /// Closes the dataset; work on it is cancelled.
+    pub(in crate::app) fn close_dataset(&mut self) -> Effect {
+        self.datasets = Datasets::default();
+        Effect::ForgetThumbnails
+    }
+
+    /// Question how the open burst is cut into shorter ones; `None` where it is not in files.
+    pub(in crate::app) fn cut_of_open_burst(&self) -> Option<Effect> {
+        let open = self.slots.a.burst.as_ref()?;
+        let BurstSource::Paths(paths) = &open.source else { return None };
+        Some(Effect::Cut { paths: paths.clone(), frames: open.burst.len() })
+    }
+
+    /// Whether the open burst is a film that belongs to no dataset: cutting it is offered.
+    pub(in crate::app) fn is_film(&self) -> bool {
+        self.slots.a.burst.as_ref().is_some_and(|open| {
+            let in_dataset = self.datasets.open.as_ref().is_some_and(|d| d.place_of(Some(open)).is_some());
+            matches!(open.source, BurstSource::Paths(_)) && open.burst.len() >= FILM_FRAMES && !in_dataset
+        })
+    }
+
+    /// Cuts the open film into bursts of `length` frames, one after another, and opens them as a dataset.
+    pub(in crate::app) fn cut_open_burst(&mut self, length: usize, engine: &Engine) {
+        if let Some(Effect::Cut { paths, .. }) = self.cut_of_open_burst() {
+            self.open_dataset(DatasetSource { paths, burst_length: Some(length), burst_step: None }, engine);
+        }
+    }
+
+    /// Finds the features of all bursts; where that replaces features of other parameters, the user is asked first.
+    pub(in crate::app) fn ask_and_detect_all(&mut self, engine: &Engine) -> Option<Effect> {
+        let params = self.asked();
+        if self.datasets.open.as_ref().is_some_and(|dataset| dataset.would_replace(&params)) {
+            return Some(Effect::ReplaceFeatures);
+        }
+        self.detect_all(engine);
+        None
+    }
+
+    /// Finds the features of all bursts.
+    pub(in crate::app) fn detect_all(&mut self, engine: &Engine) {
+        let params = self.asked();
+        let Some(dataset) = &mut self.datasets.open else { return };
+        dataset.begin_detection(&params);
+        if let Some(keeping) = dataset.keeping() {
+            let bursts = dataset.bursts.clone();
+            self.messages.resolved(Work::Detecting.title());
+            self.datasets.begin(Work::Detecting, DatasetRequest::Detect { bursts, keeping }, engine);
+        }
+    }
+
+    /// Matches the pairs that are chosen by rule.
+    pub(in crate::app) fn match_pairs(&mut self, engine: &Engine) {
+        if let Some(dataset) = &self.datasets.open {
+            self.start_matching_pairs(self.datasets.choice.selection().pairs(dataset.bursts.len()), engine);
+        }
+    }
+
+    /// Matches A with B.
+    pub(in crate::app) fn match_selected(&mut self, engine: &Engine) {
+        if let Some(pair) = self.datasets.open.as_ref().and_then(Dataset::selected) {
+            self.start_matching_pairs(vec![pair], engine);
+        }
+    }
+
+    fn start_matching_pairs(&mut self, pairs: Vec<BurstPair>, engine: &Engine) {
+        let matching = self.pair.params.clone();
+        let Some(dataset) = &mut self.datasets.open else { return };
+        dataset.matches.begin(&matching);
+        if let Some(keeping) = dataset.keeping() {
+            let bursts = dataset.bursts.clone();
+            self.messages.resolved(Work::Matching.title());
+            self.datasets.begin(Work::Matching, DatasetRequest::Match { bursts, keeping, pairs, matching }, engine);
+        }
+    }
+
+    /// Writes the files that COLMAP's mapper reads to the folder `out`, with the present parameters.
+    #[cfg(feature = "colmap")]
+    pub(in crate::app) fn export_database(&mut self, out: PathBuf, engine: &Engine) {
+        let Some(dataset) = &self.datasets.open else { return };
+        let request = ColmapRequest {
+            out,
+            params: self.asked(),
+            open: self.calibration.clone(),
+            matching: self.pair.params.clone(),
+            pairs: self.datasets.choice.selection(),
+        };
+        let bursts = dataset.bursts.clone();
+        self.messages.resolved(Work::Exporting.title());
+        self.datasets.begin(Work::Exporting, DatasetRequest::Colmap { bursts, request: Box::new(request) }, engine);
+    }
+
+    /// Opens A and B side by side.
+    pub(in crate::app) fn show_selected_pair(&mut self, engine: &Engine) {
+        let Some(dataset) = &self.datasets.open else { return };
+        let [Some(a), Some(b)] = dataset.pair else { return };
+        let chosen = [(Side::A, a), (Side::B, b)].map(|(side, place)| {
+            let is_open = dataset.place_of(self.burst_of(side)) == Some(place);
+            (side, is_open, dataset.source_at(place))
+        });
+        for (side, is_open, source) in chosen {
+            if let Some(source) = source.filter(|_| !is_open) {
+                self.open(side, source, engine);
+            }
+        }
+        self.workspace = Workspace::Pair;
+    }
+
+    /// Opens the burst `by` places after the one that is open in the inspector.
+    pub(in crate::app) fn step_burst(&mut self, by: isize, engine: &Engine) {
+        let Some(dataset) = &self.datasets.open else { return };
+        let last = dataset.bursts.len() - 1;
+        let next = match dataset.place_of(self.slots.a.burst.as_ref()) {
+            Some(place) => place.saturating_add_signed(by).min(last),
+            None => 0,
+        };
+        self.open_burst_at(next, engine);
+    }
+
+    /// Opens the burst at `place` of the dataset in the inspector, if it is not open there.
+    pub(in crate::app) fn open_burst_at(&mut self, place: usize, engine: &Engine) {
+        let dataset = self.datasets.open.as_ref();
+        let here = dataset.and_then(|d| d.place_of(self.slots.a.burst.as_ref())) == Some(place);
+        if let Some(source) = dataset.and_then(|d| d.source_at(place)).filter(|_| !here) {
+            self.open(Side::A, source, engine);
+        }
+    }
+
+    /// Opens the burst of the camera with this label in the inspector, or says why there is none.
+    pub(in crate::app) fn look_at_camera(&mut self, label: &str, engine: &Engine) {
+        let dataset = self.datasets.open.as_ref();
+        match dataset.map(|d| (d.place_of_camera(label), d.source.label())) {
+            Some((Some(place), _)) => {
+                self.open_burst_at(place, engine);
+                self.workspace = Workspace::Inspect;
+            }
+            Some((None, name)) => self.messages.note(format!("{name} has no burst named like the camera {label}")),
+            None => self.messages.note(format!("Open the dataset that {label} is of to look at its burst")),
+        }
+    }
+
+    /// Chooses the burst that is open in the inspector as `side` of the pair to be matched.
+    pub(in crate::app) fn choose_open_burst(&mut self, side: Side) {
+        let shown = self.slots.a.burst.as_ref();
+        if let Some(dataset) = &mut self.datasets.open
+            && let Some(place) = dataset.place_of(shown)
+        {
+            dataset.choose(side as usize, place);
+        }
+    }
+
+    /// Takes the end of work on the dataset.
+    pub(in crate::app) fn take_dataset_answer(
+        &mut self,
+        answer: Ended<DatasetRequest>,
+        engine: &Engine,
+    ) -> Vec<Effect> {
+        let work = self.datasets.work.take();
+        if let Some(dataset) = &mut self.datasets.open {
+            dataset.stop();
+        }
+        if answer.result.is_err() {
+            self.datasets.restoring = None;
+        }
+        let title = work.map_or("Dataset", Work::title);
+        let mut effects = Vec::new();
+        match answer.result {
+            Ok(DatasetAnswer::Opened(open)) => {
+                self.messages.resolved(title);
+                effects = self.take_dataset(*open, engine);
+            }
+            Ok(DatasetAnswer::Detected) => self.say_what_was_found(answer.elapsed.as_secs_f64()),
+            Ok(DatasetAnswer::Matched { left_out }) => self.say_what_matched(left_out, answer.elapsed.as_secs_f64()),
+            #[cfg(feature = "colmap")]
+            Ok(DatasetAnswer::Colmap(done)) => self.say_what_was_exported(&done),
+            Err(JobError::Cancelled) => {
+                self.messages.note(format!("{title}: cancelled; what is done stays done"));
+            }
+            Err(error) => self.messages.error(title, error.to_string()),
+        }
+        // The states told of the folder that was written; those of the dataset's own are looked at again.
+        if work == Some(Work::Exporting) {
+            self.look_at_dataset_again(engine);
+        }
+        effects
+    }
+
+    fn take_dataset(&mut self, open: OpenDataset, engine: &Engine) -> Vec<Effect> {
+        let same = self.datasets.open.as_ref().is_some_and(|d| d.bursts == open.bursts);
+        match open.frames_of_one {
+            // A lone burst of many files is a sequence that is yet to be cut.
+            Some(frames) if frames > 1 && open.source.burst_length.is_none() => {
+                return vec![Effect::Cut { paths: open.source.paths, frames }];
+            }
+            Some(1) if open.source.burst_length.is_none() => {
+                self.open(Side::A, BurstSource::Paths(open.source.paths), engine);
+                return Vec::new();
+            }
+            _ => {}
+        }
+        let restoring = self.datasets.restoring.take();
+        if let Some(error) = &open.folder_error {
+            self.messages.error("Feature folder", error.clone());
+        } else {
+            self.messages.resolved("Feature folder");
+        }
+        if let Some(dataset) = self.datasets.open.as_mut().filter(|_| same) {
+            dataset.look_again(open);
+            dataset.restore_pair(restoring.unwrap_or_default());
+            return Vec::new();
+        }
+        if let [first, rest @ ..] = &open.strays[..] {
+            let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
+            let stray = OpenError::Stray { path: first.clone() };
+            self.messages.error("Open dataset", format!("{stray}{more}"));
+        }
+        let mut dataset = Dataset::new(open);
+        dataset.restore_pair(restoring.unwrap_or_default());
+        let (count, done) = (dataset.bursts.len(), dataset.counts().done);
+        self.messages.note(format!(
+            "Opened {}: {}, {done} of them done",
+            dataset.source.label(),
+            counted(count, "burst")
+        ));
+        let recent = Effect::RecentDataset(dataset.source.clone());
+        let shown = dataset.place_of(self.slots.a.burst.as_ref());
+        self.datasets.open = Some(dataset);
+        self.panels.filmstrip = true;
+        // A session opens its own burst.
+        if shown.is_none() && restoring.is_none() {
+            self.open_burst_at(0, engine);
+        }
+        vec![recent, Effect::ForgetThumbnails]
+    }
+
+    fn say_what_was_found(&mut self, seconds: f64) {
+        let Some(dataset) = &self.datasets.open else { return };
+        let counts = dataset.counts();
+        let mut text = format!(
+            "{} done in {seconds:.1} s: {}",
+            counted(counts.done, "burst"),
+            counted(counts.features, "feature")
+        );
+        if counts.failed > 0 {
+            text += &format!("; {} failed, see the filmstrip", counts.failed);
+        }
+        self.messages.note(text);
+    }
+
+    fn say_what_matched(&mut self, left_out: usize, seconds: f64) {
+        let Some(dataset) = &self.datasets.open else { return };
+        let mut text = format!("{} matched in {seconds:.1} s", counted(dataset.matches.len(), "pair"));
+        if left_out > 0 {
+            text += &format!("; {left_out} left out, whose bursts have no features yet");
+        }
+        self.messages.note(text);
+    }
+
+    /// Shows a message that says which files were written and which bursts were left out.
+    #[cfg(feature = "colmap")]
+    fn say_what_was_exported(&mut self, done: &ColmapDone) {
+        let report = &done.report;
+        let verified = report.pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)).count();
+        self.messages.resolved(Work::Exporting.title());
+        self.messages.note(format!(
+            "Wrote {}: {}, {}, {verified} of them verified",
+            report.database.display(),
+            counted(report.images.len(), "image"),
+            counted(report.pairs.len(), "pair"),
+        ));
+        if let Some((name, why)) = done.left_out.first() {
+            let others = match done.left_out.len() - 1 {
+                0 => String::new(),
+                more => format!(" (and {} more)", counted(more, "burst")),
+            };
+            self.messages.error(Work::Exporting.title(), format!("{name} was left out{others}: {why}"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::Bench;
+    use crate::monitor::Monitor;
+    use crate::synth::{ChartParams, synth_chart, write_burst};
+    use std::path::Path;
+
+    /// A folder of two bursts of a small chart each.
+    fn nights(home: &Path) -> PathBuf {
+        let (nights, monitor) = (home.join("nights"), Monitor::default());
+        for (name, seed) in [("first", 1), ("second", 2)] {
+            let radius = 3.0..=6.0;
+            let chart = ChartParams {
+                width: 96,
+                height: 72,
+                frames: 4,
+                discs: 4,
+                radius,
+                snr: 20.0,
+                seed,
+                ..Default::default()
+            };
+            let (burst, truth) = synth_chart(&chart, &monitor).expect("valid parameters");
+            write_burst(&nights.join(name), &burst, &truth, &monitor).expect("written");
+        }
+        nights
+    }
+
+    /// Makes passes until no work on the dataset runs; returns the effects.
+    fn finish(bench: &mut Bench) -> Vec<Effect> {
+        bench.run_until(|model, _| model.datasets.work.is_none())
+    }
+
+    #[test]
+    fn a_dataset_is_opened_detected_matched_and_closed_without_a_window() {
+        let home = tempfile::tempdir().expect("a folder");
+        let source = DatasetSource::of_bursts(vec![nights(home.path())]);
+        let mut bench = Bench::new();
+        bench.model.auto_detect = false;
+        bench.model.look_at_dataset(source.clone(), Some(home.path().join("kept")), &bench.engine);
+        let effects = finish(&mut bench);
+        assert!(
+            matches!(&effects[..], [Effect::RecentDataset(recent), Effect::ForgetThumbnails] if *recent == source),
+            "{effects:?}"
+        );
+        let Bench { model, engine } = &mut bench;
+        let first = model.datasets.open.as_ref().and_then(|dataset| dataset.source_at(0));
+        assert_eq!(model.slots.a.opening.pending().map(|request| request.source.clone()), first);
+        assert!(model.panels.filmstrip);
+        // Nothing is there that could be replaced.
+        assert!(model.ask_and_detect_all(engine).is_none());
+        finish(&mut bench);
+        let counts = |model: &Model| model.datasets.open.as_ref().expect("a dataset").counts();
+        assert_eq!((counts(&bench.model).done, counts(&bench.model).failed), (2, 0));
+        assert!(bench.model.messages.last_note().is_some_and(|note| note.starts_with("2 bursts done in")));
+        bench.model.match_pairs(&bench.engine);
+        finish(&mut bench);
+        assert_eq!(bench.model.datasets.open.as_ref().map(|dataset| dataset.matches.len()), Some(1));
+        // With other parameters the user is asked before the features are replaced.
+        let Bench { model, engine } = &mut bench;
+        model.params.levels = 3;
+        assert!(matches!(model.ask_and_detect_all(engine), Some(Effect::ReplaceFeatures)));
+        assert!(model.datasets.work.is_none() && counts(model).done == 2);
+        assert!(matches!(model.close_dataset(), Effect::ForgetThumbnails));
+        assert!(model.datasets.open.is_none());
+    }
+
+    #[test]
+    fn a_camera_leads_to_its_burst_or_to_the_reason_why_not() {
+        let home = tempfile::tempdir().expect("a folder");
+        let mut bench = Bench::new();
+        bench.model.auto_detect = false;
+        bench.model.look_at_camera("first.png", &bench.engine);
+        assert!(bench.model.messages.last_note().is_some_and(|note| note.starts_with("Open the dataset")));
+        bench.model.open_dataset(DatasetSource::of_bursts(vec![nights(home.path())]), &bench.engine);
+        finish(&mut bench);
+        let Bench { model, engine } = &mut bench;
+        model.workspace = Workspace::Trajectories;
+        model.look_at_camera("third.png", engine);
+        assert!(
+            model.messages.last_note().is_some_and(|note| note.contains("no burst named like the camera third.png"))
+        );
+        assert_eq!(model.workspace, Workspace::Trajectories);
+        model.look_at_camera("second.png", engine);
+        let second = model.datasets.open.as_ref().and_then(|dataset| dataset.source_at(1));
+        assert_eq!(model.slots.a.opening.pending().map(|request| request.source.clone()), second);
+        assert_eq!(model.workspace, Workspace::Inspect);
+    }
+
+    #[test]
+    fn of_a_lone_sequence_it_is_asked_how_it_is_cut() {
+        let home = tempfile::tempdir().expect("a folder");
+        let film = nights(home.path()).join("first");
+        let mut bench = Bench::new();
+        bench.model.open_dataset(DatasetSource::of_bursts(vec![film.clone()]), &bench.engine);
+        let effects = finish(&mut bench);
+        assert!(matches!(&effects[..], [Effect::Cut { paths, frames: 4 }] if *paths == [film]), "{effects:?}");
+        assert!(bench.model.datasets.open.is_none());
+    }
+}

@@ -1,0 +1,292 @@
+//! Restoring of a session: its bursts are opened first, then everything else follows.
+
+use super::{PairSession, SavedDataset, Session};
+use crate::app::pane::SavedWorkspaces;
+use crate::app::project::Model;
+use crate::app::project::effect::Effect;
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
+use crate::dataset::DatasetSource;
+use crate::engine::{Ended, Engine};
+use crate::files::{MAX_SESSION_BYTES, explained, read_text};
+use crate::requests::{BurstSource, JobError, JobId, OpenRequest};
+use std::path::Path;
+
+/// Title of messages about a session file.
+const TITLE: &str = "Open session";
+
+/// Sessions that wait for their bursts to be opened.
+#[derive(Debug, Default)]
+pub struct Restoring {
+    /// Request that opens the first burst, and the session.
+    session: Option<(JobId, Box<Session>)>,
+    /// Request that opens the second burst, and the session's state of the pair.
+    pair: Option<(JobId, Box<PairSession>, SavedWorkspaces)>,
+}
+
+impl Restoring {
+    /// Restores a session file: opens its burst, then restores everything else, even if the burst could not be opened.
+    /// Until then nothing changes. Returns the request that opens the burst; `None` if the file cannot be read.
+    pub fn restore(&mut self, path: &Path, model: &mut Model, engine: &Engine) -> Option<JobId> {
+        let read = read_text(path, MAX_SESSION_BYTES).map_err(|e| e.to_string());
+        match read.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e))) {
+            Ok(session) => {
+                model.messages.resolved(TITLE);
+                let (source, options) = (session.burst.clone(), session.calibration.clone());
+                let id = model.slots.a.opening.ask(engine, OpenRequest { source, options });
+                self.session = Some((id, Box::new(session)));
+                Some(id)
+            }
+            Err(error) => {
+                model.messages.error(TITLE, format!("{error}: {}", path.display()));
+                None
+            }
+        }
+    }
+
+    /// Request that opens the burst of the session that is being restored. A session whose request was superseded or
+    /// forgotten, because something else is opened instead, is given up.
+    pub fn waits_for(&mut self, model: &Model) -> Option<JobId> {
+        let [of_a, of_b] = model.slots.both().map(|slot| slot.opening.pending_id());
+        self.session.take_if(|(id, _)| Some(*id) != of_a);
+        self.pair.take_if(|(id, ..)| Some(*id) != of_b);
+        of_a.filter(|_| self.session.is_some())
+    }
+
+    /// Takes the end of opening a burst, and restores the session that waited for it.
+    pub fn take_opened(
+        &mut self,
+        side: Side,
+        ended: Ended<OpenRequest>,
+        model: &mut Model,
+        engine: &Engine,
+    ) -> Vec<Effect> {
+        match side {
+            Side::A => self.take_first(ended, model, engine),
+            Side::B => self.take_second(ended, model, engine),
+        }
+    }
+
+    fn take_first(&mut self, ended: Ended<OpenRequest>, model: &mut Model, engine: &Engine) -> Vec<Effect> {
+        let session = self.session.take_if(|(id, _)| *id == ended.id).map(|(_, session)| session);
+        let mut effects = Vec::new();
+        match ended.result {
+            Ok(burst) => {
+                effects.extend(model.take_opened(Side::A, burst, engine));
+                if let Some(session) = session {
+                    session.apply(model);
+                    effects.extend(self.restore_others(*session, true, model, engine));
+                }
+            }
+            Err(JobError::Cancelled) => model.messages.note("Opening cancelled"),
+            Err(JobError::Several(_)) if session.is_none() => {
+                if let BurstSource::Paths(paths) = ended.request.source {
+                    model.open_dataset(DatasetSource::of_bursts(paths), engine);
+                }
+            }
+            Err(error) => {
+                model.messages.error(Side::A.opening(), error.to_string());
+                if let Some(session) = session {
+                    // The open burst stays.
+                    session.apply_without_burst(model);
+                    effects.extend(self.restore_others(*session, false, model, engine));
+                    model.messages.note("The session was restored without its burst");
+                }
+            }
+        }
+        effects
+    }
+
+    /// Requests everything that a session refers to besides its first burst.
+    fn restore_others(
+        &mut self,
+        session: Session,
+        with_burst: bool,
+        model: &mut Model,
+        engine: &Engine,
+    ) -> Option<Effect> {
+        let panes = session.workspaces();
+        let closed = match session.dataset {
+            Some(SavedDataset { source, folder, a, b }) => {
+                model.datasets.restoring = Some([a, b]);
+                model.look_at_dataset(source, folder, engine);
+                None
+            }
+            None => Some(model.close_dataset()),
+        };
+        model.restore_trajectories(session.trajectories, engine);
+        if with_burst {
+            if session.detected && model.needs_detection(Side::A) {
+                model.start_detection(Side::A, engine);
+            }
+            if let Some(gold) = session.gold {
+                model.open_gold(Side::A, gold, engine);
+            }
+        }
+        self.restore_pair(session.pair, panes, model, engine);
+        closed
+    }
+
+    /// Opens the second burst of a session, and then restores the session's state of the pair.
+    fn restore_pair(&mut self, session: PairSession, panes: SavedWorkspaces, model: &mut Model, engine: &Engine) {
+        match session.burst.clone() {
+            Some(source) => {
+                let id = model.open(Side::B, source, engine);
+                self.pair = Some((id, Box::new(session), panes));
+            }
+            None => {
+                model.close_second();
+                model.forget_closed_trails(engine);
+                session.apply(model);
+                // Of the panes that were closed only those of both bursts wait for one that is opened later.
+                let [_, of_both, _] = &panes.placed;
+                of_both.iter().for_each(|saved| saved.apply(&mut model.panes, Workspace::Pair));
+                model.cursors_are_set();
+            }
+        }
+    }
+
+    fn take_second(&mut self, ended: Ended<OpenRequest>, model: &mut Model, engine: &Engine) -> Vec<Effect> {
+        let session = self.pair.take_if(|(id, ..)| *id == ended.id).map(|(_, session, panes)| (session, panes));
+        let mut effects = Vec::new();
+        match ended.result {
+            Ok(burst) => {
+                effects.extend(model.take_opened(Side::B, burst, engine));
+                match session {
+                    Some((session, panes)) => {
+                        session.apply(model);
+                        panes.apply(&mut model.panes);
+                        if let Some(gold) = session.gold {
+                            model.open_gold(Side::B, gold, engine);
+                        }
+                    }
+                    None => model.workspace = Workspace::Pair,
+                }
+            }
+            Err(JobError::Cancelled) => model.messages.note("Opening B cancelled"),
+            Err(JobError::Several(bursts)) if session.is_none() => effects.push(Effect::Choose(Side::B, bursts)),
+            Err(error) => {
+                if model.slots.b.burst.is_none() {
+                    // Panes of a session that wait for it would wait for ever.
+                    model.panes.close_side(Side::B);
+                }
+                model.messages.error(Side::B.opening(), error.to_string());
+            }
+        }
+        effects
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::{Bench, open};
+    use std::path::PathBuf;
+
+    /// Makes passes until a burst was opened for `side`, or failed to; returns the effects beyond that.
+    fn opened(bench: &mut Bench, restoring: &mut Restoring, side: Side) -> Vec<Effect> {
+        let is_end = |effect: &Effect| matches!(effect, Effect::Opened(of, _) if *of == side);
+        let effects = bench.run_until(|_, effects| effects.iter().any(is_end));
+        let apply = |effect| match effect {
+            Effect::Opened(side, ended) => restoring.take_opened(side, ended, &mut bench.model, &bench.engine),
+            other => vec![other],
+        };
+        effects.into_iter().flat_map(apply).collect()
+    }
+
+    /// A session of the demo in `home`, with other parameters than the default, and with a second burst.
+    fn session(home: &Path, burst: BurstSource) -> PathBuf {
+        let mut model = Model::default();
+        let mut a = open((64, 48), 5);
+        a.source = burst;
+        model.take_burst(a);
+        model.take_second_burst(open((64, 48), 5));
+        model.params.levels = 3;
+        let path = home.join("s.burstscope.toml");
+        std::fs::write(&path, Session::of(&model).expect("a burst is open").to_toml()).expect("written");
+        path
+    }
+
+    #[test]
+    fn an_opened_burst_is_shown_and_goes_to_the_recent_list() {
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        bench.model.open(Side::A, BurstSource::Demo, &bench.engine);
+        let effects = opened(&mut bench, &mut restoring, Side::A);
+        assert!(matches!(&effects[..], [Effect::Recent(BurstSource::Demo)]), "{effects:?}");
+        assert!(bench.model.slots.a.burst.is_some());
+        bench.model.open(Side::B, BurstSource::DemoLater, &bench.engine);
+        opened(&mut bench, &mut restoring, Side::B);
+        assert!(bench.model.slots.b.burst.is_some() && bench.model.workspace == Workspace::Pair);
+        bench.model.open(Side::B, BurstSource::Paths(vec!["/no/such/burst".into()]), &bench.engine);
+        assert!(opened(&mut bench, &mut restoring, Side::B).is_empty());
+        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("/no/such/burst")));
+    }
+
+    #[test]
+    fn of_a_session_the_bursts_are_opened_and_then_the_rest_is_restored() {
+        let home = tempfile::tempdir().expect("a folder");
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        bench.model.auto_detect = false;
+        let path = session(home.path(), BurstSource::Demo);
+        let id = restoring.restore(&path, &mut bench.model, &bench.engine);
+        assert!(id.is_some() && restoring.waits_for(&bench.model) == id);
+        assert_ne!(bench.model.params.levels, 3, "until then nothing changes");
+        opened(&mut bench, &mut restoring, Side::A);
+        assert_eq!((bench.model.params.levels, restoring.waits_for(&bench.model)), (3, None));
+        assert!(bench.model.slots.b.opening.is_pending());
+        opened(&mut bench, &mut restoring, Side::B);
+        assert!(bench.model.slots.b.burst.is_some());
+        assert_eq!(bench.model.workspace, Workspace::Inspect, "as the session was left");
+    }
+
+    #[test]
+    fn a_session_is_given_up_when_something_else_is_opened() {
+        let home = tempfile::tempdir().expect("a folder");
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        let path = session(home.path(), BurstSource::Demo);
+        assert!(restoring.restore(&path, &mut bench.model, &bench.engine).is_some());
+        bench.model.open(Side::A, BurstSource::DemoLater, &bench.engine);
+        assert_eq!(restoring.waits_for(&bench.model), None);
+        opened(&mut bench, &mut restoring, Side::A);
+        let source = bench.model.slots.a.burst.as_ref().map(|burst| burst.source.clone());
+        assert_eq!((source, bench.model.slots.b.opening.is_pending()), (Some(BurstSource::DemoLater), false));
+        assert_ne!(bench.model.params.levels, 3);
+        // What is no session file changes nothing either.
+        std::fs::write(&path, "levels = 3").expect("written");
+        assert_eq!(restoring.restore(&path, &mut bench.model, &bench.engine), None);
+        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("s.burstscope.toml")));
+    }
+
+    #[test]
+    fn a_session_whose_burst_is_gone_is_restored_without_it() {
+        let home = tempfile::tempdir().expect("a folder");
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        bench.model.take_burst(open((32, 24), 3));
+        let path = session(home.path(), BurstSource::Paths(vec![home.path().join("gone")]));
+        restoring.restore(&path, &mut bench.model, &bench.engine);
+        opened(&mut bench, &mut restoring, Side::A);
+        assert_eq!((bench.model.size(), bench.model.params.levels), ((32, 24), 3));
+        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("gone")));
+    }
+
+    #[test]
+    fn a_folder_of_bursts_is_a_dataset_for_a_and_a_choice_for_b() {
+        let home = tempfile::tempdir().expect("a folder");
+        for name in ["one", "two"] {
+            let folder = home.path().join(name);
+            std::fs::create_dir(&folder).expect("made");
+            for frame in 0..2 {
+                let gray = image::GrayImage::from_pixel(16, 12, image::Luma([frame]));
+                gray.save(folder.join(format!("{frame}.png"))).expect("written");
+            }
+        }
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        let source = BurstSource::Paths(vec![home.path().to_owned()]);
+        bench.model.open(Side::B, source.clone(), &bench.engine);
+        let effects = opened(&mut bench, &mut restoring, Side::B);
+        assert!(matches!(&effects[..], [Effect::Choose(Side::B, bursts)] if bursts.len() == 2), "{effects:?}");
+        bench.model.open(Side::A, source, &bench.engine);
+        assert!(opened(&mut bench, &mut restoring, Side::A).is_empty());
+        assert!(bench.model.datasets.wanted.is_pending());
+    }
+}

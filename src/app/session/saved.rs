@@ -1,0 +1,221 @@
+//! Parts of a session: sources by absolute paths, the second burst and the matches, and the layout of *Methods* in
+//! older versions.
+
+use crate::app::canvas::View;
+use crate::app::pane::{MethodsPreset, Over, PaneId};
+use crate::app::project::Model;
+use crate::app::project::against::SavedAgainst;
+use crate::app::project::cursor::Cursor;
+use crate::app::project::datasets::Dataset;
+use crate::app::project::filter::Order;
+use crate::app::project::look::Look;
+use crate::app::project::method::Contender;
+use crate::app::project::pair::{Links, MatchColumn, MatchLook, SavedMatch, Side};
+use crate::app::project::probe::SavedProbe;
+use crate::app::project::trajectories::Trajectories;
+use crate::app::project::workspace::Workspace;
+use crate::burst::OpenOptions;
+use crate::dataset::DatasetSource;
+use crate::evaluate::poses::Projection;
+use crate::matching::MatchParams;
+use crate::requests::BurstSource;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// The dataset of a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedDataset {
+    /// Source of its bursts.
+    pub source: DatasetSource,
+    /// Folder in which its features are kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
+    /// The places of the bursts that were A and B.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub a: Option<usize>,
+    #[allow(missing_docs)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub b: Option<usize>,
+}
+
+/// The trajectories of a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedTrajectories {
+    /// File of the estimate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimate: Option<PathBuf>,
+    /// File of the truth.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<PathBuf>,
+    /// Direction from which they were seen.
+    #[serde(default)]
+    pub projection: Projection,
+}
+
+pub(super) fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
+    model.compare.gold[side as usize].as_ref().map(|gold| absolute(&gold.source))
+}
+
+/// Comparison of the features of `side`, with an absolute path.
+pub(super) fn saved_against(model: &Model, side: Side) -> Option<SavedAgainst> {
+    let saved = model.saved_against(side)?;
+    Some(SavedAgainst { file: saved.file.as_deref().map(absolute_path), ..saved })
+}
+
+/// `source` with absolute paths, so that the session can be opened from any folder.
+pub(super) fn absolute(source: &BurstSource) -> BurstSource {
+    match source {
+        BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => source.clone(),
+        BurstSource::DarkCopy { of, noise } => BurstSource::DarkCopy { of: Box::new(absolute(of)), noise: *noise },
+        BurstSource::Paths(paths) => BurstSource::Paths(paths.iter().map(|p| absolute_path(p)).collect()),
+    }
+}
+
+pub(super) fn absolute_calibration(options: &OpenOptions) -> OpenOptions {
+    let absolute = |path: &Option<PathBuf>| path.as_deref().map(absolute_path);
+    OpenOptions { bias: absolute(&options.bias), flat: absolute(&options.flat), ..options.clone() }
+}
+
+pub(super) fn absolute_path(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.into())
+}
+
+pub(super) fn saved_trajectories(trajectories: &Trajectories) -> Option<SavedTrajectories> {
+    let compared = &trajectories.compared;
+    let path = |read: &Option<(PathBuf, _)>| read.as_ref().map(|(path, _)| absolute_path(path));
+    (!trajectories.is_empty()).then(|| SavedTrajectories {
+        estimate: path(&compared.estimate),
+        truth: path(&compared.truth),
+        projection: trajectories.projection,
+    })
+}
+
+pub(super) fn saved_dataset(dataset: &Dataset) -> SavedDataset {
+    let mut source = dataset.source.clone();
+    source.paths.iter_mut().for_each(|p| *p = absolute_path(p));
+    let [a, b] = dataset.pair;
+    SavedDataset { source, folder: dataset.folder.as_deref().map(absolute_path), a, b }
+}
+
+/// The second burst and the matches as a session file stores them.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PairSession {
+    /// Source of the second burst, if one was open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub burst: Option<BurstSource>,
+    /// Source of its gold standard.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gold: Option<BurstSource>,
+    /// The place of the second burst that is probed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probe: Option<SavedProbe>,
+    /// Features with which those of the second burst were compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub against: Option<SavedAgainst>,
+    /// Side of the pane in focus.
+    pub active: Side,
+    /// Links between the two bursts' panes.
+    pub links: Links,
+    /// The parameters of matching.
+    pub params: MatchParams,
+    /// B's cursor.
+    pub scrub: Cursor,
+    /// B's pan and zoom.
+    pub view: View,
+    /// B's ranges and maps, where they were its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub look: Option<Look>,
+    /// Display of matches.
+    pub match_look: MatchLook,
+    /// The table's order.
+    pub order: Order<MatchColumn>,
+    /// The selected match.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub selection: Option<SavedMatch>,
+}
+
+impl PairSession {
+    pub(super) fn of(model: &Model) -> Self {
+        let (pair, pane) = (&model.pair, model.panes.of(Side::B));
+        Self {
+            burst: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
+            gold: gold_source(model, Side::B),
+            probe: model.probe.saved(Side::B),
+            against: saved_against(model, Side::B),
+            active: model.panes.get(model.panes.placed_in(Workspace::Pair).1).map_or(Side::A, |pane| pane.side),
+            links: model.pair_links(),
+            params: pair.params.clone(),
+            scrub: pane.cursor,
+            view: pane.view,
+            look: pane.own_ranges.map(|ranges| Look { ranges, ..Look::default() }),
+            match_look: pair.look,
+            order: pair.order,
+            selection: pair.saved_match(),
+        }
+    }
+
+    /// Restores it in `model`, whose second burst (if there was one) was just opened.
+    pub fn apply(&self, model: &mut Model) {
+        let pair = &mut model.pair;
+        pair.params = self.params.clone();
+        (pair.look, pair.order, pair.reselect) = (self.match_look.sanitised(), self.order, self.selection);
+        model.set_pair_links(self.links);
+        model.panes.set_focus_in(Workspace::Pair, PaneId::of(self.active));
+        let pane = model.panes.of_mut(Side::B);
+        (pane.cursor, pane.slope_chosen, pane.view) = (self.scrub, true, self.view);
+        if let (Some(own), Some(look)) = (&mut pane.own_ranges, &self.look) {
+            *own = look.ranges;
+        }
+        model.restore_probe(Side::B, self.probe);
+        model.restore_against(Side::B, self.against.clone());
+        model.check_pair();
+    }
+}
+
+/// Arrangement of the methods.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct MethodsBefore {
+    layout: MethodsPreset,
+    two: [Contender; 2],
+    wipe: f32,
+    flipped: bool,
+}
+
+impl Default for MethodsBefore {
+    fn default() -> Self {
+        let two = [Contender::Sift, Contender::Buff1d];
+        Self { layout: MethodsPreset::default(), two, wipe: 0.5, flipped: false }
+    }
+}
+
+impl MethodsBefore {
+    /// Reads the arrangement from the text of such a session; the default if it has none that can be read.
+    pub fn from_toml(text: &str) -> Self {
+        #[derive(Deserialize, Default)]
+        #[serde(default)]
+        struct Whole {
+            methods: MethodsBefore,
+        }
+        toml::from_str::<Whole>(text).unwrap_or_default().methods
+    }
+
+    /// Arranges the methods of `model` accordingly; with `both`, with pictures of B too.
+    pub fn apply(&self, model: &mut Model, both: bool) {
+        model.panes.lay_out_methods(self.layout, &model.contenders(), both);
+        let shown = model.panes.shown_in(Workspace::Methods);
+        let Some(over) = shown.first().and_then(|id| model.panes.get(*id)?.over) else { return };
+        for (id, method) in shown.iter().zip(self.two) {
+            model.panes.get_mut(*id).into_iter().for_each(|pane| pane.show_method(Some(method)));
+        }
+        let at = if self.wipe.is_finite() { self.wipe.clamp(0.0, 1.0) } else { 0.5 };
+        let over = match over {
+            Over::Wipe { other, .. } => Over::Wipe { other, at },
+            Over::Flip { other, .. } => Over::Flip { other, flipped: self.flipped },
+        };
+        model.panes.get_mut(shown[0]).into_iter().for_each(|pane| pane.over = Some(over));
+    }
+}
