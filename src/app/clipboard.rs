@@ -9,7 +9,7 @@ use crate::app::project::workspace::Workspace;
 use crate::burst::OpenOptions;
 use crate::detector::Feature;
 use crate::export::{COLUMNS, FeatureRow};
-use crate::requests::BurstSource;
+use crate::requests::{BurstSource, detect_line};
 
 /// The features' columns and one feature's numbers, separated by tabs: two rows for a spreadsheet.
 pub fn feature_text(feature: &Feature) -> String {
@@ -70,7 +70,7 @@ impl BurstscopeApp {
                 return;
             }
         };
-        let line = crate::cli::detect_line(&inputs, &self.model.asked(), &self.calibration_of_open());
+        let line = detect_line(&inputs, &self.model.asked(), &self.calibration_of_open());
         self.model.messages.note(format!("Copied {line}"));
         ctx.copy_text(line);
     }

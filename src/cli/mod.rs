@@ -20,7 +20,6 @@ pub mod commands;
 mod completions;
 mod console;
 mod detect;
-mod detect_line;
 mod evaluate;
 pub mod evaluate_args;
 pub mod evaluate_frames;
@@ -60,7 +59,6 @@ pub mod trajectory_args;
 #[cfg(feature = "app")]
 mod window;
 
-pub use detect_line::detect_line;
 pub use failure::Failure;
 
 use crate::burst::{DecodeWorker, serve_decoding};

@@ -13,6 +13,7 @@ mod coherence;
 mod compare;
 pub mod dataset;
 mod detect;
+mod detect_line;
 mod error;
 mod explain;
 mod losses;
@@ -40,6 +41,7 @@ pub use dataset::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, 
 #[cfg(feature = "colmap")]
 pub use dataset::{ColmapDone, ColmapRequest};
 pub use detect::{DetectRequest, Detected};
+pub use detect_line::detect_line;
 pub use error::JobError;
 pub use explain::{ExplainQuestion, ExplainRequest, Explained, Explanation};
 pub use losses::{FoundLosses, LossesRequest};

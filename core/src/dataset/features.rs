@@ -225,6 +225,26 @@ impl FeatureStore {
         monitor: &Monitor,
     ) -> Result<(BurstFeatures, Record), NotKept> {
         let record = self.record(source, files, self.comparison, monitor)?;
+        let kept = self.read(source, &record)?;
+        Ok((kept, record))
+    }
+
+    /// Reads the features that this store has found or kept in this run. The frames are not compared again.
+    ///
+    /// # Errors
+    /// [`ExportError::Read`] when the file of features was altered meanwhile.
+    #[cfg(feature = "colmap")]
+    pub(super) fn written(&self, source: &BurstSource) -> Result<BurstFeatures, DatasetError> {
+        let image_name = image_name(source);
+        let record = Record::read(&self.folder, &image_name).filter(|record| record.made_with == self.made_with);
+        let read = record.ok_or(NotKept::NoRecord).and_then(|record| self.read(source, &record));
+        read.map_err(|reason| {
+            ExportError::Read { path: self.feature_file(&image_name), reason: reason.to_string() }.into()
+        })
+    }
+
+    /// Reads the features of `source` that `record` describes.
+    fn read(&self, source: &BurstSource, record: &Record) -> Result<BurstFeatures, NotKept> {
         let (name, image_name) = (source.name.clone(), image_name(source));
         let path = self.feature_file(&image_name);
         // A file of another length was altered; it is not read.
@@ -236,9 +256,7 @@ impl FeatureStore {
             return Err(NotKept::Altered);
         }
         let (size, seconds) = (record.size, record.seconds);
-        let kept =
-            BurstFeatures { name, image_name, size, keypoints, descriptors, resumed: true, slopes: None, seconds };
-        Ok((kept, record))
+        Ok(BurstFeatures { name, image_name, size, keypoints, descriptors, resumed: true, slopes: None, seconds })
     }
 
     /// The features of `source`: from its files if it is finished, otherwise found now and written with its picture.

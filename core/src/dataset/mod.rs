@@ -10,8 +10,6 @@ pub mod colmap;
 mod error;
 pub mod features;
 pub mod gather;
-#[cfg(feature = "colmap")]
-mod geometry;
 mod kept;
 mod manifest;
 pub mod pairs;
@@ -27,7 +25,7 @@ pub use error::DatasetError;
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;
-pub use pairs::match_pairs;
+pub use pairs::{BurstSide, MatchedPair, match_pairs};
 pub use picture::{BurstPicture, ImageKind, burst_picture};
 pub use source::DatasetSource;
 pub(crate) use stamp::Checksum;

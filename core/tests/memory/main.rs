@@ -2,6 +2,8 @@
 
 mod allocated;
 mod bounds;
+#[cfg(feature = "colmap")]
+mod colmap;
 mod groups;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

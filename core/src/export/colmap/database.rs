@@ -187,6 +187,24 @@ impl DatabaseWriter<'_> {
         )
     }
 
+    /// Reads the features of the image `id` back, as they were added.
+    ///
+    /// # Errors
+    /// [`ExportError`] when the file cannot be read, or holds no image of this id.
+    pub fn features(&self, id: u32) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
+        let sql = "SELECT keypoints.data, descriptors.data FROM keypoints JOIN descriptors USING (image_id) WHERE image_id = ?";
+        let read = self.connection.query_row(sql, [id], |row| {
+            let number = |bytes: &[u8], k: usize| f32::from_le_bytes(std::array::from_fn(|i| bytes[4 * k + i]));
+            let keypoint = |bytes: &[u8]| {
+                let [x, y, scale, orientation] = std::array::from_fn(|k| number(bytes, k));
+                ColmapKeypoint { x, y, scale, orientation }
+            };
+            let keypoints = row.get_ref(0)?.as_blob()?.chunks_exact(16).map(keypoint).collect();
+            Ok((keypoints, row.get_ref(1)?.as_blob()?.as_chunks().0.to_vec()))
+        });
+        read.map_err(|e| failure(self.path, &e))
+    }
+
     fn insert(&self, sql: &str, values: impl Params) -> Result<(), ExportError> {
         self.connection.execute(sql, values).map(|_| ()).map_err(|e| failure(self.path, &e))
     }
