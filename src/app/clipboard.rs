@@ -59,16 +59,10 @@ impl BurstscopeApp {
     /// Copies the command that finds the features on show.
     pub(super) fn copy_command(&mut self, ctx: &egui::Context) {
         let Some(burst) = &self.model.slots.a.burst else { return };
-        let inputs = match &burst.source {
-            BurstSource::Demo => vec!["demo".to_owned()],
-            BurstSource::DemoLater => vec!["demo-later".to_owned()],
-            BurstSource::Example(example) => vec![example.name().to_owned()],
-            BurstSource::Paths(paths) => paths.iter().map(|path| path.display().to_string()).collect(),
-            BurstSource::Chart(_) | BurstSource::DarkCopy { .. } => {
-                let why = "this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts";
-                self.model.messages.error("Copy as command", why);
-                return;
-            }
+        let Some(inputs) = burst.source.arguments() else {
+            let why = "this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts";
+            self.model.messages.error("Copy as command", why);
+            return;
         };
         let line = detect_line(&inputs, &self.model.asked(), &self.calibration_of_open());
         self.model.messages.note(format!("Copied {line}"));

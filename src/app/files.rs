@@ -10,7 +10,7 @@ use crate::app::project::trajectories::Which;
 use crate::app::project::workspace::Workspace;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
-use crate::export::{Inputs, OutputRules, Overwrite};
+use crate::export::{OpenedFiles, OutputRules, Overwrite};
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text};
 use crate::requests::{BurstSource, JobId, OpenRequest};
 use std::path::PathBuf;
@@ -196,7 +196,7 @@ impl BurstscopeApp {
         // A file that does not exist is not open either; this avoids listing the files of a large dataset.
         let is_there = std::fs::symlink_metadata(path).is_ok();
         let opened = if is_there { self.model.opened_files() } else { Vec::new() };
-        OutputRules::new(Inputs::of(opened), Overwrite::Force)
+        OutputRules::new(OpenedFiles::of(opened), Overwrite::Force)
     }
 
     /// Writes a file. The dialog that gave the path has asked before overwriting.

@@ -3,9 +3,9 @@
 use super::colmap_args::ColmapArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{Place, open_options, resolve_bursts};
+use super::inputs::{open_options, resolve_bursts};
 use super::report::FailureReport;
-use crate::burst::BurstSource;
+use crate::burst::BurstFiles;
 use crate::dataset::{
     CameraChoice, ColmapJob, ColmapReport, Comparison, Event, FeatureJob, FeatureStore, GatherReport, LeftOut,
     export_colmap_from, gather,
@@ -53,12 +53,11 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         console.complain(&format!("{name}: {error}"));
         failures.push(FailureReport { name: name.to_owned(), error });
     };
-    let mut bursts: Vec<BurstSource> = Vec::new();
+    let mut bursts: Vec<BurstFiles> = Vec::new();
     for input in inputs {
-        match input.place {
-            Place::Paths(paths) => bursts.push(BurstSource { name: input.name, paths }),
-            Place::Broken(error) => fail(&input.name, error.to_string()),
-            Place::Demo { .. } | Place::Example(_) => {}
+        match input.source {
+            Ok(source) => bursts.push(BurstFiles { name: input.name, paths: source.paths().to_vec() }),
+            Err(error) => fail(&input.name, error.to_string()),
         }
     }
     let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };

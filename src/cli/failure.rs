@@ -11,6 +11,7 @@ use crate::evaluate::poses::PoseError;
 use crate::figures::FiguresError;
 use crate::matching::MatchError;
 use crate::monitor::Cancelled;
+use crate::requests::SourceError;
 use crate::synth::{SynthError, WriteBurstError};
 use std::process::ExitCode;
 
@@ -70,6 +71,15 @@ impl From<Cancelled> for Failure {
 impl From<OpenError> for Failure {
     fn from(error: OpenError) -> Self {
         if error.is_cancelled() { Self::Interrupted } else { Self::Failed(error.into()) }
+    }
+}
+
+impl From<SourceError> for Failure {
+    fn from(error: SourceError) -> Self {
+        match error {
+            SourceError::Open(error) => error.into(),
+            SourceError::Synth(error) => error.into(),
+        }
     }
 }
 

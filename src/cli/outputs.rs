@@ -1,10 +1,11 @@
 //! Overwriting rules of a command: see [`OutputRules`].
 
 use super::failure::Failure;
-use super::inputs::{Input, Place};
+use super::inputs::Input;
 use super::output_args::OverwriteArgs;
-use crate::burst::{BurstSource, OpenOptions};
-use crate::export::{Inputs, OutputRules, Overwrite};
+use crate::burst::OpenOptions;
+use crate::export::{OpenedFiles, OutputRules, Overwrite};
+use crate::requests::BurstSource;
 use std::path::{Path, PathBuf};
 
 impl OverwriteArgs {
@@ -22,20 +23,14 @@ impl OverwriteArgs {
 }
 
 /// All files that the command opens.
-pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Option<&PathBuf>]) -> Inputs {
-    let of_burst = |paths: Vec<PathBuf>| {
-        let source = BurstSource { name: String::new(), paths };
-        // Paths that cannot be listed cannot be opened either.
-        source.files().unwrap_or(source.paths)
-    };
-    let bursts = inputs.iter().flat_map(|input| match &input.place {
-        Place::Paths(paths) => of_burst(paths.clone()),
-        Place::Demo { .. } | Place::Example(_) | Place::Broken(_) => Vec::new(),
-    });
-    let frames =
-        [&calibration.bias, &calibration.flat].into_iter().flatten().flat_map(|path| of_burst(vec![path.clone()]));
+pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Option<&PathBuf>]) -> OpenedFiles {
+    let bursts = inputs.iter().filter_map(|input| input.source.as_ref().ok()).flat_map(BurstSource::files);
+    let frames = [&calibration.bias, &calibration.flat]
+        .into_iter()
+        .flatten()
+        .flat_map(|path| BurstSource::Paths(vec![path.clone()]).files());
     let settings = settings.iter().flatten().map(|path| (*path).clone());
-    Inputs::of(bursts.chain(frames).chain(settings))
+    OpenedFiles::of(bursts.chain(frames).chain(settings))
 }
 
 /// Checks that `path`, if there is one, may be written.

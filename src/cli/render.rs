@@ -83,21 +83,7 @@ pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
     match opening {
         Opening::Dataset(source) => Ok(Sources { dataset: Some(source), ..none }),
         Opening::Session(path) => Ok(Sources { session: Some(path), ..none }),
-        Opening::Burst(input) => Ok(Sources { source: Some(source_of(input)?), ..none }),
-        Opening::Two([a, b]) => Ok(Sources { source: Some(source_of(a)?), second: Some(source_of(b)?), ..none }),
-    }
-}
-
-/// Turns `input` into a source for the window.
-///
-/// # Errors
-/// When the input was not found.
-pub(super) fn source_of(input: Input) -> Result<BurstSource, Failure> {
-    match input.place {
-        Place::Demo { later: false } => Ok(BurstSource::Demo),
-        Place::Demo { later: true } => Ok(BurstSource::DemoLater),
-        Place::Example(example) => Ok(BurstSource::Example(example)),
-        Place::Paths(paths) => Ok(BurstSource::Paths(paths)),
-        Place::Broken(error) => Err(error.into()),
+        Opening::Burst(input) => Ok(Sources { source: Some(input.source?), ..none }),
+        Opening::Two([a, b]) => Ok(Sources { source: Some(a.source?), second: Some(b.source?), ..none }),
     }
 }

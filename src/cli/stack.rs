@@ -25,7 +25,6 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     rules.check(&args.out)?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor)?;
-    params.validate_for(burst.len(), burst.size())?;
     let (burst, params) = prepare(&burst, &params, &console.monitor)?;
     let image = match (args.octave, args.level) {
         (Some(octave), Some(level)) => dog_view(&burst, &params, args.slope, octave, level, &console.monitor)?,

@@ -7,7 +7,7 @@ use super::failure::Failure;
 use super::inputs::{DEMO, Input};
 use super::opening::{Opening, what_to_open};
 use super::output_args::OutputArgs;
-use super::render::{Sources, drawn, source_of, sources_of};
+use super::render::{Sources, drawn, sources_of};
 use super::signals;
 use super::table::feature_table;
 use super::terminal::print;
@@ -162,7 +162,7 @@ fn without_display(
         detection.features.len(),
         feature_table(&detection, TABLE_ROWS)
     ))?;
-    let second = second.map(source_of).transpose()?;
-    let options = RenderOptions { source: source_of(input)?, second, params, calibration, ..RenderOptions::default() };
+    let second = second.map(|input| input.source).transpose()?;
+    let options = RenderOptions { source: input.source?, second, params, calibration, ..RenderOptions::default() };
     draw(&options, &file, &console)
 }

@@ -35,7 +35,7 @@ fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
     counts.unwrap()
 }
 
-fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstSource> {
+fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstFiles> {
     let source =
         burstscope::dataset::DatasetSource { paths: vec![home.join("film")], burst_length: Some(5), burst_step: None };
     source.bursts().unwrap()
@@ -126,10 +126,7 @@ fn trajectory_matrix() {
     let (bursts, states) = (open.bursts.clone(), open.states.clone());
     open.bursts = std::sync::Arc::new(
         (0..many)
-            .map(|k| burstscope::burst::BurstSource {
-                name: format!("frame_{:03}", 2 + 5 * k),
-                ..bursts[k % 3].clone()
-            })
+            .map(|k| burstscope::burst::BurstFiles { name: format!("frame_{:03}", 2 + 5 * k), ..bursts[k % 3].clone() })
             .collect(),
     );
     open.states = (0..many).map(|k| states[k % 3].clone()).collect();

@@ -27,7 +27,7 @@ pub use luma::LUMA_WEIGHTS;
 pub use notes::{Note, Remark, RemarkKind};
 pub use options::{OpenOptions, RawColour};
 pub use sequence::{SequenceCut, cut_sequence, name_among_several};
-pub use source::{BurstSource, Entries, find_bursts, find_entries, supported_extensions};
+pub use source::{BurstFiles, Entries, files_at, find_bursts, find_entries, supported_extensions};
 
 use crate::plane::Plane;
 use std::path::PathBuf;

@@ -5,7 +5,7 @@
 
 use super::decode;
 use super::error::OpenError;
-use super::source::{BurstSource, is_stack, make_names_unique, stem};
+use super::source::{BurstFiles, is_stack, make_names_unique, stem};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -57,7 +57,7 @@ impl SequenceCut {
 ///
 /// # Errors
 /// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.
-pub fn cut_sequence(sequence: &BurstSource, cut: SequenceCut) -> Result<Vec<BurstSource>, OpenError> {
+pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut) -> Result<Vec<BurstFiles>, OpenError> {
     let frames = sequence.files()?;
     if let Some(path) = frames.iter().find(|f| is_stack(f)) {
         return Err(OpenError::CutStack { path: path.clone(), frames: decode::frame_count(path).unwrap_or(2) });
@@ -67,7 +67,7 @@ pub fn cut_sequence(sequence: &BurstSource, cut: SequenceCut) -> Result<Vec<Burs
         let path = sequence.paths.first().cloned().unwrap_or_default();
         return Err(OpenError::TooShort { path, frames: frames.len(), length: cut.length });
     }
-    let mut bursts: Vec<BurstSource> = ranges.map(|range| burst_of(&frames[range])).collect();
+    let mut bursts: Vec<BurstFiles> = ranges.map(|range| burst_of(&frames[range])).collect();
     make_names_unique(&mut bursts);
     Ok(bursts)
 }
@@ -77,8 +77,8 @@ pub fn name_among_several(sequence: &str, burst: &str) -> String {
     format!("{sequence}_{burst}")
 }
 
-fn burst_of(frames: &[PathBuf]) -> BurstSource {
-    BurstSource { name: stem(&frames[frames.len() / 2]), paths: frames.to_vec() }
+fn burst_of(frames: &[PathBuf]) -> BurstFiles {
+    BurstFiles { name: stem(&frames[frames.len() / 2]), paths: frames.to_vec() }
 }
 
 #[cfg(test)]
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn bursts_are_named_after_their_middle_frames() {
         let frame = |t: usize| PathBuf::from(format!("film/f_{t:02}.png"));
-        let film = BurstSource { name: "film".into(), paths: (0..9).map(frame).collect() };
+        let film = BurstFiles { name: "film".into(), paths: (0..9).map(frame).collect() };
         let bursts = cut_sequence(&film, cut(4, None)).expect("two bursts");
         let names: Vec<&str> = bursts.iter().map(|b| b.name.as_str()).collect();
         assert_eq!(names, ["f_02", "f_06"]);

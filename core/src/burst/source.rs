@@ -17,25 +17,33 @@ use std::cmp::Ordering;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// One burst of an input: its name, and the paths for [`Burst::open_with`](super::Burst::open_with).
+/// The files of one burst: its name, and the paths for [`Burst::open_with`](super::Burst::open_with).
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BurstSource {
+pub struct BurstFiles {
     /// Name of the folder, or of the stack without its extension. Unique in one result of [`find_bursts`].
     pub name: String,
     /// A folder, a stack, or the frames in time order.
     pub paths: Vec<PathBuf>,
 }
 
-impl BurstSource {
+impl BurstFiles {
     /// Files with its frames: those of its folder in natural order, or its paths.
     ///
     /// # Errors
     /// The folder cannot be read.
     pub fn files(&self) -> Result<Vec<PathBuf>, OpenError> {
-        match &self.paths[..] {
-            [folder] if folder.is_dir() => pictures_of_folder(folder),
-            paths => Ok(paths.to_vec()),
-        }
+        files_at(&self.paths)
+    }
+}
+
+/// Files with the frames at `paths`: those of a single folder in natural order, or the paths themselves.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn files_at(paths: &[PathBuf]) -> Result<Vec<PathBuf>, OpenError> {
+    match paths {
+        [folder] if folder.is_dir() => pictures_of_folder(folder),
+        paths => Ok(paths.to_vec()),
     }
 }
 
@@ -53,7 +61,7 @@ const PICTURE_EXTENSIONS: &[&str] =
 ///
 /// # Errors
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
-pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstSource>, OpenError> {
+pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstFiles>, OpenError> {
     Ok(find_entries(inputs)?.bursts)
 }
 
@@ -61,7 +69,7 @@ pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstSource>, OpenError> {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Entries {
     /// The bursts.
-    pub bursts: Vec<BurstSource>,
+    pub bursts: Vec<BurstFiles>,
     /// Pictures that lie beside the bursts of a dataset and belong to none.
     pub strays: Vec<PathBuf>,
 }
@@ -131,11 +139,11 @@ fn entries_of_folder(folder: &Path, look_into_subfolders: bool) -> Result<Entrie
     Ok(Entries { bursts, strays: Vec::new() })
 }
 
-fn folder_source(folder: &Path) -> BurstSource {
-    BurstSource { name: folder_name(folder), paths: vec![folder.into()] }
+fn folder_source(folder: &Path) -> BurstFiles {
+    BurstFiles { name: folder_name(folder), paths: vec![folder.into()] }
 }
 
-fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstSource>, OpenError> {
+fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstFiles>, OpenError> {
     if let [single] = &files[..] {
         return Ok(vec![stack_source(single.clone())]);
     }
@@ -151,7 +159,7 @@ fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstSource>, OpenError> {
     let parent = files[0].parent().unwrap_or(Path::new(""));
     let together = files.iter().all(|f| f.parent().unwrap_or(Path::new("")) == parent);
     let name = if together { folder_name(parent) } else { stem(&files[0]) };
-    Ok(vec![BurstSource { name, paths: files }])
+    Ok(vec![BurstFiles { name, paths: files }])
 }
 
 /// Whether the file holds more than one frame. False for a file that cannot be read: opening it gives the error.
@@ -159,8 +167,8 @@ pub(super) fn is_stack(path: &Path) -> bool {
     decode::frame_count(path).is_ok_and(|frames| frames > 1)
 }
 
-fn stack_source(path: PathBuf) -> BurstSource {
-    BurstSource { name: stem(&path), paths: vec![path] }
+fn stack_source(path: PathBuf) -> BurstFiles {
+    BurstFiles { name: stem(&path), paths: vec![path] }
 }
 
 pub(super) fn stem(path: &Path) -> String {
@@ -210,7 +218,7 @@ pub(super) fn natural_order(a: &Path, b: &Path) -> Ordering {
 
 /// Numbers the second and later bursts of one name, so that their exports do not overwrite each other. Letter case is
 /// ignored, as some file systems do.
-pub(super) fn make_names_unique(sources: &mut [BurstSource]) {
+pub(super) fn make_names_unique(sources: &mut [BurstFiles]) {
     let mut taken = HashSet::new();
     for source in sources {
         let mut name = source.name.clone();

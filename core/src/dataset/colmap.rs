@@ -10,7 +10,7 @@
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::pairs::{BurstSide, MatchedPair, match_pairs};
 use super::{CameraChoice, DatasetError};
-use crate::burst::BurstSource;
+use crate::burst::BurstFiles;
 use crate::export::{DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, write_colmap_database};
 use crate::files::serialize_path;
 use crate::matching::{
@@ -116,7 +116,7 @@ pub struct ColmapReport {
 /// # Errors
 /// [`DatasetError`]. Files are written completely or not at all; finished bursts stay finished.
 pub fn export_colmap(
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     out: &Path,
     job: &ColmapJob,
     on: &mut dyn FnMut(Event<'_>),
@@ -131,13 +131,12 @@ pub fn export_colmap(
 /// As [`export_colmap`].
 pub fn export_colmap_from(
     store: &mut FeatureStore,
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     job: &ColmapJob,
     on: &mut dyn FnMut(Event<'_>),
     monitor: &Monitor,
 ) -> Result<ColmapReport, DatasetError> {
     let matching = job.verified_matching()?;
-    job.features.detector.validate()?;
     if bursts.len() < 2 {
         return Err(DatasetError::TooFew { count: bursts.len() });
     }
@@ -183,7 +182,7 @@ struct DoneBurst {
 
 /// Finds the features of all bursts that can be opened.
 fn features_of_all(
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     store: &mut FeatureStore,
     job: &ColmapJob,
     on: &mut dyn FnMut(Event<'_>),

@@ -59,7 +59,6 @@ pub fn burst_picture(
         ImageKind::Merged => Method::Merge,
     };
     let params = DetectorParams { method, ..params.clone() };
-    params.validate_for(burst.len(), burst.size())?;
     let (burst, params) = prepare(burst, &params, monitor)?;
     let plane = &burst.frames[params.used_frames(burst.len()).start];
     let shown = to_rgba8(plane, &stretched(plane));

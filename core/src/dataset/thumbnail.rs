@@ -1,7 +1,7 @@
 //! Thumbnails of bursts, for a list of many bursts.
 
 use super::picture::stretched;
-use crate::burst::{Burst, BurstSource, OpenError, OpenOptions};
+use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::to_rgba8;
@@ -23,7 +23,7 @@ pub struct Thumbnail {
 /// # Errors
 /// See [`OpenError`].
 pub fn thumbnail(
-    source: &BurstSource,
+    source: &BurstFiles,
     max_side_px: usize,
     options: &OpenOptions,
     monitor: &Monitor,
@@ -71,7 +71,7 @@ mod tests {
             let frame = image::GrayImage::from_fn(8, 4, |u, _| image::Luma([if t == 1 && u > 3 { 40 } else { 10 }]));
             frame.save(home.path().join(format!("{t}.png"))).expect("written");
         }
-        let source = BurstSource { name: "b".into(), paths: vec![home.path().into()] };
+        let source = BurstFiles { name: "b".into(), paths: vec![home.path().into()] };
         // A frame minus itself as the bias frame is empty.
         let options = OpenOptions { bias: Some(home.path().join("1.png")), ..OpenOptions::default() };
         let dark = thumbnail(&source, 4, &options, &Monitor::default()).expect("a picture");

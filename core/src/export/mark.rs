@@ -16,7 +16,7 @@ use std::path::Path;
 /// The program's name and version, for the `Software` field of pictures.
 pub(super) const SOFTWARE: &str = concat!("Burstscope ", env!("CARGO_PKG_VERSION"));
 /// Comment in SVG figures.
-pub const SVG_COMMENT: &str = concat!("<!-- Written by Burstscope ", env!("CARGO_PKG_VERSION"), " -->");
+pub(super) const SVG_COMMENT: &str = concat!("<!-- Written by Burstscope ", env!("CARGO_PKG_VERSION"), " -->");
 /// Header of tables of curves.
 pub const CURVE_COLUMNS: &str = "set,plot,curve,x,y,low,high";
 

@@ -1,6 +1,6 @@
 //! Thumbnails of a dataset's bursts: requested as they come into view, and kept on the card up to a number.
 
-use crate::burst::{BurstSource, OpenOptions};
+use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::Thumbnail;
 use crate::engine::{Engine, Wanted};
 use crate::requests::ThumbnailsRequest;
@@ -29,7 +29,7 @@ pub enum Shown {
 pub struct Thumbnails {
     shown: HashMap<String, Shown>,
     /// Bursts that came into view in this pass.
-    in_view: Vec<BurstSource>,
+    in_view: Vec<BurstFiles>,
     wanted: Wanted<ThumbnailsRequest>,
 }
 
@@ -40,7 +40,7 @@ impl Thumbnails {
     }
 
     /// State of the thumbnail of `burst`; an unknown one is requested next.
-    pub fn get(&mut self, burst: &BurstSource) -> Option<&Shown> {
+    pub fn get(&mut self, burst: &BurstFiles) -> Option<&Shown> {
         if !self.shown.contains_key(&burst.name) {
             self.in_view.push(burst.clone());
         }
@@ -68,7 +68,7 @@ impl Thumbnails {
     }
 
     /// Takes the pictures that were made of `bursts`.
-    pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstSource]) {
+    pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstFiles]) {
         for (source, picture) in self.wanted.take_told().into_iter().filter(|(source, _)| bursts.contains(source)) {
             let shown = match picture {
                 Ok(Thumbnail { width, height, rgb }) => {

@@ -13,7 +13,7 @@ pub use thumbnails::ThumbnailsRequest;
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapDone, ColmapRequest};
 
-use crate::burst::{BurstSource, OpenOptions};
+use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind};
 use crate::detector::SearchParams;
 use crate::matching::{MatchCounts, MatchParams};
@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Bursts of a dataset, shared by all requests for it.
-pub type Bursts = Arc<Vec<BurstSource>>;
+pub type Bursts = Arc<Vec<BurstFiles>>;
 
 /// Folder in which features are kept, and parameters with which they are found: an immutable snapshot.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! Small pictures of a dataset's bursts.
 
-use crate::burst::{BurstSource, OpenOptions};
+use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{Thumbnail, thumbnail};
 use crate::requests::error::JobError;
 use crate::requests::request::{Request, Urgency, Work};
@@ -9,7 +9,7 @@ use crate::requests::request::{Request, Urgency, Work};
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThumbnailsRequest {
     /// The bursts, in the order in which their pictures are made.
-    pub bursts: Vec<BurstSource>,
+    pub bursts: Vec<BurstFiles>,
     /// Maximum length of the longer side, pixels.
     pub max_side_px: usize,
     /// Options with which the bursts are opened.
@@ -19,7 +19,7 @@ pub struct ThumbnailsRequest {
 impl Request for ThumbnailsRequest {
     type Answer = ();
     /// A burst with its picture, or why there is none.
-    type Told = (BurstSource, Result<Thumbnail, String>);
+    type Told = (BurstFiles, Result<Thumbnail, String>);
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset

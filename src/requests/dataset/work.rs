@@ -1,7 +1,7 @@
 //! Work on a dataset: opening, detecting and matching.
 
 use super::{DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
-use crate::burst::{BurstSource, Entries, OpenOptions};
+use crate::burst::{BurstFiles, Entries, OpenOptions};
 use crate::dataset::{
     BurstEvent, BurstSide, CameraChoice, DatasetSource, FeatureStore, MatchedPair, detect_all, match_pairs,
 };
@@ -93,12 +93,11 @@ fn other_params_in(folder: &Path, params: &SearchParams) -> Option<SearchParams>
 }
 
 fn detect(
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     keeping: &Keeping,
     tell: &dyn Fn(DatasetEvent),
     monitor: &Monitor,
 ) -> Result<DatasetAnswer, JobError> {
-    keeping.params.validate().map_err(JobError::failed)?;
     let mut store = keeping.store()?;
     let mut on = |event: BurstEvent<'_>| {
         tell(match event {
@@ -112,14 +111,13 @@ fn detect(
 }
 
 fn match_all(
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     keeping: &Keeping,
     pairs: &[(usize, usize)],
     matching: &MatchParams,
     tell: &dyn Fn(DatasetEvent),
     monitor: &Monitor,
 ) -> Result<DatasetAnswer, JobError> {
-    matching.validate().map_err(JobError::failed)?;
     let store = keeping.store()?;
     // Features are read when a pair needs them, so that few bursts are in memory.
     let mut load = |index: usize| {

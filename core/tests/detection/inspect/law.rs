@@ -3,13 +3,13 @@
 use burstscope_core::detector::keypoint::Keypoint;
 use burstscope_core::detector::{
     DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Sample, SlopeExtrema, SlopeGrid,
-    SlopeNeighbours, Tally, Test, Trail, detect, detect_with_trail,
+    SlopeNeighbours, Tally, Test, Trail,
 };
 use burstscope_core::inspect::telling::fate;
-use burstscope_core::inspect::{Fate, Outcome};
+use burstscope_core::inspect::{Fate, Outcome, ProbeCache};
 use burstscope_core::plane::tile::Region;
 use burstscope_core::synth::{SceneParams, synth_scene};
-use burstscope_core::{Burst, Monitor};
+use burstscope_core::{Burst, Monitor, detect};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -37,7 +37,7 @@ fn samples(trail: &Trail, octave: i32) -> (Region, Vec<Sample>) {
 fn assert_law(burst: &Burst, params: &DetectorParams) -> usize {
     let monitor = Monitor::default();
     let detection = detect(burst, params, &monitor).expect("valid parameters");
-    let trail = detect_with_trail(burst, params, &monitor).expect("valid parameters");
+    let trail = ProbeCache::new(burst, &params.clone().into(), &monitor).expect("valid parameters").trail;
     assert_eq!(trail.detection().features, detection.features, "keeping the trail changes nothing");
     assert_eq!(trail.detection().descriptors, detection.descriptors);
     assert_eq!(trail.detection().tally, detection.tally);

@@ -2,14 +2,14 @@
 
 use super::support::{SIZE, export, job, walk};
 use burstscope_core::Monitor;
-use burstscope_core::burst::BurstSource;
+use burstscope_core::burst::BurstFiles;
 use burstscope_core::dataset::{CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, export_colmap};
 use burstscope_core::matching::PairSelection;
 use burstscope_core::matching::{Camera, Geometry, MatchParams};
 use std::fs;
 use std::path::Path;
 
-fn done(bursts: &[BurstSource], out: &Path, job: &ColmapJob) -> ColmapReport {
+fn done(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> ColmapReport {
     let (report, failed) = export(bursts, out, job);
     assert!(failed.is_empty(), "{failed:?}");
     report.expect("written")

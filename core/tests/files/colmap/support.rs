@@ -1,6 +1,6 @@
 //! A small dataset, and running jobs on it.
 
-use burstscope_core::burst::{BurstSource, OpenOptions, SequenceCut, cut_sequence, find_bursts};
+use burstscope_core::burst::{BurstFiles, OpenOptions, SequenceCut, cut_sequence, find_bursts};
 use burstscope_core::dataset::{
     CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, ImageKind, export_colmap,
 };
@@ -15,7 +15,7 @@ use std::path::Path;
 pub const SIZE: (usize, usize) = (260, 200);
 
 /// Three bursts of five frames, cut from one walk past a layered scene in `home`.
-pub fn walk(home: &Path) -> Vec<BurstSource> {
+pub fn walk(home: &Path) -> Vec<BurstFiles> {
     let params = SceneParams {
         width: SIZE.0,
         height: SIZE.1,
@@ -47,11 +47,7 @@ pub fn job() -> ColmapJob {
 }
 
 /// Runs the job; also returns the names of bursts that failed.
-pub fn export(
-    bursts: &[BurstSource],
-    out: &Path,
-    job: &ColmapJob,
-) -> (Result<ColmapReport, DatasetError>, Vec<String>) {
+pub fn export(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> (Result<ColmapReport, DatasetError>, Vec<String>) {
     let mut failed = Vec::new();
     let mut on = |event: Event<'_>| {
         if let Event::Failed { name, .. } = event {

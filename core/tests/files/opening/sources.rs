@@ -2,7 +2,7 @@
 
 use super::support::{folder, grey8, open, save, tiff_pages};
 use burstscope_core::burst::{
-    Burst, BurstSource, OpenError, SequenceCut, cut_sequence, find_bursts, supported_extensions,
+    Burst, BurstFiles, OpenError, SequenceCut, cut_sequence, find_bursts, supported_extensions,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
     // Frames in one file are not cut.
     let path = folder.path().join("film.tif");
     stack(&path);
-    let film = BurstSource { name: "film".into(), paths: vec![path.clone()] };
+    let film = BurstFiles { name: "film".into(), paths: vec![path.clone()] };
     let error = cut_sequence(&film, cut).expect_err("a stack");
     assert!(matches!(error, OpenError::CutStack { path: ref at, frames: 2 } if *at == path), "{error}");
     let error = cut_sequence(sequence, cut).expect_err("a stack among frames");
