@@ -1,10 +1,9 @@
-//! Resolves typed arguments to bursts.
+//! Resolves typed arguments to bursts, and gives the rules for overwriting files beside them.
 //!
 //! Each folder is resolved on its own, so that an unreadable one does not stop the others. Files are resolved together:
 //! several pictures are the frames of one burst.
 
-use super::args::SequenceArgs;
-use super::calibration_args::CalibrationArgs;
+use super::args::{CalibrationArgs, OverwriteArgs, SequenceArgs};
 use super::failure::Failure;
 use crate::baseline::check_memory;
 use crate::burst::{
@@ -12,7 +11,7 @@ use crate::burst::{
     name_among_several,
 };
 use crate::detector::SearchParams;
-use crate::export::make_file_names_unique;
+use crate::export::{OpenedFiles, OutputRules, Overwrite, make_file_names_unique};
 use crate::files::path_text;
 use crate::monitor::Monitor;
 use crate::requests::BurstSource;
@@ -216,6 +215,39 @@ pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> R
         ))),
         _ => Ok(options),
     }
+}
+
+impl OverwriteArgs {
+    /// Rules of a command that opens `inputs` with this calibration and reads these `settings` (a parameter file, a
+    /// session).
+    pub(super) fn rules(
+        &self,
+        inputs: &[Input],
+        calibration: &OpenOptions,
+        settings: &[Option<&PathBuf>],
+    ) -> OutputRules {
+        let overwrite = if self.force { Overwrite::Force } else { Overwrite::Refuse };
+        OutputRules::new(opened(inputs, calibration, settings), overwrite)
+    }
+}
+
+/// All files that the command opens.
+pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Option<&PathBuf>]) -> OpenedFiles {
+    let bursts = inputs.iter().filter_map(|input| input.source.as_ref().ok()).flat_map(BurstSource::files);
+    let frames = [&calibration.bias, &calibration.flat]
+        .into_iter()
+        .flatten()
+        .flat_map(|path| BurstSource::Paths(vec![path.clone()]).files());
+    let settings = settings.iter().flatten().map(|path| (*path).clone());
+    OpenedFiles::of(bursts.chain(frames).chain(settings))
+}
+
+/// Checks that `path`, if there is one, may be written.
+///
+/// # Errors
+/// When it must not be overwritten.
+pub(super) fn check(rules: &OutputRules, path: Option<&Path>) -> Result<(), Failure> {
+    Ok(path.map_or(Ok(()), |path| rules.check(path))?)
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! Resolves typed arguments to what the window opens: one burst, two side by side, a dataset, or a session.
 
 use super::args::SequenceArgs;
-use super::failure::Failure;
+use super::failure::{Failure, complain};
 use super::inputs::{Input, resolve, resolve_one};
-use super::terminal::complain;
 use crate::burst::{OpenError, SequenceCut};
 use crate::dataset::DatasetSource;
 use std::path::PathBuf;

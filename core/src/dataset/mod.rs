@@ -15,7 +15,6 @@ pub mod pairs;
 mod picture;
 mod source;
 mod stamp;
-mod thumbnail;
 
 pub use camera::{CameraChoice, GUESSED_FOCAL_FACTOR};
 #[cfg(feature = "colmap")]
@@ -25,7 +24,6 @@ pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, Finished
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;
 pub use pairs::{BurstSide, MatchedPair, match_pairs};
-pub use picture::{BurstPicture, ImageKind, burst_picture};
+pub use picture::{BurstPicture, ImageKind, Thumbnail, burst_picture, thumbnail};
 pub use source::DatasetSource;
 pub use stamp::Comparison;
-pub use thumbnail::{Thumbnail, thumbnail};

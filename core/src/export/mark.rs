@@ -5,9 +5,7 @@
 //! session files in their first line. Tables and NumPy files have no place for a name: there the header is the mark.
 //! Only the first few kilobytes of a file are read; they decide, whatever its name is.
 
-use super::columns::COLUMNS;
-use super::matches::MATCH_COLUMNS;
-use super::profile::PROFILE_COLUMNS;
+use super::csv::{COLUMNS, MATCH_COLUMNS, PROFILE_COLUMNS};
 use crate::files::WRITTEN_BY;
 use std::fs::File;
 use std::io::Read;

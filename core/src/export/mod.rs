@@ -7,7 +7,6 @@
 
 mod atomic;
 mod colmap;
-mod columns;
 mod csv;
 mod error;
 mod figure;
@@ -15,12 +14,10 @@ mod format;
 mod kept;
 mod mark;
 mod match_picture;
-mod matches;
 mod npz;
 mod outputs;
 mod plot;
 mod png;
-mod profile;
 pub mod sheet;
 mod svg;
 mod tiff;
@@ -31,8 +28,10 @@ pub use colmap::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_
 pub use colmap::{
     DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
 };
-pub use columns::{COLUMNS, FeatureRow};
-pub use csv::{read_features_csv, write_csv};
+pub use csv::{
+    COLUMNS, FeatureRow, MATCH_COLUMNS, MatchRow, PROFILE_COLUMNS, PictureProfile, read_features_csv, write_csv,
+    write_matches_csv, write_profiles_csv,
+};
 pub use error::ExportError;
 pub use figure::{
     Colour, ColourBar, Drawing, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape,
@@ -44,11 +43,9 @@ pub use format::{
 pub(crate) use kept::{Checksum, MadeFrom, Record, Records, may_begin, read_json, write_json};
 pub use mark::{CURVE_COLUMNS, is_ours};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
-pub use matches::{MATCH_COLUMNS, MatchRow, write_matches_csv};
 pub use npz::write_npz;
 pub use outputs::{OpenedFiles, OutputRules, Overwrite};
 pub use plot::{Plot, Series, range_from_zero};
 pub use png::{Picture, write_png};
-pub use profile::{PROFILE_COLUMNS, PictureProfile, write_profiles_csv};
 pub(crate) use svg::Escaped;
 pub use tiff::write_tiff;

@@ -32,7 +32,7 @@ impl<W: Write> SvgWriter<W> {
             [("xmlns", &"http://www.w3.org/2000/svg"), ("xmlns:xlink", &"http://www.w3.org/1999/xlink")];
         let sizes: [Attribute<'_>; 4] =
             [("version", &"1.1"), ("width", &width), ("height", &height), ("viewBox", &view)];
-        svg.begin("svg", &[&names, &sizes, more].concat())?;
+        svg.begin("svg", &[&names[..], &sizes, more].concat())?;
         svg.raw(SVG_COMMENT)?;
         svg.text("title", &[], "", title)?;
         Ok(svg)
@@ -80,7 +80,7 @@ impl<W: Write> SvgWriter<W> {
         self.empty("rect", rect, "")?;
         self.end("clipPath")?;
         let clip: [Attribute<'_>; 1] = [("clip-path", &format!("url(#{id})"))];
-        self.begin("g", &[&clip, more].concat())
+        self.begin("g", &[&clip[..], more].concat())
     }
 
     /// Writes a picture into `rect`; its pixels stay sharp when magnified.
