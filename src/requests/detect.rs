@@ -1,15 +1,43 @@
-//! Finding the features of a burst, matching those of two, and the steps of the comparison of methods, which are these
-//! two with times that can be compared.
+//! Opening a burst, finding its features, matching those of two, and the steps of the comparison of methods, which are
+//! the last two with times that can be compared.
 
 use super::error::JobError;
 use super::open::{BurstId, OpenBurst};
 use super::request::{Request, Urgency, Work};
+use super::source::BurstSource;
 use crate::baseline::{self, Searched};
+use crate::burst::OpenOptions;
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
 use crate::inspect::ProbeCache;
 use crate::matching::{MatchParams, MatchResult, match_detections};
 use std::convert::Infallible;
 use std::sync::Arc;
+
+/// A burst to be opened, and how.
+#[derive(Debug, Clone)]
+pub struct OpenRequest {
+    /// Source of the burst.
+    pub source: BurstSource,
+    /// Options with which it is opened: its calibration.
+    pub options: OpenOptions,
+}
+
+impl Request for OpenRequest {
+    type Answer = OpenBurst;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self.source == other.source && self.options == other.options
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<OpenBurst, JobError> {
+        self.source.open(&self.options, work.monitor)
+    }
+}
 
 /// Request for a detection: snapshot of a burst and of the parameters.
 #[derive(Debug, Clone)]

@@ -32,7 +32,7 @@ pub use coherence::{CoherenceRequest, Coherences};
 pub use dataset::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest};
 #[cfg(feature = "colmap")]
 pub use dataset::{ColmapDone, ColmapRequest};
-pub use detect::{CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched};
+pub use detect::{CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest};
 pub use detect_line::detect_line;
 pub use error::JobError;
 pub use explain::{
@@ -40,7 +40,7 @@ pub use explain::{
     Probed, Traced,
 };
 pub use map::{MapKind, MotionMap};
-pub use open::{BurstId, OpenBurst, OpenRequest};
+pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
 pub use picture::{Picture, PictureKind, PictureRequest};
 pub use pictures::PicturesRequest;

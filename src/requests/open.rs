@@ -1,14 +1,12 @@
-//! Open bursts, and the request that opens one.
+//! Open bursts, and how they are opened.
 
 use super::error::JobError;
-use super::request::{Request, Urgency, Work};
 use super::source::{BurstSource, SourceError};
 use crate::burst::{Burst, OpenError, OpenOptions, find_bursts};
 use crate::inspect::truth::{TruthError, is_known, truth_of};
 use crate::inspect::words::counted;
 use crate::monitor::Monitor;
 use crate::synth::{Truth, synth_chart};
-use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -78,30 +76,4 @@ impl BurstSource {
 /// The bursts at `paths`, when there are any.
 fn bursts_at(paths: &[PathBuf]) -> Vec<BurstSource> {
     find_bursts(paths).unwrap_or_default().into_iter().map(|found| BurstSource::Paths(found.paths)).collect()
-}
-
-/// A burst to be opened, and how.
-#[derive(Debug, Clone)]
-pub struct OpenRequest {
-    /// Source of the burst.
-    pub source: BurstSource,
-    /// Options with which it is opened: its calibration.
-    pub options: OpenOptions,
-}
-
-impl Request for OpenRequest {
-    type Answer = OpenBurst;
-    type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.source == other.source && self.options == other.options
-    }
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<OpenBurst, JobError> {
-        self.source.open(&self.options, work.monitor)
-    }
 }

@@ -1,7 +1,7 @@
 //! Tables as CSV: features, matches, and profiles of pictures; a header line, then one line for each, in order.
 //!
-//! Numbers have the fewest digits that read back to the same `f32`. `at_slope_limit` is 1 or 0, so that every cell is a
-//! number. An infinite `snr` (a noiseless burst) is written `inf`, which numpy, pandas and R read.
+//! Numbers have the fewest digits that read back to the same `f32`. `at_slope_limit` is 1 or 0, so that every cell is
+//! a number. An infinite `snr` (a noiseless burst) is written `inf`, which numpy, pandas and R read.
 
 use super::atomic::write_whole;
 use super::error::ExportError;

@@ -6,8 +6,7 @@
 //! tile's pixels against the coarser level's shift by the share of signal in the tile, and the shrinkage works on real
 //! cosines.
 //!
-//! The data flow: frames → [`align`] (a shift for each tile of the middle frame, over a pyramid
-//! from coarse to fine) →
+//! The data flow: frames → [`align`] (a shift for each tile of the middle frame, over a pyramid from coarse to fine) →
 //! [`temporal`] (robust mean over time, tile by tile) → one image. [`tiles`] and [`dct`] are shared by these. Each
 //! frame is aligned by itself, without the assumption that the motion is uniform from frame to frame.
 
