@@ -5,7 +5,7 @@
 //! A room may use the rooms below it, never those above:
 //!
 //! ```text
-//! app, cli            the window; the commands
+//! cli, app            the commands; the window
 //! teach               lessons and the glossary, as data
 //! engine              background workers: latest request wins, cancel, progress
 //! requests            what can be asked for in the background, and what is answered

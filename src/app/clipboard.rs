@@ -9,7 +9,7 @@ use crate::app::project::workspace::Workspace;
 use crate::burst::OpenOptions;
 use crate::detector::Feature;
 use crate::export::{COLUMNS, FeatureRow};
-use crate::requests::BurstSource;
+use crate::requests::{BurstSource, detect_line};
 
 /// The features' columns and one feature's numbers, separated by tabs: two rows for a spreadsheet.
 pub fn feature_text(feature: &Feature) -> String {
@@ -86,19 +86,13 @@ pub fn copy_command(ctx: &egui::Context, model: &mut Model) {
 
 /// The command that finds the features of the burst of `side`, opened from `source`, with the present parameters.
 fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<String, &'static str> {
+    let inputs = source
+        .arguments()
+        .ok_or("this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts")?;
     // Built-in bursts are opened without calibration.
-    let (inputs, calibration) = match source {
-        BurstSource::Demo => (vec!["demo".to_owned()], OpenOptions::default()),
-        BurstSource::DemoLater => (vec!["demo-later".to_owned()], OpenOptions::default()),
-        BurstSource::Example(example) => (vec![example.name().to_owned()], OpenOptions::default()),
-        BurstSource::Paths(paths) => {
-            (paths.iter().map(|path| path.display().to_string()).collect(), model.calibration.clone())
-        }
-        BurstSource::Chart(_) | BurstSource::DarkCopy { .. } => {
-            return Err("this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts");
-        }
-    };
-    Ok(crate::cli::detect_line(&inputs, &model.asked_of(side), &calibration))
+    let calibration =
+        if matches!(source, BurstSource::Paths(_)) { model.calibration.clone() } else { OpenOptions::default() };
+    Ok(detect_line(&inputs, &model.asked_of(side), &calibration))
 }
 
 /// Copies the picture in focus.

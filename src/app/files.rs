@@ -21,7 +21,7 @@ use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::curves_csv;
 use crate::evaluate::curves_figure::curves_svg;
-use crate::export::{self, ExportFormat, Inputs, OutputRules, Overwrite};
+use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
 use crate::plane::Plane;
 use crate::plane::display::to_rgba8;
@@ -172,7 +172,7 @@ pub(super) fn may_replace(path: &Path, model: &Model) -> OutputRules {
     // A file that does not exist is not open either; this avoids listing the files of a large dataset.
     let is_there = std::fs::symlink_metadata(path).is_ok();
     let opened = if is_there { model.opened_files() } else { Vec::new() };
-    OutputRules::new(Inputs::of(opened), Overwrite::Force)
+    OutputRules::new(OpenedFiles::of(opened), Overwrite::Force)
 }
 
 /// Writes a file. The user has agreed to overwriting.

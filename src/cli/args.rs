@@ -1,11 +1,11 @@
-//! Arguments that several commands share, and those of the plain commands: names, kinds and help texts. Checks of their
-//! combinations are elsewhere.
+//! Arguments that several commands share (how bursts are opened, cut and searched, what is printed and written over),
+//! and those of the plain commands: names, kinds and help texts. Checks of their combinations are elsewhere.
 
-use super::burst_search_args::BurstSearchArgs;
-use super::calibration_args::CalibrationArgs;
-use super::output_args::{OutputArgs, OverwriteArgs};
+use super::choices::{RAW_COLOURS, words};
+use super::search_options::SearchArgs;
+use crate::burst::{OpenOptions, RawColour};
 use crate::detector::params::doc;
-use crate::detector::{FrameRange, Slope};
+use crate::detector::{FrameRange, Slope, memory};
 use crate::export::ExportFormat;
 use clap::Args;
 use std::path::PathBuf;
@@ -139,6 +139,116 @@ pub(super) fn parse_slope(text: &str) -> Result<Slope, String> {
     Ok(Slope::new(number(u)?, number(v)?))
 }
 
+/// How bursts are searched and opened, and what is said of it.
+#[derive(Debug, Clone, Args)]
+pub struct BurstSearchArgs {
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub search: SearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub calibration: CalibrationArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// How the values of files become light.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Calibration", allow_negative_numbers = true)]
+pub struct CalibrationArgs {
+    /// Bias frame (or stack or folder of them, which is averaged), subtracted from each frame. Files of another kind
+    /// are converted to the frames' unit, or refused.
+    #[arg(long, value_name = "FILE")]
+    pub bias: Option<PathBuf>,
+    /// Flat frame (or stack or folder of them, which is averaged): a picture of an even surface, by which each frame is
+    /// divided.
+    #[arg(long, value_name = "FILE")]
+    pub flat: Option<PathBuf>,
+    /// The files' value that becomes 1, such as 4095 for 12 bits in 16-bit files [default: what their type can hold].
+    #[arg(long, value_name = "VALUE")]
+    pub full_scale: Option<f32>,
+    /// The files' value that becomes 0; values below it become negative [default: 0, or what a raw file says].
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    pub black_level: Option<f32>,
+    /// Undo the sRGB encoding of 8 and 16-bit pictures, so that values are proportional to light.
+    #[arg(long)]
+    pub linearise: bool,
+    /// Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a frame is
+    /// grey. The notes say which they are [default: such a frame is an error].
+    #[arg(long)]
+    pub accept_damaged: bool,
+    /// What is taken of the 2×2 colours of raw frames: luma, the mean of the four, green, the mean of two, red or blue
+    /// [default: luma].
+    #[arg(long, value_name = "COLOUR", value_parser = words::<RawColour>(RAW_COLOURS))]
+    pub raw_colour: Option<RawColour>,
+}
+
+impl CalibrationArgs {
+    /// Options with which bursts are opened.
+    pub fn options(&self) -> OpenOptions {
+        OpenOptions {
+            bias: self.bias.clone(),
+            flat: self.flat.clone(),
+            full_scale: self.full_scale,
+            black_level: self.black_level,
+            linearise: self.linearise,
+            accept_damaged: self.accept_damaged,
+            raw_colour: self.raw_colour.unwrap_or_default(),
+            ..OpenOptions::default()
+        }
+    }
+}
+
+/// What is printed, and with how many threads the work is done.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Output")]
+pub struct OutputArgs {
+    /// Print one JSON document on the standard output instead of the summary.
+    #[arg(long)]
+    pub json: bool,
+    /// Print no summary and show no progress; errors are still told.
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Number of threads; results are the same for any number [default: one for each core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs more is
+    /// done in groups of slopes, with the same result, or refused before it starts where that is not enough
+    /// [default: 75%].
+    #[arg(long = memory::OPTION, value_name = "SIZE", value_parser = parse_memory)]
+    pub memory: Option<u64>,
+}
+
+/// What may be written over.
+#[derive(Debug, Clone, Copy, Default, Args)]
+#[command(next_help_heading = "Output")]
+pub struct OverwriteArgs {
+    /// Replace files that Burstscope did not write, and links, which are not followed. Files that the command opens are
+    /// never replaced.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Reads a number of bytes: `8G`, `500M` (powers of 1000), or a percentage of the machine's memory.
+fn parse_memory(text: &str) -> Result<u64, String> {
+    let bad =
+        || format!("'{text}' is neither a size such as 8G or 500M nor a part of the machine's memory such as 50%");
+    let text = text.trim();
+    let (number, unit) = text.split_at(text.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(text.len()));
+    let number = number.parse::<f64>().ok().filter(|n| n.is_finite() && *n > 0.0).ok_or_else(bad)?;
+    let unit = match unit.trim_end_matches(['B', 'b']).trim() {
+        "G" | "g" => 1e9,
+        "M" | "m" => 1e6,
+        "%" if number <= 100.0 => {
+            let all = memory::machine_bytes().ok_or("this system does not say how much memory it has; give a size")?;
+            all as f64 / 100.0
+        }
+        _ => return Err(bad()),
+    };
+    Ok((number * unit) as u64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,6 +258,14 @@ mod tests {
         assert_eq!(parse_slope("-2.1, 0"), Ok(Slope::new(-2.1, 0.0)));
         for bad in ["", "1", "1,", "a,b", "nan,0", "1,2,3"] {
             assert!(parse_slope(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn sizes_are_read_and_nonsense_is_refused() {
+        assert_eq!((parse_memory("1.5G"), parse_memory("500 MB")), (Ok(1_500_000_000), Ok(500_000_000)));
+        for bad in ["", "8", "G", "-1G", "120%", "0M", "many"] {
+            assert!(parse_memory(bad).is_err(), "{bad}");
         }
     }
 }

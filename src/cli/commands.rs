@@ -1,18 +1,19 @@
 //! All commands. The program's arguments are one of them, or what the window opens.
+//! `completions` writes them for a shell.
 
-use super::args::{DetectArgs, MergeArgs, SequenceArgs, StackArgs};
-use super::calibration_args::CalibrationArgs;
+use super::args::{CalibrationArgs, DetectArgs, MergeArgs, SequenceArgs, StackArgs};
 #[cfg(feature = "colmap")]
-use super::colmap_args::ColmapArgs;
+use super::colmap::ColmapArgs;
 use super::evaluate_args::EvaluateArgs;
+use super::failure::{Failure, print};
 use super::figures::FiguresArgs;
-use super::inspect_args::{ProbeArgs, SlopesArgs};
-use super::match_args::MatchArgs;
+use super::match_bursts::MatchArgs;
+use super::probe::{ProbeArgs, SlopesArgs};
 #[cfg(feature = "app")]
-use super::render_args::RenderArgs;
+use super::render::RenderArgs;
 use super::search_options::ParamsFileArg;
-use super::synth_args::SynthArgs;
-use clap::{Args, Parser, Subcommand};
+use super::synth::SynthArgs;
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
@@ -101,6 +102,15 @@ pub struct CompletionsArgs {
     /// The shell.
     #[arg(value_name = "SHELL")]
     pub shell: clap_complete::Shell,
+}
+
+/// Name of the program, as typed.
+const NAME: &str = "burstscope";
+
+pub(super) fn run(args: &CompletionsArgs) -> Result<(), Failure> {
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut text);
+    print(&String::from_utf8_lossy(&text)).map_err(Failure::output)
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! Terminal of a command: results on the standard output, progress on the standard error, and signals such as Ctrl-C,
 //! which cancel the work.
 
-use super::failure::Failure;
-use super::output_args::OutputArgs;
+use super::args::OutputArgs;
+use super::failure::{Failure, complain, print, print_json, printable};
 use super::signals;
-use super::terminal::{complain, print, print_json, printable};
 use crate::detector::memory;
 use crate::monitor::Monitor;
 use anyhow::Context;

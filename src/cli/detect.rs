@@ -136,3 +136,117 @@ pub(super) fn detect_burst(
     console.say(&summary(&report, &job.params.detector, &detection))?;
     Ok((report, burst, detection))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::burst::RawColour;
+    use crate::cli::commands::{Cli, Command};
+    use crate::detector::{
+        DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
+        NoiseModelKind, Slope, SlopeChoice, SlopeExtrema, SlopeGrid, SlopeNeighbours,
+    };
+    use crate::requests::detect_line;
+    use clap::Parser;
+
+    /// Splits a line into words as a shell does.
+    fn split(line: &str) -> Vec<String> {
+        let (mut words, mut word, mut inside, mut any) = (Vec::new(), String::new(), false, false);
+        let mut letters = line.chars();
+        while let Some(c) = letters.next() {
+            match c {
+                '\'' => (inside, any) = (!inside, true),
+                '\\' if !inside => word.extend(letters.next()),
+                ' ' if !inside => {
+                    if any || !word.is_empty() {
+                        words.push(std::mem::take(&mut word));
+                    }
+                    any = false;
+                }
+                c => word.push(c),
+            }
+        }
+        words.push(word);
+        words
+    }
+
+    /// Inputs and parameters that the command parses from the line.
+    fn understood(inputs: &[&str], params: &SearchParams) -> (Vec<PathBuf>, SearchParams) {
+        let inputs: Vec<String> = inputs.iter().map(|input| (*input).to_owned()).collect();
+        let line = detect_line(&inputs, params, &OpenOptions::default());
+        let cli = Cli::try_parse_from(split(&line)).unwrap_or_else(|e| panic!("{line}: {e}"));
+        let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
+        let params = args.run.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
+        (args.inputs, params)
+    }
+
+    #[test]
+    fn the_command_understands_what_the_window_says() {
+        let plain = SearchParams::default();
+        assert_eq!(
+            detect_line(&["demo".to_owned()], &plain, &OpenOptions::default()),
+            "burstscope detect demo --out features"
+        );
+        let mut slopes = SlopeGrid::plane(-6.0..=6.0, 25, -1.5..=1.25, 3);
+        slopes.direction_deg = -30.0;
+        let everything = DetectorParams {
+            method: Method::Sift,
+            frames: Some(FrameRange { start: 2, end: 9 }),
+            octaves: 4,
+            levels: 3,
+            first_octave: -1,
+            peak_threshold: 0.0021,
+            noise_gate: NoiseGate::Factor(4.3),
+            noise_model: NoiseModelKind::White,
+            flicker: Flicker::Off,
+            edge_threshold: 10.1,
+            slope_neighbours: SlopeNeighbours::All,
+            slope_extrema: SlopeExtrema::Joint,
+            distinct: Distinct::Off,
+            distinct_scale: 2.3,
+            describe_slope: DescribeSlope::Grid,
+            interpolation: Interpolation::Nearest,
+            kernel_cut: 3.0,
+            localisation: Localisation::Quadratic,
+            max_features: 100,
+            max_orientations: 3,
+            slopes,
+        };
+        let line = |degrees| SearchParams {
+            slopes: SlopeChoice::Auto { direction_deg: Some(degrees) },
+            ..SearchParams::default()
+        };
+        let strict = DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() };
+        let apart = DetectorParams { distinct: Distinct::Radius(1.4), ..DetectorParams::default() };
+        let still = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..DetectorParams::default() };
+        let cases: [SearchParams; 6] =
+            [plain, everything.into(), line(-12.5), strict.into(), apart.into(), still.into()];
+        for params in cases {
+            assert_eq!(understood(&["demo"], &params), (vec![PathBuf::from("demo")], params));
+        }
+    }
+
+    #[test]
+    fn the_calibration_is_said_too() {
+        let calibration = OpenOptions {
+            bias: Some("dark frames/b.tiff".into()),
+            full_scale: Some(4095.0),
+            black_level: Some(-2.5),
+            linearise: true,
+            raw_colour: RawColour::Green,
+            ..OpenOptions::default()
+        };
+        let line = detect_line(&["night".to_owned()], &SearchParams::default(), &calibration);
+        let cli = Cli::try_parse_from(split(&line)).unwrap_or_else(|e| panic!("{line}: {e}"));
+        let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
+        assert_eq!(args.run.calibration.options(), calibration, "{line}");
+    }
+
+    #[test]
+    fn paths_are_quoted_as_a_shell_takes_them() {
+        let paths = ["/data/night 1/it's dark", "/data/$HOME;x", "-odd", "plain/0001.png", "Über/ü.tiff"];
+        let (inputs, _) = understood(&paths, &SearchParams::default());
+        let read: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
+        assert_eq!(read, ["/data/night 1/it's dark", "/data/$HOME;x", "./-odd", "plain/0001.png", "Über/ü.tiff"]);
+    }
+}

@@ -1,15 +1,13 @@
 //! `evaluate`: measures the detector against known truth.
 
-use super::chart_study::{chart_study, check_plot, write_plot};
 use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
-use super::evaluate_frames;
 use super::evaluate_matches;
 use super::evaluate_poses;
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
-use super::outputs;
-use super::study::{Document, Searched, searched};
+use super::study::{Document, Searched, chart_study, check_plot, searched, write_plot};
+use super::{evaluate_frames, inputs};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
@@ -37,7 +35,7 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     let study = chart_study((&args.charts, &args.compared), &args.search, args.snr.clone())?;
     let console = Console::new(&args.output)?;
     let rules = args.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);
-    outputs::check(&rules, args.plot.as_deref())?;
+    inputs::check(&rules, args.plot.as_deref())?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_table(&report))?;
     write_plot(&console, args.plot.as_deref(), &rules, || roc_svg(&report))?;

@@ -1,10 +1,10 @@
 //! The arguments of `evaluate` as they are written.
 
+use super::args::{OutputArgs, OverwriteArgs};
 use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::evaluate_frames::FramesArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
-use super::output_args::{OutputArgs, OverwriteArgs};
 use super::search_options::SearchArgs;
 use crate::synth::{ChartParams, NoiseCase};
 use clap::{Args, Subcommand};

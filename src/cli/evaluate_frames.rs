@@ -1,16 +1,13 @@
 //! `evaluate frames`: measures how results depend on the number of frames, on charts or in a given burst.
 
-use super::args::INPUT_HELP;
-use super::burst_search_args::BurstSearchArgs;
-use super::chart_study::{chart_study, check_plot, write_plot};
+use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
 use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::console::Console;
 use super::evaluate_tables::{burst_frames_table, frames_table};
 use super::failure::Failure;
+use super::inputs;
 use super::inputs::{Input, open_options, resolve_one, resolve_pair};
-use super::output_args::OverwriteArgs;
-use super::outputs;
-use super::study::Document;
+use super::study::{Document, chart_study, check_plot, write_plot};
 use crate::burst::Burst;
 use crate::detector::params::doc;
 use crate::evaluate::frames::FRAME_COUNTS;
@@ -98,7 +95,7 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
     };
     let console = Console::new(&args.run.output)?;
     let rules = rules(args, &[]);
-    outputs::check(&rules, args.plot.as_deref())?;
+    inputs::check(&rules, args.plot.as_deref())?;
     let report = study.run(&console.monitor)?;
     console.say(&frames_table(&report))?;
     write_plot(&console, args.plot.as_deref(), &rules, || frames_svg(&report))?;
@@ -118,7 +115,7 @@ fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
     };
     let options = open_options(&inputs, &args.run.calibration)?;
     let rules = rules(args, &inputs);
-    outputs::check(&rules, args.plot.as_deref())?;
+    inputs::check(&rules, args.plot.as_deref())?;
     let silent = console.monitor.silent();
     let bursts = inputs.iter().map(|i| i.open(&options, &silent)).collect::<Result<Vec<Burst>, _>>()?;
     let truth = truth_of(&bursts[0]).map_err(|e| Failure::Failed(e.into()))?;

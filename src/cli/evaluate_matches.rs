@@ -1,7 +1,6 @@
 //! `evaluate matches`: counts the matches of a dataset's bursts, method by method.
 
-use super::args::SequenceArgs;
-use super::burst_search_args::BurstSearchArgs;
+use super::args::{BurstSearchArgs, SequenceArgs};
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_bursts};

@@ -1,9 +1,9 @@
 //! `evaluate poses`: compares an estimated trajectory with the true one.
 
+use super::args::OutputArgs;
 use super::choices::{ASSOCIATIONS, words};
 use super::console::Console;
 use super::failure::Failure;
-use super::output_args::OutputArgs;
 use super::study::Document;
 use crate::evaluate::poses::{
     Association, ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory,

@@ -1,6 +1,7 @@
-//! Ways in which a command fails, and their exit codes.
+//! Ways in which a command fails, their exit codes, and what is written to the terminal: results on the standard
+//! output, errors on the standard error. In what names of files and errors say, control characters are written as
+//! escapes (`\u{1b}`) and take no effect. A standard error that is full or closed is ignored.
 
-use super::terminal::complain;
 #[cfg(feature = "app")]
 use crate::app::RenderError;
 use crate::burst::OpenError;
@@ -11,7 +12,10 @@ use crate::evaluate::poses::PoseError;
 use crate::figures::FiguresError;
 use crate::matching::MatchError;
 use crate::monitor::Cancelled;
+use crate::requests::SourceError;
 use crate::synth::{SynthError, WriteBurstError};
+use std::borrow::Cow;
+use std::io::{ErrorKind, Result, Write};
 use std::process::ExitCode;
 
 /// Exit code of an interrupted command.
@@ -70,6 +74,15 @@ impl From<Cancelled> for Failure {
 impl From<OpenError> for Failure {
     fn from(error: OpenError) -> Self {
         if error.is_cancelled() { Self::Interrupted } else { Self::Failed(error.into()) }
+    }
+}
+
+impl From<SourceError> for Failure {
+    fn from(error: SourceError) -> Self {
+        match error {
+            SourceError::Open(error) => error.into(),
+            SourceError::Synth(error) => error.into(),
+        }
     }
 }
 
@@ -177,5 +190,70 @@ impl From<WriteBurstError> for Failure {
             WriteBurstError::Cancelled(_) => Self::Interrupted,
             other => Self::Failed(other.into()),
         }
+    }
+}
+
+/// Whether a terminal may read `c` as a command: true for control characters except line feed and tab.
+fn is_command(c: char) -> bool {
+    c.is_control() && c != '\n' && c != '\t'
+}
+
+/// Replaces each control character except line feeds and tabs by an escape.
+pub(super) fn printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_command) {
+        return Cow::Borrowed(text);
+    }
+    let mut clean = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        if is_command(c) { clean.extend(c.escape_unicode()) } else { clean.push(c) }
+    }
+    Cow::Owned(clean)
+}
+
+/// Prints text for people on the standard output. A reader that closed the pipe, such as `head`, is no failure.
+///
+/// # Errors
+/// When writing to the standard output fails for any other reason.
+pub(super) fn print(text: &str) -> Result<()> {
+    print_bytes(&printable(text))
+}
+
+/// Prints a JSON document. Control characters occur only inside its strings, where they are written as `\u` escapes.
+///
+/// # Errors
+/// As [`print`].
+pub(super) fn print_json(text: &str) -> Result<()> {
+    let mut clean = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_command(c) { clean += &format!("\\u{:04x}", u32::from(c)) } else { clean.push(c) }
+    }
+    print_bytes(&clean)
+}
+
+fn print_bytes(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Prints a line on the standard error; a failed write is ignored.
+pub(super) fn complain(text: &str) {
+    // A standard error that cannot be written is no reason to fail.
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(text));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_to_a_terminal_are_written_out() {
+        assert_eq!(
+            printable("night\u{1b}[31m\n\tone\u{9b}2J\u{7f}\r"),
+            "night\\u{1b}[31m\n\tone\\u{9b}2J\\u{7f}\\u{d}"
+        );
+        assert!(matches!(printable("夜 night\n"), Cow::Borrowed(_)));
     }
 }

@@ -1,8 +1,8 @@
 //! `figures`: remakes every figure and table of the paper.
 
+use super::args::OutputArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::output_args::OutputArgs;
 use super::study::{Document, once_each};
 use crate::figures::{FigureSize, FiguresEvent, FiguresJob, PaperFigure, find_colmap};
 use clap::Args;

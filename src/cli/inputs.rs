@@ -1,82 +1,52 @@
-//! Resolves typed arguments to bursts.
+//! Resolves typed arguments to bursts, and gives the rules for overwriting files beside them.
 //!
 //! Each folder is resolved on its own, so that an unreadable one does not stop the others. Files are resolved together:
 //! several pictures are the frames of one burst.
 
-use super::args::SequenceArgs;
-use super::calibration_args::CalibrationArgs;
+use super::args::{CalibrationArgs, OverwriteArgs, SequenceArgs};
 use super::failure::Failure;
 use crate::baseline::check_memory;
 use crate::burst::{
-    Burst, BurstSource, Entries, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries,
+    Burst, BurstFiles, Entries, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries,
     name_among_several,
 };
 use crate::detector::SearchParams;
-use crate::export::make_file_names_unique;
+use crate::export::{OpenedFiles, OutputRules, Overwrite, make_file_names_unique};
 use crate::files::path_text;
 use crate::monitor::Monitor;
-use crate::synth::{Example, demo_burst, later_demo_burst};
+use crate::requests::BurstSource;
 use std::path::{Path, PathBuf};
 
 /// Name of the built-in burst; a folder of that name is given as `./demo`.
 pub(super) const DEMO: &str = "demo";
-/// Name of the second built-in burst: the same street a little later.
-pub(super) const DEMO_LATER: &str = "demo-later";
 
 /// One burst named by the arguments.
 #[derive(Debug)]
 pub(super) struct Input {
     /// Name of the burst, after which its files are named; unique among the inputs.
     pub name: String,
-    /// Location of the burst.
-    pub place: Place,
-}
-
-/// Location of a burst.
-#[derive(Debug)]
-pub(super) enum Place {
-    /// Built-in demo street.
-    Demo {
-        /// Whether it is the later one of the two.
-        later: bool,
-    },
-    /// Built-in example of a failure case.
-    Example(Example),
-    /// Files or folders.
-    Paths(Vec<PathBuf>),
-    /// Not found; holds the error.
-    Broken(OpenError),
+    /// Source of the burst, or why it was not found.
+    pub source: Result<BurstSource, OpenError>,
 }
 
 impl Input {
     /// The built-in burst of the name `word`, if there is one.
     fn built_in(word: &Path) -> Option<Self> {
-        let named = |name: &str| word.as_os_str() == name;
-        let place = match () {
-            () if named(DEMO) => Place::Demo { later: false },
-            () if named(DEMO_LATER) => Place::Demo { later: true },
-            () => Place::Example(Example::ALL.into_iter().find(|example| named(example.name()))?),
-        };
-        Some(Self { name: word.display().to_string(), place })
+        let source = BurstSource::named(word.to_str()?)?;
+        Some(Self { name: word.display().to_string(), source: Ok(source) })
     }
 
     /// Whether the burst is built into the program.
     pub fn is_built_in(&self) -> bool {
-        matches!(self.place, Place::Demo { .. } | Place::Example(_))
+        self.source.as_ref().is_ok_and(|source| source.name().is_some())
     }
 
     /// Opens the burst.
     ///
     /// # Errors
-    /// As [`Burst::open_with`], or when the burst was not found.
-    pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, OpenError> {
-        match &self.place {
-            Place::Demo { later: false } => Ok(demo_burst()),
-            Place::Demo { later: true } => Ok(later_demo_burst()),
-            Place::Example(example) => Ok(example.burst()),
-            Place::Paths(paths) => Burst::open_with(paths, options, monitor),
-            Place::Broken(error) => Err(error.clone()),
-        }
+    /// As [`BurstSource::burst`], or when the burst was not found.
+    pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, Failure> {
+        Ok(self.source.clone()?.burst(options, monitor)?)
     }
 
     /// Opens the burst to search it with `params`. A search that needs more memory than there is, is refused before any
@@ -90,18 +60,15 @@ impl Input {
         params: &SearchParams,
         monitor: &Monitor,
     ) -> Result<Burst, Failure> {
-        if let Place::Paths(paths) = &self.place {
+        if let Ok(BurstSource::Paths(paths)) = &self.source {
             check_memory(paths, options, params)?;
         }
-        Ok(self.open(options, monitor)?)
+        self.open(options, monitor)
     }
 
     /// Paths that the burst is read from; none for a built-in burst.
-    pub fn paths(&self) -> Vec<PathBuf> {
-        match &self.place {
-            Place::Paths(paths) => paths.clone(),
-            _ => Vec::new(),
-        }
+    pub fn paths(&self) -> &[PathBuf] {
+        self.source.as_ref().map_or(&[], BurstSource::paths)
     }
 
     /// Paths that the burst is read from, as text.
@@ -147,12 +114,12 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
     let several = inputs.len() > 1;
     let mut bursts = Vec::new();
     for input in inputs {
-        let Place::Paths(paths) = input.place else {
+        let Ok(BurstSource::Paths(paths)) = input.source else {
             bursts.push(input);
             continue;
         };
-        match cut_sequence(&BurstSource { name: input.name.clone(), paths }, cut) {
-            Err(error) => bursts.push(Input { name: input.name, place: Place::Broken(error) }),
+        match cut_sequence(&BurstFiles { name: input.name.clone(), paths }, cut) {
+            Err(error) => bursts.push(Input { name: input.name, source: Err(error) }),
             Ok(sources) => bursts.extend(sources.into_iter().map(found).map(|burst| {
                 let name = if several { name_among_several(&input.name, &burst.name) } else { burst.name };
                 Input { name, ..burst }
@@ -182,17 +149,17 @@ fn resolve_files(files: &[PathBuf]) -> Vec<Input> {
     }
 }
 
-fn found(source: BurstSource) -> Input {
-    Input { name: source.name, place: Place::Paths(source.paths) }
+fn found(burst: BurstFiles) -> Input {
+    Input { name: burst.name, source: Ok(BurstSource::Paths(burst.paths)) }
 }
 
 fn look(paths: &[PathBuf]) -> Vec<Input> {
     match find_entries(paths) {
         Ok(Entries { bursts, strays }) => {
-            let stray = |path: PathBuf| Input { name: name_of(&path), place: Place::Broken(OpenError::Stray { path }) };
+            let stray = |path: PathBuf| Input { name: name_of(&path), source: Err(OpenError::Stray { path }) };
             bursts.into_iter().map(found).chain(strays.into_iter().map(stray)).collect()
         }
-        Err(error) => vec![Input { name: name_of(&paths[0]), place: Place::Broken(error) }],
+        Err(error) => vec![Input { name: name_of(&paths[0]), source: Err(error) }],
     }
 }
 
@@ -250,6 +217,39 @@ pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> R
     }
 }
 
+impl OverwriteArgs {
+    /// Rules of a command that opens `inputs` with this calibration and reads these `settings` (a parameter file, a
+    /// session).
+    pub(super) fn rules(
+        &self,
+        inputs: &[Input],
+        calibration: &OpenOptions,
+        settings: &[Option<&PathBuf>],
+    ) -> OutputRules {
+        let overwrite = if self.force { Overwrite::Force } else { Overwrite::Refuse };
+        OutputRules::new(opened(inputs, calibration, settings), overwrite)
+    }
+}
+
+/// All files that the command opens.
+pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Option<&PathBuf>]) -> OpenedFiles {
+    let bursts = inputs.iter().filter_map(|input| input.source.as_ref().ok()).flat_map(BurstSource::files);
+    let frames = [&calibration.bias, &calibration.flat]
+        .into_iter()
+        .flatten()
+        .flat_map(|path| BurstSource::Paths(vec![path.clone()]).files());
+    let settings = settings.iter().flatten().map(|path| (*path).clone());
+    OpenedFiles::of(bursts.chain(frames).chain(settings))
+}
+
+/// Checks that `path`, if there is one, may be written.
+///
+/// # Errors
+/// When it must not be overwritten.
+pub(super) fn check(rules: &OutputRules, path: Option<&Path>) -> Result<(), Failure> {
+    Ok(path.map_or(Ok(()), |path| rules.check(path))?)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -272,7 +272,7 @@ mod tests {
         let names: Vec<&str> = inputs.iter().map(|i| i.name.as_str()).collect();
         // The path that does not exist may be a frame of the burst of single files, so that burst is broken.
         assert_eq!((names[0], names[2], names[3], inputs.len()), ("demo", "night", "demo_2", 4));
-        assert!(matches!(inputs[1].place, Place::Broken(_)));
+        assert!(inputs[1].source.is_err());
         let inputs = resolve(&[file(2), file(0), file(1)]);
         assert_eq!(inputs[0].paths(), [file(2), file(0), file(1)], "files keep their order");
         assert!(resolve_one(&[DEMO.into(), folder.clone()], "stack").is_err());
@@ -297,7 +297,7 @@ mod tests {
         assert_eq!(bursts[2].paths(), [2, 3, 4].map(|t| film("day").join(format!("f{t}.png"))));
         let bursts = resolve_bursts(&[film("day"), film("dusk"), film("night")], args(2, None)).expect("cut");
         assert_eq!(names(&bursts), ["day_f1", "day_f3", "dusk", "night_f1", "night_f3"]);
-        assert!(matches!(bursts[2].place, Place::Broken(OpenError::TooShort { frames: 1, length: 2, .. })));
+        assert!(matches!(bursts[2].source, Err(OpenError::TooShort { frames: 1, length: 2, .. })));
         assert!(resolve_bursts(&[film("day")], args(0, None)).is_err());
         assert!(resolve_bursts(&[DEMO.into()], args(2, None)).is_err());
         assert_eq!(resolve_bursts(&[film("day")], SequenceArgs::default()).expect("whole").len(), 1);

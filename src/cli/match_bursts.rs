@@ -1,22 +1,25 @@
 //! `match`: finds the features of two bursts and matches them.
 
+use super::args::{BurstSearchArgs, OverwriteArgs};
+use super::choices::{IMAGE_KINDS, words};
 use super::console::Console;
 use super::detect::{DetectJob, detect_burst};
 use super::failure::Failure;
 use super::inputs::{open_options, resolve_pair};
-use super::match_args::MatchArgs;
+use super::matching_args::MatchingArgs;
 use super::report::BurstReport;
 use crate::burst::Burst;
-use crate::dataset::burst_picture;
+use crate::dataset::{ImageKind, burst_picture};
 use crate::detector::{Detection, SearchParams};
-use crate::export::{MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
+use crate::export::{ExportFormat, MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
 use crate::files::serialize_path;
 use crate::matching::{MatchCounts, MatchParams, MatchResult, TwoViewModel, match_detections};
 use crate::monitor::Stage;
+use clap::Args;
 use nalgebra::Matrix3;
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// JSON document of `match`.
 #[derive(Serialize)]
@@ -156,3 +159,54 @@ fn write_summary(out: &mut String, counts: &MatchCounts, matching: &MatchParams,
     writeln!(out, "  match score  {}", number(counts.match_score()))?;
     writeln!(out, "  precision    {}", number(counts.precision()))
 }
+
+/// Match the features of two bursts, and verify the matches.
+///
+/// The features of both bursts are found with the same parameters. Each is matched with the one of the other burst
+/// whose descriptor is nearest, if it is clearly nearer than the second nearest and if that holds both ways; matches on
+/// which a geometry of the two views agrees are inliers.
+#[derive(Debug, Clone, Args)]
+#[command(after_long_help = MATCH_HELP)]
+pub struct MatchArgs {
+    /// The first burst: a folder of frames, an image, a multi-page TIFF, a .npy stack, or 'demo'.
+    #[arg(value_name = "A")]
+    pub a: PathBuf,
+    /// The second burst.
+    #[arg(value_name = "B")]
+    pub b: PathBuf,
+    /// Folder for features, matches and picture, made if it is missing; files are named after the bursts.
+    #[arg(long, short, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Formats of the features, separated by commas: csv, colmap, npz.
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "csv")]
+    pub format: Vec<ExportFormat>,
+    /// What the picture shows of each burst: middle, its middle frame, or merged, its frames merged; stretched to 8
+    /// bit.
+    #[arg(long, value_name = "KIND", default_value = "middle", value_parser = words::<ImageKind>(IMAGE_KINDS))]
+    pub images: ImageKind,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub matching: MatchingArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub run: BurstSearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
+}
+
+const MATCH_HELP: &str = "\
+Files in DIR, for bursts A and B:
+  A.csv, B.csv       features, as 'detect' writes them
+  A_B.matches.csv    a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier; a and b count the features from 0
+  A_B.matches.png    both pictures, inliers solid and yellow, other matches dashed and vermilion
+
+Numbers, as in the paper's tables: match ratio = putative matches over keypoints, match score = inliers over keypoints (each the mean of A's and B's), precision =
+inliers over putative matches.
+
+JSON (--json):
+  {\"version\", \"command\": \"match\", \"params\": {as in the parameter file}, \"matching\", \"a\": {as a burst of 'detect'}, \"b\",
+   \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"match_ratio\", \"match_score\", \"precision\",
+   \"model\": null or {\"kind\", \"matrix\": [[row], …]}, \"files\": {\"matches\", \"picture\"}}
+  The matrix maps pixels whose first centre is at (0, 0): x_b^T F x_a = 0, or x_b ~ H x_a; the essential matrix maps directions. inliers, match_score and
+  precision are null where nothing was verified (--geometry none).";

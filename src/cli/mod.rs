@@ -1,26 +1,19 @@
 //! Commands: everything that the window computes, a command computes too.
 //!
 //! [`args`] and its sister modules describe raw arguments, which are turned once into checked values (see
-//! [`search_options`]); each command is a module of its own that calls the same functions as the window. Results go to
-//! the standard output, progress and errors to the standard error.
+//! [`search_options`]); each command is in a module with its own arguments, and calls the same functions as the
+//! window. Results go to the standard output, progress and errors to the standard error.
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
 pub mod args;
-pub mod burst_search_args;
-pub mod calibration_args;
-mod chart_study;
 pub mod charts_args;
 mod choices;
 #[cfg(feature = "colmap")]
-mod colmap;
-#[cfg(feature = "colmap")]
-pub mod colmap_args;
+pub mod colmap;
 pub mod commands;
-mod completions;
 mod console;
 mod detect;
-mod detect_line;
 mod evaluate;
 pub mod evaluate_args;
 pub mod evaluate_frames;
@@ -30,37 +23,22 @@ mod evaluate_tables;
 mod failure;
 pub mod figures;
 mod inputs;
-pub mod inspect_args;
-pub mod match_args;
-mod match_bursts;
+pub mod match_bursts;
 pub mod matching_args;
-mod merge;
 #[cfg(feature = "app")]
 mod opening;
-pub mod output_args;
-mod outputs;
-mod probe;
+pub mod probe;
 #[cfg(feature = "app")]
-mod render;
-#[cfg(feature = "app")]
-pub mod render_args;
+pub mod render;
 mod report;
 pub mod search_options;
 mod signals;
-mod slopes;
 mod stack;
 mod study;
-mod synth;
-pub mod synth_args;
-mod synth_values;
-#[cfg(feature = "app")]
-mod table;
-mod terminal;
-pub mod trajectory_args;
+pub mod synth;
 #[cfg(feature = "app")]
 mod window;
 
-pub use detect_line::detect_line;
 pub use failure::Failure;
 
 use crate::burst::{DecodeWorker, serve_decoding};
@@ -119,9 +97,9 @@ fn done(cli: &Cli) -> Result<(), Failure> {
         None => Err(Failure::usage("this program was built without its window (the feature 'app'); name a command")),
         Some(Command::Detect(args)) => detect::run(args),
         Some(Command::Match(args)) => match_bursts::run(args),
-        Some(Command::Merge(args)) => merge::run(args),
+        Some(Command::Merge(args)) => stack::run_merge(args),
         Some(Command::Probe(args)) => probe::run(args),
-        Some(Command::Slopes(args)) => slopes::run(args),
+        Some(Command::Slopes(args)) => probe::run_slopes(args),
         Some(Command::Stack(args)) => stack::run(args),
         Some(Command::Synth(args)) => synth::run(args),
         Some(Command::Evaluate(args)) => evaluate::run(args),
@@ -130,6 +108,6 @@ fn done(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Colmap(args)) => colmap::run(args),
         #[cfg(feature = "app")]
         Some(Command::Render(args)) => render::run(args),
-        Some(Command::Completions(args)) => completions::run(args),
+        Some(Command::Completions(args)) => commands::run(args),
     }
 }

@@ -1,9 +1,8 @@
 //! Resolves typed arguments to what the window opens: one burst, two side by side, a dataset, or a session.
 
 use super::args::SequenceArgs;
-use super::failure::Failure;
-use super::inputs::{Input, Place, resolve, resolve_one};
-use super::terminal::complain;
+use super::failure::{Failure, complain};
+use super::inputs::{Input, resolve, resolve_one};
 use crate::burst::{OpenError, SequenceCut};
 use crate::dataset::DatasetSource;
 use std::path::PathBuf;
@@ -55,16 +54,16 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
         SequenceCut::new(length, burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
     }
     for input in inputs {
-        match input.place {
-            Place::Paths(_) => {}
-            // The others are opened all the same.
-            Place::Broken(error @ OpenError::Stray { .. }) => complain(&error.to_string()),
-            Place::Broken(error) => return Err(error.into()),
-            Place::Demo { .. } | Place::Example(_) => {
+        match input.source {
+            Ok(source) if source.name().is_some() => {
                 return Err(Failure::usage(
                     "the demo is a burst alone: open it without a cut, and beside one other burst at most",
                 ));
             }
+            Ok(_) => {}
+            // The others are opened all the same.
+            Err(error @ OpenError::Stray { .. }) => complain(&error.to_string()),
+            Err(error) => return Err(error.into()),
         }
     }
     Ok(Opening::Dataset(DatasetSource { paths: arguments.to_vec(), burst_length, burst_step }))
@@ -73,7 +72,7 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::inputs::{DEMO, DEMO_LATER};
+    use crate::cli::inputs::DEMO;
     use std::path::Path;
 
     fn picture(path: &Path) {
@@ -92,7 +91,7 @@ mod tests {
         }
         let names = |two: [Input; 2]| two.map(|input| input.name);
         assert_eq!(
-            two_of(&[folder.clone(), DEMO_LATER.into()]).map(names),
+            two_of(&[folder.clone(), "demo-later".into()]).map(names),
             Some(["night".into(), "demo-later".into()])
         );
         assert!(two_of(&[file(0), file(1)]).is_none(), "two pictures are frames of one burst");

@@ -1,15 +1,20 @@
 //! `render`: draws the window into a PNG file, without a display.
 
+use super::args::{CalibrationArgs, INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs, parse_slope};
+use super::choices::{VIEW_KINDS, words};
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{Input, Place, resolve};
+use super::inputs::resolve;
 use super::opening::{Opening, what_to_open};
-use super::render_args::RenderArgs;
+use super::search_options::SearchArgs;
+use crate::app::project::cursor::ViewKind;
 use crate::app::{RenderOptions, render_to_png};
 use crate::dataset::DatasetSource;
+use crate::detector::Slope;
 use crate::files::path_text;
 use crate::plane::memory;
 use crate::requests::BurstSource;
+use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -83,21 +88,100 @@ pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
     match opening {
         Opening::Dataset(source) => Ok(Sources { dataset: Some(source), ..none }),
         Opening::Session(path) => Ok(Sources { session: Some(path), ..none }),
-        Opening::Burst(input) => Ok(Sources { source: Some(source_of(input)?), ..none }),
-        Opening::Two([a, b]) => Ok(Sources { source: Some(source_of(a)?), second: Some(source_of(b)?), ..none }),
+        Opening::Burst(input) => Ok(Sources { source: Some(input.source?), ..none }),
+        Opening::Two([a, b]) => Ok(Sources { source: Some(a.source?), second: Some(b.source?), ..none }),
     }
 }
 
-/// Turns `input` into a source for the window.
+/// Draw the window into a PNG file, without a display.
 ///
-/// # Errors
-/// When the input was not found.
-pub(super) fn source_of(input: Input) -> Result<BurstSource, Failure> {
-    match input.place {
-        Place::Demo { later: false } => Ok(BurstSource::Demo),
-        Place::Demo { later: true } => Ok(BurstSource::DemoLater),
-        Place::Example(example) => Ok(BurstSource::Example(example)),
-        Place::Paths(paths) => Ok(BurstSource::Paths(paths)),
-        Place::Broken(error) => Err(error.into()),
+/// Of two bursts the window shows both side by side, with the matches between them; of a dataset it shows the first.
+/// The window is drawn as it is on a screen, with a software graphics driver if need be (Mesa's lavapipe on Linux).
+/// Without --slope the picture is taken at the slope with the most features.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
+    #[allow(missing_docs)]
+    pub inputs: Vec<PathBuf>,
+    /// The PNG file to write.
+    #[arg(long, short, value_name = "PNG")]
+    pub out: PathBuf,
+    /// Kind of picture.
+    #[arg(long, value_name = "KIND", default_value = "stack", value_parser = words::<ViewKind>(VIEW_KINDS))]
+    pub kind: ViewKind,
+    /// The slope, pixels per frame to the right and down.
+    #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope)]
+    pub slope: Option<Slope>,
+    /// The frame, counted from 0 [default: the middle one].
+    #[arg(long, value_name = "T")]
+    pub frame: Option<usize>,
+    /// Octave of the DoG response [default: the finest].
+    #[arg(long, value_name = "O", allow_hyphen_values = true)]
+    pub octave: Option<i32>,
+    /// Level of the DoG response.
+    #[arg(long, value_name = "S", allow_hyphen_values = true, default_value_t = 0)]
+    pub level: i32,
+    /// Size of the window, in points.
+    #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse_size)]
+    pub size: (f32, f32),
+    /// Pixels for each point; 2 for a HiDPI screen.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = parse_scale)]
+    pub scale: f32,
+    /// Light colours instead of dark ones.
+    #[arg(long)]
+    pub light: bool,
+    /// Draw no features, so that nothing is searched.
+    #[arg(long)]
+    pub no_detect: bool,
+    /// Select the strongest feature, so that the side panel shows it.
+    #[arg(long, conflicts_with = "no_detect")]
+    pub select_strongest: bool,
+    /// Give up after this many seconds.
+    #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
+    pub timeout: u64,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub calibration: CalibrationArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub search: SearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub output: OutputArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
+}
+
+fn parse_size(text: &str) -> Result<(f32, f32), String> {
+    let bad = || format!("'{text}' is not WIDTHxHEIGHT from 200x150 to 8192x8192, such as 1280x800");
+    let (width, height) = text.split_once(['x', '×']).ok_or_else(bad)?;
+    let number = |s: &str, min: u32| {
+        s.trim().parse::<u32>().ok().filter(|x| (min..=8192).contains(x)).map(|x| x as f32).ok_or_else(bad)
+    };
+    Ok((number(width, 200)?, number(height, 150)?))
+}
+
+fn parse_scale(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|x| (0.5..=4.0).contains(x))
+        .ok_or_else(|| format!("'{text}' is not a factor from 0.5 to 4"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_parsers_refuse_nonsense() {
+        assert_eq!(parse_size("1280x800"), Ok((1280.0, 800.0)));
+        for bad in ["", "1280", "0x0", "-5x9", "99999x99999"] {
+            assert!(parse_size(bad).is_err(), "{bad}");
+        }
+        assert!(parse_scale("nan").is_err() && parse_scale("9").is_err());
     }
 }

@@ -1,23 +1,22 @@
 //! Opens the window, when no command is given. Without a display it draws the window into a file and prints the
 //! features.
 
+use super::args::OutputArgs;
 use super::commands::Cli;
 use super::console::Console;
-use super::failure::Failure;
+use super::failure::{Failure, print};
 use super::inputs::{DEMO, Input};
 use super::opening::{Opening, what_to_open};
-use super::output_args::OutputArgs;
-use super::render::{Sources, drawn, source_of, sources_of};
+use super::render::{Sources, drawn, sources_of};
 use super::signals;
-use super::table::feature_table;
-use super::terminal::print;
 use crate::app::{RenderOptions, Startup};
 use crate::baseline::search;
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
-use crate::detector::SearchParams;
+use crate::detector::{Detection, SearchParams};
 use crate::export::{OutputRules, safe_file_name};
 use crate::teach::{Lesson, built_in, built_in_names, lessons_at};
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -162,7 +161,35 @@ fn without_display(
         detection.features.len(),
         feature_table(&detection, TABLE_ROWS)
     ))?;
-    let second = second.map(source_of).transpose()?;
-    let options = RenderOptions { source: source_of(input)?, second, params, calibration, ..RenderOptions::default() };
+    let second = second.map(|input| input.source).transpose()?;
+    let options = RenderOptions { source: input.source?, second, params, calibration, ..RenderOptions::default() };
     draw(&options, &file, &console)
+}
+
+/// Lists the `count` strongest features, one on each line, under a header with units.
+pub(super) fn feature_table(detection: &Detection, count: usize) -> String {
+    let mut text = String::from(
+        "       u       v   sigma  orientation  slope u  slope v  response     snr  octave  level\n      px      px      px          deg     px/f     px/f             sigma              \n",
+    );
+    for f in detection.features.iter().take(count) {
+        // Writing into a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{:>8.2}{:>8.2}{:>8.2}{:>13.1}{:>9.2}{:>9.2}{:>10.4}{:>8.1}{:>8}{:>7}",
+            f.u,
+            f.v,
+            f.sigma,
+            f.orientation.to_degrees(),
+            f.slope.u,
+            f.slope.v,
+            f.response,
+            f.snr,
+            f.octave,
+            f.level
+        );
+    }
+    if detection.features.len() > count {
+        let _ = writeln!(text, "     … and {} more", detection.features.len() - count);
+    }
+    text
 }

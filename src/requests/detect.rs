@@ -1,12 +1,43 @@
-//! Finding the features of a burst.
+//! Opening a burst, finding its features, matching those of two, and the steps of the comparison of methods, which are
+//! the last two with times that can be compared.
 
 use super::error::JobError;
 use super::open::{BurstId, OpenBurst};
 use super::request::{Request, Urgency, Work};
+use super::source::BurstSource;
+use crate::baseline::{self, Searched};
+use crate::burst::OpenOptions;
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
 use crate::inspect::ProbeCache;
+use crate::matching::{MatchParams, MatchResult, match_detections};
 use std::convert::Infallible;
 use std::sync::Arc;
+
+/// A burst to be opened, and how.
+#[derive(Debug, Clone)]
+pub struct OpenRequest {
+    /// Source of the burst.
+    pub source: BurstSource,
+    /// Options with which it is opened: its calibration.
+    pub options: OpenOptions,
+}
+
+impl Request for OpenRequest {
+    type Answer = OpenBurst;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self.source == other.source && self.options == other.options
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<OpenBurst, JobError> {
+        self.source.open(&self.options, work.monitor)
+    }
+}
 
 /// Request for a detection: snapshot of a burst and of the parameters.
 #[derive(Debug, Clone)]
@@ -61,4 +92,89 @@ pub struct Detected {
     pub finding: Option<SlopeFinding>,
     /// The features.
     pub detection: Arc<Detection>,
+}
+
+/// Request for one step of the comparison of methods.
+#[derive(Debug, Clone)]
+pub enum CompareRequest {
+    /// Finding features by the method that the parameters ask for.
+    Detect(DetectRequest),
+    /// Matching the features of two bursts.
+    Match(MatchRequest),
+}
+
+/// Answer to a `CompareRequest`.
+#[derive(Debug, Clone)]
+pub enum Compared {
+    /// The features.
+    Detected(Detected),
+    /// The matches.
+    Matched(Matched),
+}
+
+impl Request for CompareRequest {
+    type Answer = Compared;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Detect(a), Self::Detect(b)) => a.is_same(b),
+            (Self::Match(a), Self::Match(b)) => a.is_same(b),
+            _ => false,
+        }
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Compared, JobError> {
+        match self {
+            Self::Match(request) => request.compute(work).map(Compared::Matched),
+            Self::Detect(DetectRequest { burst, params }) => {
+                let searched = baseline::search(&burst.burst, &params, work.monitor)?;
+                let Searched { detection, params: used, finding, .. } = searched;
+                let detection = Arc::new(detection);
+                Ok(Compared::Detected(Detected { burst: burst.id, asked: params, params: used, finding, detection }))
+            }
+        }
+    }
+}
+
+/// Request for matches: snapshot of the features of two bursts and of the parameters.
+#[derive(Debug, Clone)]
+pub struct MatchRequest {
+    /// The features of A.
+    pub a: Arc<Detection>,
+    /// The features of B.
+    pub b: Arc<Detection>,
+    /// The parameters.
+    pub params: MatchParams,
+}
+
+impl Request for MatchRequest {
+    type Answer = Matched;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.a, &other.a) && Arc::ptr_eq(&self.b, &other.b) && self.params == other.params
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Matched, JobError> {
+        let result = Arc::new(match_detections(&self.a, &self.b, &self.params, work.monitor)?);
+        Ok(Matched { request: self, result })
+    }
+}
+
+/// Matches with their request.
+#[derive(Debug, Clone)]
+pub struct Matched {
+    /// The request.
+    pub request: MatchRequest,
+    /// The matches, and their geometry.
+    pub result: Arc<MatchResult>,
 }

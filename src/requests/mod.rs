@@ -10,22 +10,16 @@
 
 mod against;
 mod coherence;
-mod compare;
 pub mod dataset;
 mod detect;
+mod detect_line;
 mod error;
 mod explain;
-mod losses;
 mod map;
 mod open;
-mod opening;
-mod pair;
 mod picture;
 mod pictures;
-mod poses;
-mod probe;
 mod request;
-mod running;
 mod source;
 mod study;
 mod trail;
@@ -35,26 +29,23 @@ mod tests;
 
 pub use against::{Against, AgainstRequest, ComparedWith, OthersSource, Reference};
 pub use coherence::{CoherenceRequest, Coherences};
-pub use compare::{CompareRequest, Compared};
 pub use dataset::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest};
 #[cfg(feature = "colmap")]
 pub use dataset::{ColmapDone, ColmapRequest};
-pub use detect::{DetectRequest, Detected};
+pub use detect::{CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest};
+pub use detect_line::detect_line;
 pub use error::JobError;
-pub use explain::{ExplainQuestion, ExplainRequest, Explained, Explanation};
-pub use losses::{FoundLosses, LossesRequest};
+pub use explain::{
+    ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest, ProbeQuestion, ProbeRequest,
+    Probed, Traced,
+};
 pub use map::{MapKind, MotionMap};
 pub use open::{BurstId, OpenBurst};
-pub use opening::OpenRequest;
-pub use pair::{MatchRequest, Matched};
 pub(crate) use picture::PictureKey;
 pub use picture::{Picture, PictureKind, PictureRequest};
 pub use pictures::PicturesRequest;
-pub use poses::{ComparedPoses, PosesRequest, TrajectorySource};
-pub use probe::{ProbeQuestion, ProbeRequest, Probed, Traced};
-pub use request::{Kept, PictureStore, Request, Urgency, Work};
-pub use running::{JobId, Running};
-pub use source::BurstSource;
-pub use study::StudyRequest;
+pub use request::{JobId, Kept, PictureStore, Request, Running, Urgency, Work};
+pub use source::{BurstSource, SourceError};
+pub use study::{ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
 pub(crate) use trail::trail_of;
 pub use trail::{DetectionSource, NothingKept, TrailStore};

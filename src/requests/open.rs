@@ -1,12 +1,12 @@
 //! Open bursts, and how they are opened.
 
 use super::error::JobError;
-use super::source::BurstSource;
-use crate::burst::{Burst, OpenOptions, find_bursts};
+use super::source::{BurstSource, SourceError};
+use crate::burst::{Burst, OpenError, OpenOptions, find_bursts};
 use crate::inspect::truth::{TruthError, is_known, truth_of};
 use crate::inspect::words::counted;
 use crate::monitor::Monitor;
-use crate::synth::{FrameLevels, Truth, synth_chart};
+use crate::synth::{Truth, synth_chart};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -64,44 +64,16 @@ impl BurstSource {
     /// [`JobError::Several`] for a folder of bursts, [`JobError::Failed`] with a message that names the file,
     /// [`JobError::Cancelled`] once `monitor` was cancelled.
     pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<OpenBurst, JobError> {
-        let burst = match self {
-            Self::Demo => crate::synth::demo::demo_burst(),
-            Self::DemoLater => crate::synth::demo::later_demo_burst(),
-            Self::Example(example) => example.burst(),
-            Self::Chart(chart) => {
-                let (burst, _) = synth_chart(chart, monitor).map_err(|error| open_error(&error, monitor))?;
-                Burst { name: self.label(), ..burst }
-            }
-            Self::DarkCopy { of, noise } => {
-                let clear = of.open(options, monitor)?;
-                let mut levels = FrameLevels::default();
-                levels.add(&clear.burst);
-                let exposure = noise.exposure(&levels).map_err(|error| open_error(&error, monitor))?;
-                Burst {
-                    name: self.label(),
-                    sources: Vec::new(),
-                    ..exposure.capture(&clear.burst, noise.seed, 0, monitor)?
-                }
-            }
-            Self::Paths(paths) => {
-                let found = bursts_at(paths);
-                if found.len() > 1 {
-                    return Err(JobError::Several(found));
-                }
-                Burst::open_with(paths, options, monitor).map_err(|error| open_error(&error, monitor))?
-            }
-        };
-        monitor.check()?;
-        Ok(OpenBurst::new(burst, self.clone()))
+        match self.burst(options, monitor) {
+            Ok(burst) => Ok(OpenBurst::new(burst, self.clone())),
+            Err(error) if error.is_cancelled() || monitor.is_cancelled() => Err(JobError::Cancelled),
+            Err(SourceError::Open(OpenError::SeveralBursts { .. })) => Err(JobError::Several(bursts_at(self.paths()))),
+            Err(error) => Err(JobError::failed(error)),
+        }
     }
 }
 
 /// The bursts at `paths`, when there are any.
 fn bursts_at(paths: &[PathBuf]) -> Vec<BurstSource> {
-    // Errors in the paths are reported when they are opened.
     find_bursts(paths).unwrap_or_default().into_iter().map(|found| BurstSource::Paths(found.paths)).collect()
-}
-
-fn open_error(error: &impl std::fmt::Display, monitor: &Monitor) -> JobError {
-    if monitor.is_cancelled() { JobError::Cancelled } else { JobError::failed(error) }
 }

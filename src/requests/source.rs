@@ -1,6 +1,10 @@
-//! Source of a burst.
+//! Source of a burst, and how the burst is read or made from it: the same for the window and the commands.
 
-use crate::synth::{ChartParams, Example, NoisyParams};
+use crate::burst::{Burst, OpenError, OpenOptions, files_at};
+use crate::monitor::{Cancelled, Monitor};
+use crate::synth::{
+    ChartParams, Example, FrameLevels, NoisyParams, SynthError, demo_burst, later_demo_burst, synth_chart,
+};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -25,6 +29,33 @@ pub enum BurstSource {
     },
     /// A folder of frames, image files, a multi-page TIFF, or a `.npy` stack.
     Paths(Vec<PathBuf>),
+}
+
+/// Reason why a source gives no burst.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SourceError {
+    /// The files cannot be opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// The burst cannot be made.
+    #[error(transparent)]
+    Synth(#[from] SynthError),
+}
+
+impl SourceError {
+    /// Whether the work was cancelled, rather than failed.
+    pub fn is_cancelled(&self) -> bool {
+        match self {
+            Self::Open(error) => error.is_cancelled(),
+            Self::Synth(error) => matches!(error, SynthError::Cancelled(_)),
+        }
+    }
+}
+
+impl From<Cancelled> for SourceError {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Synth(cancelled.into())
+    }
 }
 
 impl BurstSource {
@@ -65,5 +96,50 @@ impl BurstSource {
                 }
             },
         }
+    }
+
+    /// Paths that the burst is read from; none for a burst that is made.
+    pub fn paths(&self) -> &[PathBuf] {
+        match self {
+            Self::Paths(paths) => paths,
+            Self::DarkCopy { of, .. } => of.paths(),
+            Self::Demo | Self::DemoLater | Self::Example(_) | Self::Chart(_) => &[],
+        }
+    }
+
+    /// Files that the burst is read from. Paths that cannot be listed are given as they are.
+    pub fn files(&self) -> Vec<PathBuf> {
+        files_at(self.paths()).unwrap_or_else(|_| self.paths().to_vec())
+    }
+
+    /// Arguments that name the burst on the command line; `None` for a burst that lies in no file.
+    pub fn arguments(&self) -> Option<Vec<String>> {
+        match self {
+            Self::Paths(paths) => Some(paths.iter().map(|path| path.display().to_string()).collect()),
+            _ => self.name().map(|name| vec![name.to_owned()]),
+        }
+    }
+
+    /// Reads or makes the burst on the calling thread, with the calibration in `options`; built-in bursts need none.
+    ///
+    /// # Errors
+    /// See [`OpenError`] and [`SynthError`]; also when `monitor` was cancelled.
+    pub fn burst(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, SourceError> {
+        let burst = match self {
+            Self::Demo => demo_burst(),
+            Self::DemoLater => later_demo_burst(),
+            Self::Example(example) => example.burst(),
+            Self::Chart(chart) => Burst { name: self.label(), ..synth_chart(chart, monitor)?.0 },
+            Self::DarkCopy { of, noise } => {
+                let clear = of.burst(options, monitor)?;
+                let mut levels = FrameLevels::default();
+                levels.add(&clear);
+                let copy = noise.exposure(&levels)?.capture(&clear, noise.seed, 0, monitor)?;
+                Burst { name: self.label(), sources: Vec::new(), ..copy }
+            }
+            Self::Paths(paths) => Burst::open_with(paths, options, monitor)?,
+        };
+        monitor.check()?;
+        Ok(burst)
     }
 }

@@ -1,11 +1,15 @@
-//! Studies of charts or of the open burst, single charts of a study, and the figures of the paper.
+//! Measurements: studies of charts or of the open burst, single charts of a study, the figures of the paper, and the
+//! comparison of camera poses.
 
 use super::error::JobError;
 use super::open::OpenBurst;
 use super::request::{Request, Urgency, Work};
+use crate::evaluate::poses::{PoseReport, PoseStudy, Trajectory, evaluate_poses, read_trajectory};
 use crate::evaluate::{ChartOfStudy, ShownChart, Study, StudyReport};
 use crate::figures::{FiguresJob, FiguresReport};
+use crate::monitor::Stage;
 use std::convert::Infallible;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Request for a study.
@@ -74,4 +78,87 @@ impl Request for FiguresJob {
     fn compute(self, work: &Work<'_, Infallible>) -> Result<FiguresReport, JobError> {
         Ok(self.run(&mut |_| {}, work.monitor)?)
     }
+}
+
+/// Source of a trajectory: a path, or a trajectory that was read already.
+#[derive(Debug, Clone)]
+pub enum TrajectorySource {
+    /// The folder of a sparse model or a trajectory file.
+    Path(PathBuf),
+    /// A trajectory that was read, with its path.
+    Read(PathBuf, Arc<Trajectory>),
+}
+
+impl TrajectorySource {
+    /// Path of the trajectory's file.
+    pub fn path(&self) -> &PathBuf {
+        match self {
+            Self::Path(path) | Self::Read(path, _) => path,
+        }
+    }
+
+    fn read(self) -> Result<(PathBuf, Arc<Trajectory>), JobError> {
+        match self {
+            Self::Path(path) => match read_trajectory(&path) {
+                Ok(trajectory) => Ok((path, Arc::new(trajectory))),
+                Err(error) => Err(JobError::failed(error)),
+            },
+            Self::Read(path, trajectory) => Ok((path, trajectory)),
+        }
+    }
+}
+
+/// Trajectories to read, and to compare if both are given.
+#[derive(Debug, Clone)]
+pub struct PosesRequest {
+    /// The estimate.
+    pub estimate: Option<TrajectorySource>,
+    /// The truth.
+    pub truth: Option<TrajectorySource>,
+    /// Parameters of the comparison.
+    pub study: PoseStudy,
+}
+
+impl Request for PosesRequest {
+    type Answer = ComparedPoses;
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        let path = |source: &Option<TrajectorySource>| source.as_ref().map(|source| source.path().clone());
+        let paths = |request: &Self| [path(&request.estimate), path(&request.truth)];
+        paths(self) == paths(other) && self.study == other.study
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedPoses, JobError> {
+        let monitor = work.monitor;
+        monitor.report(Stage::Open, 0.0);
+        let estimate = self.estimate.map(TrajectorySource::read).transpose()?;
+        monitor.check()?;
+        monitor.report(Stage::Open, 0.5);
+        let truth = self.truth.map(TrajectorySource::read).transpose()?;
+        monitor.check()?;
+        monitor.report(Stage::Evaluate, 0.8);
+        let report = match (&estimate, &truth) {
+            (Some((_, estimate)), Some((_, truth))) => {
+                Some(evaluate_poses(estimate, truth, &self.study).map(Arc::new).map_err(|e| e.to_string()))
+            }
+            _ => None,
+        };
+        Ok(ComparedPoses { estimate, truth, report })
+    }
+}
+
+/// Trajectories that were read, and their comparison.
+#[derive(Debug, Clone, Default)]
+pub struct ComparedPoses {
+    /// The estimate, with its path.
+    pub estimate: Option<(PathBuf, Arc<Trajectory>)>,
+    /// The truth, with its path.
+    pub truth: Option<(PathBuf, Arc<Trajectory>)>,
+    /// The comparison, or why there is none; `None` as long as one of them is missing.
+    pub report: Option<Result<Arc<PoseReport>, String>>,
 }

@@ -143,7 +143,8 @@ fn what_is_seen_is_copied_as_a_command() {
     window.settle();
     window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::K);
     window.harness.run_steps(1);
-    let line = burstscope::cli::detect_line(&["demo".to_owned()], &window.app().model.asked(), &Default::default());
+    let line =
+        burstscope::requests::detect_line(&["demo".to_owned()], &window.app().model.asked(), &Default::default());
     assert!(line.starts_with("burstscope detect demo --out ") && line.contains("--max-features 25"), "{line}");
     window.harness.run_steps(1);
     assert!(window.shows(&format!("Copied {line}")));

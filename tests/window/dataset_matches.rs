@@ -5,7 +5,7 @@ use crate::support::Window;
 use burstscope::Monitor;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::burst::OpenOptions;
-use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind, match_pairs};
+use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind, MatchedPair, match_pairs};
 use burstscope::matching::{MatchCounts, MatchParams};
 use egui::Key;
 use egui::accesskit::Role;
@@ -24,17 +24,18 @@ fn detected(home: &Path) -> Window {
 fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
     let job = FeatureJob { detector: few_slopes().into(), open: OpenOptions::default(), images: ImageKind::default() };
     let store = FeatureStore::open(&home.join("film-burstscope-5"), &job).unwrap();
-    let features: Vec<_> = walk_again(home).iter().map(|b| store.kept(b, &Monitor::default()).unwrap()).collect();
+    let bursts = walk_again(home);
+    let mut load = |index: usize| Ok(store.kept(&bursts[index], &Monitor::default()).ok().map(Into::into));
     let mut counts = None;
-    let mut on = |_, result: &burstscope::matching::MatchResult| {
-        counts = Some(result.counts);
+    let mut on = |matched: MatchedPair<'_>| {
+        counts = Some(matched.result.counts);
         Ok(())
     };
-    match_pairs(&features, &[pair], &MatchParams::default(), &mut on, &Monitor::default()).unwrap();
+    match_pairs(&[pair], &MatchParams::default(), &mut load, &mut on, &Monitor::default()).unwrap();
     counts.unwrap()
 }
 
-fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstSource> {
+fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstFiles> {
     let source =
         burstscope::dataset::DatasetSource { paths: vec![home.join("film")], burst_length: Some(5), burst_step: None };
     source.bursts().unwrap()
@@ -125,10 +126,7 @@ fn trajectory_matrix() {
     let (bursts, states) = (open.bursts.clone(), open.states.clone());
     open.bursts = std::sync::Arc::new(
         (0..many)
-            .map(|k| burstscope::burst::BurstSource {
-                name: format!("frame_{:03}", 2 + 5 * k),
-                ..bursts[k % 3].clone()
-            })
+            .map(|k| burstscope::burst::BurstFiles { name: format!("frame_{:03}", 2 + 5 * k), ..bursts[k % 3].clone() })
             .collect(),
     );
     open.states = (0..many).map(|k| states[k % 3].clone()).collect();

@@ -6,7 +6,7 @@
 //! takes the middle frame. Neither does the gold standard: it is SIFT on an image that was taken with enough light.)
 //!
 //! [`detect`] runs the detector with every [`Method`], and [`search`] finds the slopes first if `params` ask for it;
-//! [`prepare`] is the part of a method before the search.
+//! [`prepare`] is the part of a method before the search. Every detection goes through them.
 
 mod mean;
 mod merge;
@@ -15,10 +15,9 @@ pub use mean::plain_mean;
 pub use merge::merge_burst;
 
 use crate::burst::{Burst, Declared, OpenOptions};
+use crate::detector::pipeline;
 use crate::detector::slopes::resolve;
-use crate::detector::{
-    self, DetectError, Detection, DetectorParams, Method, ParamError, SearchParams, SlopeFinding, memory,
-};
+use crate::detector::{DetectError, Detection, DetectorParams, Method, ParamError, SearchParams, SlopeFinding, memory};
 use crate::monitor::Monitor;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -29,9 +28,7 @@ use std::time::Instant;
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
 /// was cancelled.
 pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
-    let frames_used = params.used_frames(burst.len());
-    let (burst, params) = prepare(burst, params, monitor)?;
-    Ok(Detection { frames_used, ..detector::detect(&burst, &params, monitor)? })
+    Ok(search(burst, &params.clone().into(), monitor)?.detection)
 }
 
 /// Features of a burst, with the slopes that were searched.
@@ -47,20 +44,47 @@ pub struct Searched {
     pub slopes_secs: f32,
 }
 
-/// Share of a search's progress that finding the slopes takes.
-const SLOPES_SHARE: f32 = 0.2;
-
 /// Finds the slopes of a burst if they are to be found, and then its features.
 ///
 /// # Errors
 /// As [`detect`].
 pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched, DetectError> {
-    let started = Instant::now();
-    let (params, finding) = resolve(burst, params, &monitor.part(0.0, SLOPES_SHARE))?;
-    let share = if finding.is_some() { SLOPES_SHARE } else { 0.0 };
-    let slopes_secs = if finding.is_some() { started.elapsed().as_secs_f32() } else { 0.0 };
-    let detection = detect(burst, &params, &monitor.part(share, 1.0 - share))?;
-    Ok(Searched { detection, params, finding, slopes_secs })
+    let PreparedSearch { burst: prepared, params, asked, finding, slopes_secs, rest } =
+        PreparedSearch::new(burst, params, monitor)?;
+    let detection = pipeline::search(&prepared, &params, &rest)?;
+    let detection = Detection { frames_used: asked.used_frames(burst.len()), ..detection };
+    Ok(Searched { detection, params: asked, finding, slopes_secs })
+}
+
+/// Share of a search's progress that finding the slopes takes.
+const SLOPES_SHARE: f32 = 0.2;
+
+/// A search whose slopes are found and whose frames are merged, as its parameters ask for.
+pub(crate) struct PreparedSearch {
+    /// The burst that is searched: for [`Method::Merge`] one merged frame.
+    pub burst: Burst,
+    /// The parameters for `burst`.
+    pub params: DetectorParams,
+    /// The requested parameters, with the slopes that are searched.
+    asked: DetectorParams,
+    /// The result of finding the slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
+    /// Time taken to find the slopes, seconds.
+    slopes_secs: f32,
+    /// Monitor of the search itself.
+    pub rest: Monitor,
+}
+
+impl PreparedSearch {
+    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, DetectError> {
+        let started = Instant::now();
+        let (asked, finding) = resolve(burst, params, &monitor.part(0.0, SLOPES_SHARE))?;
+        let share = if finding.is_some() { SLOPES_SHARE } else { 0.0 };
+        let slopes_secs = if finding.is_some() { started.elapsed().as_secs_f32() } else { 0.0 };
+        let rest = monitor.part(share, 1.0 - share);
+        let (burst, params) = prepare(burst, &asked, &rest)?;
+        Ok(Self { burst, params, asked, finding, slopes_secs, rest })
+    }
 }
 
 /// Checks, before the burst that `inputs` name is opened, that there is memory for its search. A file that cannot be
@@ -85,10 +109,10 @@ pub fn prepare(
     params: &DetectorParams,
     monitor: &Monitor,
 ) -> Result<(Burst, DetectorParams), DetectError> {
+    params.validate_for(burst.len(), burst.size())?;
     match params.method {
         Method::Buff | Method::Sift => Ok((burst.clone(), params.clone())),
         Method::Merge => {
-            params.validate_for(burst.len(), burst.size())?;
             let merged = merge_burst(burst, params.used_frames(burst.len()), monitor)?;
             Ok((merged, DetectorParams { frames: None, ..params.clone() }))
         }
@@ -110,7 +134,7 @@ mod tests {
         let found = detect(&burst, &params, &Monitor::default()).expect("detected");
         let merged = merge_burst(&burst, 1..6, &Monitor::default()).expect("merged");
         let sift = DetectorParams { method: Method::Sift, ..DetectorParams::default() };
-        let by_hand = detector::detect(&merged, &sift, &Monitor::default()).expect("detected");
+        let by_hand = pipeline::search(&merged, &sift, &Monitor::default()).expect("detected");
         assert!(!found.features.is_empty());
         assert_eq!((&found.features, &found.descriptors), (&by_hand.features, &by_hand.descriptors));
         assert_eq!((found.frames_used, found.slopes.len()), (1..6, 1));

@@ -16,7 +16,7 @@ pub use error::OpenError;
 pub use notes::{Note, Remark, RemarkKind};
 pub use options::{Encoding, Limits, OpenOptions, RawColour};
 pub use source::{
-    BurstSource, Declared, Entries, SequenceCut, cut_sequence, find_bursts, find_entries, name_among_several,
+    BurstFiles, Declared, Entries, SequenceCut, cut_sequence, files_at, find_bursts, find_entries, name_among_several,
     supported_extensions,
 };
 

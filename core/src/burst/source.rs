@@ -23,25 +23,33 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// One burst of an input: its name, and the paths for [`Burst::open_with`](super::Burst::open_with).
+/// The files of one burst: its name, and the paths for [`Burst::open_with`](super::Burst::open_with).
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BurstSource {
+pub struct BurstFiles {
     /// Name of the folder, or of the stack without its extension. Unique in one result of [`find_bursts`].
     pub name: String,
     /// A folder, a stack, or the frames in time order.
     pub paths: Vec<PathBuf>,
 }
 
-impl BurstSource {
+impl BurstFiles {
     /// Files with its frames: those of its folder in natural order, or its paths.
     ///
     /// # Errors
     /// The folder cannot be read.
     pub fn files(&self) -> Result<Vec<PathBuf>, OpenError> {
-        match &self.paths[..] {
-            [folder] if folder.is_dir() => pictures_of_folder(folder),
-            paths => Ok(paths.to_vec()),
-        }
+        files_at(&self.paths)
+    }
+}
+
+/// Files with the frames at `paths`: those of a single folder in natural order, or the paths themselves.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn files_at(paths: &[PathBuf]) -> Result<Vec<PathBuf>, OpenError> {
+    match paths {
+        [folder] if folder.is_dir() => pictures_of_folder(folder),
+        paths => Ok(paths.to_vec()),
     }
 }
 
@@ -59,7 +67,7 @@ const PICTURE_EXTENSIONS: &[&str] =
 ///
 /// # Errors
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
-pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstSource>, OpenError> {
+pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstFiles>, OpenError> {
     Ok(find_entries(inputs)?.bursts)
 }
 
@@ -67,7 +75,7 @@ pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstSource>, OpenError> {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Entries {
     /// The bursts.
-    pub bursts: Vec<BurstSource>,
+    pub bursts: Vec<BurstFiles>,
     /// Pictures that lie beside the bursts of a dataset and belong to none.
     pub strays: Vec<PathBuf>,
 }
@@ -137,11 +145,11 @@ fn entries_of_folder(folder: &Path, look_into_subfolders: bool) -> Result<Entrie
     Ok(Entries { bursts, strays: Vec::new() })
 }
 
-fn folder_source(folder: &Path) -> BurstSource {
-    BurstSource { name: folder_name(folder), paths: vec![folder.into()] }
+fn folder_source(folder: &Path) -> BurstFiles {
+    BurstFiles { name: folder_name(folder), paths: vec![folder.into()] }
 }
 
-fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstSource>, OpenError> {
+fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstFiles>, OpenError> {
     if let [single] = &files[..] {
         return Ok(vec![stack_source(single.clone())]);
     }
@@ -157,7 +165,7 @@ fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstSource>, OpenError> {
     let parent = files[0].parent().unwrap_or(Path::new(""));
     let together = files.iter().all(|f| f.parent().unwrap_or(Path::new("")) == parent);
     let name = if together { folder_name(parent) } else { stem(&files[0]) };
-    Ok(vec![BurstSource { name, paths: files }])
+    Ok(vec![BurstFiles { name, paths: files }])
 }
 
 /// Whether the file holds more than one frame. False for a file that cannot be read: opening it gives the error.
@@ -165,8 +173,8 @@ pub(super) fn is_stack(path: &Path) -> bool {
     decode::frame_count(path).is_ok_and(|frames| frames > 1)
 }
 
-fn stack_source(path: PathBuf) -> BurstSource {
-    BurstSource { name: stem(&path), paths: vec![path] }
+fn stack_source(path: PathBuf) -> BurstFiles {
+    BurstFiles { name: stem(&path), paths: vec![path] }
 }
 
 pub(super) fn stem(path: &Path) -> String {
@@ -216,7 +224,7 @@ pub(super) fn natural_order(a: &Path, b: &Path) -> Ordering {
 
 /// Numbers the second and later bursts of one name, so that their exports do not overwrite each other. Letter case is
 /// ignored, as some file systems do.
-pub(super) fn make_names_unique(sources: &mut [BurstSource]) {
+pub(super) fn make_names_unique(sources: &mut [BurstFiles]) {
     let mut taken = HashSet::new();
     for source in sources {
         let mut name = source.name.clone();
@@ -277,7 +285,7 @@ impl SequenceCut {
 ///
 /// # Errors
 /// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.
-pub fn cut_sequence(sequence: &BurstSource, cut: SequenceCut) -> Result<Vec<BurstSource>, OpenError> {
+pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut) -> Result<Vec<BurstFiles>, OpenError> {
     let frames = sequence.files()?;
     if let Some(path) = frames.iter().find(|f| is_stack(f)) {
         return Err(OpenError::CutStack { path: path.clone(), frames: decode::frame_count(path).unwrap_or(2) });
@@ -287,7 +295,7 @@ pub fn cut_sequence(sequence: &BurstSource, cut: SequenceCut) -> Result<Vec<Burs
         let path = sequence.paths.first().cloned().unwrap_or_default();
         return Err(OpenError::TooShort { path, frames: frames.len(), length: cut.length });
     }
-    let mut bursts: Vec<BurstSource> = ranges.map(|range| burst_of(&frames[range])).collect();
+    let mut bursts: Vec<BurstFiles> = ranges.map(|range| burst_of(&frames[range])).collect();
     make_names_unique(&mut bursts);
     Ok(bursts)
 }
@@ -297,8 +305,8 @@ pub fn name_among_several(sequence: &str, burst: &str) -> String {
     format!("{sequence}_{burst}")
 }
 
-fn burst_of(frames: &[PathBuf]) -> BurstSource {
-    BurstSource { name: stem(&frames[frames.len() / 2]), paths: frames.to_vec() }
+fn burst_of(frames: &[PathBuf]) -> BurstFiles {
+    BurstFiles { name: stem(&frames[frames.len() / 2]), paths: frames.to_vec() }
 }
 
 /// Number and size of a burst's frames.
@@ -375,7 +383,7 @@ mod tests {
     #[test]
     fn bursts_are_named_after_their_middle_frames() {
         let frame = |t: usize| PathBuf::from(format!("film/f_{t:02}.png"));
-        let film = BurstSource { name: "film".into(), paths: (0..9).map(frame).collect() };
+        let film = BurstFiles { name: "film".into(), paths: (0..9).map(frame).collect() };
         let bursts = cut_sequence(&film, cut(4, None)).expect("two bursts");
         let names: Vec<&str> = bursts.iter().map(|b| b.name.as_str()).collect();
         assert_eq!(names, ["f_02", "f_06"]);

@@ -3,18 +3,23 @@
 //! `images/NAME.png` shows each burst, `features/NAME.png.txt` holds its features in the form of COLMAP's importer, and
 //! `database.db` cameras, images, features, matches and verified geometries. Finished bursts are not computed again,
 //! see [`super::features`]; matches are, because they take little time compared with features.
+//!
+//! The features of a burst are in memory while they are found and while its pairs are matched: between these steps they
+//! are in its files and in the database. So memory does not grow with the number of bursts.
 
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
-use super::geometry::{database_camera, database_geometry, match_indices};
-use super::pairs::match_pairs;
+use super::pairs::{BurstSide, MatchedPair, match_pairs};
 use super::{CameraChoice, DatasetError};
-use crate::burst::BurstSource;
-use crate::export::write_colmap_database;
+use crate::burst::BurstFiles;
+use crate::export::{DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, write_colmap_database};
 use crate::files::serialize_path;
-use crate::matching::PairSelection;
-use crate::matching::{Camera, Geometry, MatchCounts, MatchParams, MatchResult};
+use crate::matching::{
+    Camera, CameraModel, Geometry, MatchCounts, MatchParams, MatchResult, PairSelection, TwoViewModel, Verification,
+};
 use crate::monitor::Monitor;
+use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 use serde::Serialize;
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 /// Name of the database in the dataset's folder.
@@ -111,7 +116,7 @@ pub struct ColmapReport {
 /// # Errors
 /// [`DatasetError`]. Files are written completely or not at all; finished bursts stay finished.
 pub fn export_colmap(
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     out: &Path,
     job: &ColmapJob,
     on: &mut dyn FnMut(Event<'_>),
@@ -126,24 +131,23 @@ pub fn export_colmap(
 /// As [`export_colmap`].
 pub fn export_colmap_from(
     store: &mut FeatureStore,
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     job: &ColmapJob,
     on: &mut dyn FnMut(Event<'_>),
     monitor: &Monitor,
 ) -> Result<ColmapReport, DatasetError> {
     let matching = job.verified_matching()?;
-    job.features.detector.validate()?;
     if bursts.len() < 2 {
         return Err(DatasetError::TooFew { count: bursts.len() });
     }
     let out = store.folder().to_path_buf();
     store.protect(bursts)?;
     store.check_output(&out.join(DATABASE_FILE))?;
-    let all = features_of_all(bursts, store, job, on, monitor)?;
-    if all.len() < 2 {
-        return Err(DatasetError::TooFew { count: all.len() });
+    let done = features_of_all(bursts, store, job, on, monitor)?;
+    if done.len() < 2 {
+        return Err(DatasetError::TooFew { count: done.len() });
     }
-    let pairs = job.pairs.pairs(all.len());
+    let pairs = job.pairs.pairs(done.len());
     on(Event::Matching { pairs: pairs.len() });
     store.begin_writing()?;
     let mut report = ColmapReport {
@@ -155,65 +159,103 @@ pub fn export_colmap_from(
         pairs: Vec::new(),
     };
     store.check_output(&report.database)?;
-    write_colmap_database(&report.database.clone(), |database| -> Result<(), DatasetError> {
-        for burst in &all {
+    write_colmap_database(&report.database.clone(), |database| {
+        for DoneBurst { index, resumed } in done {
             monitor.check()?;
-            let camera = job.camera.for_images(burst.size)?;
-            let known = report.cameras.iter().position(|c| *c == camera);
-            let camera_id = match known {
-                Some(index) => index as u32 + 1,
-                None => {
-                    let id = database.add_camera(&database_camera(&camera, report.known_camera))?;
-                    report.cameras.push(camera);
-                    id
-                }
-            };
-            let id = database.add_image(&burst.image_name, camera_id, &burst.keypoints, &burst.descriptors)?;
-            report.images.push(ImageReport {
-                id,
-                burst: burst.name.clone(),
-                image: burst.image_name.clone(),
-                features: burst.keypoints.len(),
-                resumed: burst.resumed,
-            });
+            let burst = store.written(&bursts[index])?;
+            add_burst(database, &BurstFeatures { resumed, ..burst }, job, &mut report)?;
         }
-        let mut write = |(a, b): (usize, usize), result: &MatchResult| -> Result<(), DatasetError> {
-            let ids = [report.images[a].id, report.images[b].id];
-            report.pairs.push(PairReport { ids, counts: result.counts });
-            // COLMAP also has no row for a pair without a match.
-            if !result.matches.is_empty() {
-                let geometry = database_geometry(&all[a], &all[b], result);
-                database.add_pair(ids[0], ids[1], &match_indices(result), geometry.as_ref())?;
-            }
-            Ok(())
-        };
-        match_pairs(&all, &pairs, &matching, &mut write, monitor)?;
-        Ok(monitor.check()?)
+        match_all(database, &pairs, &matching, &mut report, monitor)
     })?;
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
     Ok(report)
 }
 
-/// The features of all bursts that can be opened.
+/// A burst whose features are in the folder.
+struct DoneBurst {
+    /// Index in the dataset.
+    index: usize,
+    /// Whether an earlier run had found them.
+    resumed: bool,
+}
+
+/// Finds the features of all bursts that can be opened.
 fn features_of_all(
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     store: &mut FeatureStore,
     job: &ColmapJob,
     on: &mut dyn FnMut(Event<'_>),
     monitor: &Monitor,
-) -> Result<Vec<BurstFeatures>, DatasetError> {
-    let mut all = Vec::with_capacity(bursts.len());
+) -> Result<Vec<DoneBurst>, DatasetError> {
+    let mut done = Vec::with_capacity(bursts.len());
     let mut tell = |event: BurstEvent<'_>| match event {
         BurstEvent::Begin { index } => on(Event::Begin { index, count: bursts.len(), name: &bursts[index].name }),
-        BurstEvent::Done { features, .. } => {
+        BurstEvent::Done { index, features } => {
             on(Event::Done(&features));
-            all.push(features);
+            done.push(DoneBurst { index, resumed: features.resumed });
         }
         BurstEvent::Failed { index, error } => on(Event::Failed { name: &bursts[index].name, error }),
     };
     detect_all(store, bursts, &job.camera, &mut tell, monitor)?;
-    Ok(all)
+    Ok(done)
+}
+
+/// Adds a burst to the database and the report, with its camera if that is new.
+fn add_burst(
+    database: &mut DatabaseWriter<'_>,
+    burst: &BurstFeatures,
+    job: &ColmapJob,
+    report: &mut ColmapReport,
+) -> Result<(), DatasetError> {
+    let camera = job.camera.for_images(burst.size)?;
+    let known = report.cameras.iter().position(|c| *c == camera);
+    let camera_id = match known {
+        Some(index) => index as u32 + 1,
+        None => {
+            let id = database.add_camera(&database_camera(&camera, report.known_camera))?;
+            report.cameras.push(camera);
+            id
+        }
+    };
+    let id = database.add_image(&burst.image_name, camera_id, &burst.keypoints, &burst.descriptors)?;
+    report.images.push(ImageReport {
+        id,
+        burst: burst.name.clone(),
+        image: burst.image_name.clone(),
+        features: burst.keypoints.len(),
+        resumed: burst.resumed,
+    });
+    Ok(())
+}
+
+/// Matches `pairs` of the database's images, and adds their matches to the database and the report.
+fn match_all(
+    database: &mut DatabaseWriter<'_>,
+    pairs: &[(usize, usize)],
+    matching: &MatchParams,
+    report: &mut ColmapReport,
+    monitor: &Monitor,
+) -> Result<(), DatasetError> {
+    let ids: Vec<u32> = report.images.iter().map(|image| image.id).collect();
+    let database = RefCell::new(database);
+    let mut load = |index: usize| {
+        let (keypoints, descriptors) = database.borrow().features(ids[index])?;
+        Ok(Some(BurstSide::new(&keypoints, descriptors)))
+    };
+    let mut write = |MatchedPair { indices: (a, b), sides, result }: MatchedPair<'_>| {
+        let pair = [ids[a], ids[b]];
+        report.pairs.push(PairReport { ids: pair, counts: result.counts });
+        // COLMAP also has no row for a pair without a match.
+        if !result.matches.is_empty() {
+            let geometry = database_geometry(sides, result);
+            database.borrow_mut().add_pair(pair[0], pair[1], &match_indices(result), geometry.as_ref())?;
+        }
+        Ok(())
+    };
+    match_pairs(pairs, matching, &mut load, &mut write, monitor)?;
+    report.pairs.sort_by_key(|pair| pair.ids);
+    Ok(monitor.check()?)
 }
 
 impl ColmapJob {
@@ -235,4 +277,59 @@ impl ColmapJob {
         }
         Ok(matching)
     }
+}
+
+/// COLMAP's number of a camera model.
+fn model_id(model: CameraModel) -> u32 {
+    match model {
+        CameraModel::SimplePinhole => 0,
+        CameraModel::Pinhole => 1,
+        CameraModel::SimpleRadial => 2,
+        CameraModel::OpenCv => 4,
+    }
+}
+
+/// The camera for the database. `known` is whether its focal length was given.
+fn database_camera(camera: &Camera, known: bool) -> DatabaseCamera {
+    DatabaseCamera {
+        model_id: model_id(camera.model),
+        width: camera.width,
+        height: camera.height,
+        params: camera.params.clone(),
+        prior_focal_length: known,
+    }
+}
+
+/// The index pairs of all putative matches.
+fn match_indices(result: &MatchResult) -> Vec<[u32; 2]> {
+    result.matches.iter().map(|m| [m.a as u32, m.b as u32]).collect()
+}
+
+/// The geometry that the verified matches of the bursts `a` and `b` agree on; `None` where they were not verified.
+fn database_geometry([a, b]: [&BurstSide; 2], result: &MatchResult) -> Option<DatabaseGeometry> {
+    let Verification { model, inlier, .. } = result.verification.as_ref()?;
+    let Some(model) = model else {
+        return Some(DatabaseGeometry::degenerate());
+    };
+    let agreed = || result.matches.iter().zip(inlier).filter(|(_, inlier)| **inlier).map(|(m, _)| m);
+    let none = DatabaseGeometry {
+        inliers: agreed().map(|m| [m.a as u32, m.b as u32]).collect(),
+        ..DatabaseGeometry::degenerate()
+    };
+    Some(match model {
+        TwoViewModel::Fundamental { fundamental } => {
+            DatabaseGeometry { kind: GeometryKind::Uncalibrated, fundamental: Some(*fundamental), ..none }
+        }
+        TwoViewModel::Homography { forward, .. } => {
+            DatabaseGeometry { kind: GeometryKind::PlanarOrPanoramic, homography: Some(*forward), ..none }
+        }
+        TwoViewModel::Essential { essential, .. } => {
+            let places: Vec<([f64; 2], [f64; 2])> = agreed().map(|m| (a.places[m.a], b.places[m.b])).collect();
+            let pose = model.relative_pose(&places).map(|(pose, _)| {
+                let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(pose.rotation));
+                Isometry3::from_parts(Translation3::from(pose.translation), rotation)
+            });
+            DatabaseGeometry { kind: GeometryKind::Calibrated, essential: Some(*essential), b_from_a: pose, ..none }
+        }
+    })
 }

@@ -1,16 +1,18 @@
 //! The features of each burst of a dataset: found once, stored in files, and read from there the next time.
 
-use super::kept::NotKept;
-use super::manifest::{DETECTOR_KEY, MANIFEST_FILE, Manifest, Record};
+use super::kept::{
+    BurstRecord, DETECTOR_KEY, KeptBurst, MANIFEST_FILE, NotKept, check_folder, detector_text, differences,
+    write_manifest,
+};
 use super::picture::{ImageKind, write_picture};
-use super::stamp::{Checksum, Comparison, FileStamp};
+use super::stamp::{Comparison, FileStamp};
 use super::{CameraChoice, DatasetError};
 use crate::baseline::{Searched, check_memory, search};
-use crate::burst::{Burst, BurstSource, OpenError, OpenOptions, RawColour};
+use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions, RawColour, files_at};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{
-    ColmapKeypoint, ExportError, Inputs, OutputRules, Overwrite, parse_colmap, remove_temporary_files, safe_file_name,
-    write_colmap_keypoints,
+    Checksum, ColmapKeypoint, ExportError, MadeFrom, OpenedFiles, OutputRules, Overwrite, Record, Records,
+    parse_colmap, remove_temporary_files, safe_file_name, write_colmap_keypoints,
 };
 use crate::files::lock::FolderLock;
 use crate::monitor::Monitor;
@@ -103,7 +105,7 @@ pub struct FeatureStore {
     folder: PathBuf,
     job: FeatureJob,
     /// Program and settings with which features are found now.
-    made_with: Manifest,
+    made_with: MadeFrom,
     /// Comparison of frames with those of finished bursts.
     comparison: Comparison,
     /// Rules for overwriting files.
@@ -144,8 +146,8 @@ impl FeatureStore {
         if job.open.accept_damaged {
             settings.insert("accept_damaged".to_owned(), json!(true));
         }
-        Manifest::check_folder(folder)?;
-        let made_with = Manifest::new(Value::Object(settings));
+        check_folder(folder)?;
+        let made_with = MadeFrom::new(Value::Object(settings));
         let (comparison, rules) = (Comparison::default(), OutputRules::default());
         Ok(Self { folder: folder.into(), job: job.clone(), made_with, comparison, rules, lock: None })
     }
@@ -162,6 +164,11 @@ impl FeatureStore {
         Self { folder: folder.into(), job, made_with, comparison, rules, lock: None }
     }
 
+    /// The records of finished bursts.
+    pub(super) fn records(&self) -> Records {
+        Records::of(&self.folder)
+    }
+
     /// The dataset's folder.
     pub(super) fn folder(&self) -> &Path {
         &self.folder
@@ -171,18 +178,18 @@ impl FeatureStore {
     /// version of the program or another revision of the detector found them: with the same parameters this one would
     /// find other features.
     pub fn params_in(folder: &Path) -> Option<SearchParams> {
-        SearchParams::from_toml(&Manifest::detector_text(folder)?).ok()
+        SearchParams::from_toml(&detector_text(folder)?).ok()
     }
 
     /// Ensures, now and with every later write, that no frame of `bursts` and no bias or flat frame is overwritten.
     ///
     /// # Errors
     /// [`ExportError::Input`] for a frame in the place of an output file, [`ExportError::Link`] for a link.
-    pub fn protect(&mut self, bursts: &[BurstSource]) -> Result<(), DatasetError> {
+    pub fn protect(&mut self, bursts: &[BurstFiles]) -> Result<(), DatasetError> {
         let of_bursts = bursts.iter().flat_map(|burst| burst.files().unwrap_or_else(|_| burst.paths.clone()));
         let calibration =
             [&self.job.open.bias, &self.job.open.flat].map(|path| calibration_files(path).unwrap_or_default());
-        let inputs = Inputs::of(of_bursts.chain(calibration.into_iter().flatten()));
+        let inputs = OpenedFiles::of(of_bursts.chain(calibration.into_iter().flatten()));
         self.rules = OutputRules::new(inputs, Overwrite::Refuse);
         for image_name in bursts.iter().map(image_name) {
             for file in [self.feature_file(&image_name), self.picture_file(&image_name)] {
@@ -201,10 +208,10 @@ impl FeatureStore {
     }
 
     /// The numbers of `source` if it is finished, judged without reading its frames or its features.
-    pub fn finished(&self, source: &BurstSource) -> Option<FinishedBurst> {
+    pub fn finished(&self, source: &BurstFiles) -> Option<FinishedBurst> {
         let files = source.files().ok()?;
-        let Record { features, content, seconds, .. } =
-            self.record(source, &files, Comparison::Glance, &Monitor::default()).ok()?;
+        let KeptBurst { features, content, seconds, .. } =
+            self.record(source, &files, Comparison::Glance, &Monitor::default()).ok()?.of;
         let there = content.is_as_long_as(&self.feature_file(&image_name(source)));
         there.then_some(FinishedBurst { features, seconds })
     }
@@ -213,18 +220,38 @@ impl FeatureStore {
     ///
     /// # Errors
     /// The reason why they are not used.
-    pub fn kept(&self, source: &BurstSource, monitor: &Monitor) -> Result<BurstFeatures, NotKept> {
+    pub fn kept(&self, source: &BurstFiles, monitor: &Monitor) -> Result<BurstFeatures, NotKept> {
         let files = source.files().map_err(DatasetError::from)?;
         Ok(self.kept_with_record(source, &files, monitor)?.0)
     }
 
     fn kept_with_record(
         &self,
-        source: &BurstSource,
+        source: &BurstFiles,
         files: &[PathBuf],
         monitor: &Monitor,
-    ) -> Result<(BurstFeatures, Record), NotKept> {
+    ) -> Result<(BurstFeatures, BurstRecord), NotKept> {
         let record = self.record(source, files, self.comparison, monitor)?;
+        let kept = self.read(source, &record.of)?;
+        Ok((kept, record))
+    }
+
+    /// Reads the features that this store has found or kept in this run. The frames are not compared again.
+    ///
+    /// # Errors
+    /// [`ExportError::Read`] when the file of features was altered meanwhile.
+    #[cfg(feature = "colmap")]
+    pub(super) fn written(&self, source: &BurstFiles) -> Result<BurstFeatures, DatasetError> {
+        let image_name = image_name(source);
+        let record = self.records().read(&image_name).filter(|record| record.made_from == self.made_with);
+        let read = record.ok_or(NotKept::NoRecord).and_then(|record| self.read(source, &record.of));
+        read.map_err(|reason| {
+            ExportError::Read { path: self.feature_file(&image_name), reason: reason.to_string() }.into()
+        })
+    }
+
+    /// Reads the features of `source` that `record` describes.
+    fn read(&self, source: &BurstFiles, record: &KeptBurst) -> Result<BurstFeatures, NotKept> {
         let (name, image_name) = (source.name.clone(), image_name(source));
         let path = self.feature_file(&image_name);
         // A file of another length was altered; it is not read.
@@ -236,9 +263,7 @@ impl FeatureStore {
             return Err(NotKept::Altered);
         }
         let (size, seconds) = (record.size, record.seconds);
-        let kept =
-            BurstFeatures { name, image_name, size, keypoints, descriptors, resumed: true, slopes: None, seconds };
-        Ok((kept, record))
+        Ok(BurstFeatures { name, image_name, size, keypoints, descriptors, resumed: true, slopes: None, seconds })
     }
 
     /// The features of `source`: from its files if it is finished, otherwise found now and written with its picture.
@@ -247,7 +272,7 @@ impl FeatureStore {
     /// [`DatasetError`]; finished bursts stay finished.
     pub fn features(
         &mut self,
-        source: &BurstSource,
+        source: &BurstFiles,
         camera: &CameraChoice,
         monitor: &Monitor,
     ) -> Result<BurstFeatures, DatasetError> {
@@ -266,7 +291,7 @@ impl FeatureStore {
     /// Finds the features of `source`, and writes them with its picture and record.
     fn make(
         &mut self,
-        source: &BurstSource,
+        source: &BurstFiles,
         files: &[PathBuf],
         camera: &CameraChoice,
         monitor: &Monitor,
@@ -278,12 +303,11 @@ impl FeatureStore {
         self.begin_writing()?;
         let path = self.feature_file(&found.image_name);
         self.check_output(&path)?;
-        Record::remove(&self.folder, &found.image_name)?;
+        self.records().remove(&found.image_name)?;
         write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
         let content = Checksum::of_file(&path).map_err(|e| ExportError::write(&path, &e))?;
         let picture_content = self.write_picture_of(&found.image_name, &burst, monitor)?;
-        let record = Record {
-            made_with: self.made_with.clone(),
+        let of = KeptBurst {
             files: stamps,
             size: found.size,
             features: found.keypoints.len(),
@@ -292,7 +316,8 @@ impl FeatureStore {
             picture_content: Some(picture_content),
             seconds: found.seconds,
         };
-        record.write(&self.folder, &found.image_name)?;
+        let record = Record { made_from: self.made_with.clone(), of };
+        self.records().write(&found.image_name, &record)?;
         Ok(found)
     }
 
@@ -300,31 +325,31 @@ impl FeatureStore {
     /// written, and the record with the new times of frames whose content is unchanged.
     fn complete(
         &mut self,
-        source: &BurstSource,
+        source: &BurstFiles,
         files: &[PathBuf],
-        record: Record,
+        Record { made_from, of }: BurstRecord,
         monitor: &Monitor,
     ) -> Result<(), DatasetError> {
         let image_name = image_name(source);
         let picture_file = self.picture_file(&image_name);
-        let is_whole = match record.picture_content {
+        let is_whole = match of.picture_content {
             Some(content) => content.is_of(&picture_file),
             None => std::fs::metadata(&picture_file).is_ok_and(|file| file.is_file() && file.len() > 0),
         };
-        let stamps = FileStamp::with_times_of(&record.files, files)?;
-        let picture_content = if is_whole && record.picture == self.job.images {
-            if stamps == record.files {
+        let stamps = FileStamp::with_times_of(&of.files, files)?;
+        let picture_content = if is_whole && of.picture == self.job.images {
+            if stamps == of.files {
                 return Ok(());
             }
             self.begin_writing()?;
-            record.picture_content
+            of.picture_content
         } else {
             let burst = self.burst(source, monitor)?;
             self.begin_writing()?;
             Some(self.write_picture_of(&image_name, &burst, monitor)?)
         };
-        let record = Record { files: stamps, picture: self.job.images, picture_content, ..record };
-        Ok(record.write(&self.folder, &image_name)?)
+        let of = KeptBurst { files: stamps, picture: self.job.images, picture_content, ..of };
+        Ok(self.records().write(&image_name, &Record { made_from, of })?)
     }
 
     fn write_picture_of(&self, image_name: &str, burst: &Burst, monitor: &Monitor) -> Result<Checksum, DatasetError> {
@@ -345,10 +370,10 @@ impl FeatureStore {
         }
         let lock = FolderLock::take(&self.folder)?;
         let folders = [IMAGES_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));
-        for folder in folders.iter().chain([&self.folder, &Record::folder(&self.folder)]) {
+        for folder in folders.iter().chain([&self.folder, &self.records().folder().to_path_buf()]) {
             remove_temporary_files(folder);
         }
-        self.made_with.write(&self.folder)?;
+        write_manifest(&self.folder, &self.made_with)?;
         self.lock = Some(lock);
         Ok(())
     }
@@ -356,7 +381,7 @@ impl FeatureStore {
     /// Finds the features of `source`; returns them with the opened burst.
     fn find(
         &self,
-        source: &BurstSource,
+        source: &BurstFiles,
         camera: &CameraChoice,
         monitor: &Monitor,
     ) -> Result<(BurstFeatures, Burst), DatasetError> {
@@ -382,23 +407,23 @@ impl FeatureStore {
     /// The record of `source`, if it was made with the current settings from `files` as they are now.
     fn record(
         &self,
-        source: &BurstSource,
+        source: &BurstFiles,
         files: &[PathBuf],
         comparison: Comparison,
         monitor: &Monitor,
-    ) -> Result<Record, NotKept> {
-        let record = Record::read(&self.folder, &image_name(source)).ok_or(NotKept::NoRecord)?;
-        if record.made_with != self.made_with {
-            return Err(match record.made_with.is_of_this_program() {
-                true => NotKept::OtherOptions(record.made_with.differences(&self.made_with)),
+    ) -> Result<BurstRecord, NotKept> {
+        let record: BurstRecord = self.records().read(&image_name(source)).ok_or(NotKept::NoRecord)?;
+        if record.made_from != self.made_with {
+            return Err(match record.made_from.is_of_this_program() {
+                true => NotKept::OtherOptions(differences(&record.made_from, &self.made_with)),
                 false => NotKept::OtherProgram,
             });
         }
-        let agree = FileStamp::all_agree(&record.files, files, comparison, monitor)?;
+        let agree = FileStamp::all_agree(&record.of.files, files, comparison, monitor)?;
         if agree { Ok(record) } else { Err(NotKept::OtherFiles) }
     }
 
-    fn burst(&self, source: &BurstSource, monitor: &Monitor) -> Result<Burst, DatasetError> {
+    fn burst(&self, source: &BurstFiles, monitor: &Monitor) -> Result<Burst, DatasetError> {
         Ok(Burst::open_with(&source.paths, &self.job.open, monitor)?)
     }
 
@@ -415,13 +440,13 @@ impl FeatureStore {
 /// The files of a bias or flat frame, which may be a folder of them.
 fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>, OpenError> {
     match path {
-        Some(path) => BurstSource { name: String::new(), paths: vec![path.clone()] }.files(),
+        Some(path) => files_at(std::slice::from_ref(path)),
         None => Ok(Vec::new()),
     }
 }
 
 /// The name of the picture of a burst, below the folder of images; also its name in COLMAP.
-pub fn image_name(source: &BurstSource) -> String {
+pub fn image_name(source: &BurstFiles) -> String {
     format!("{}.png", safe_file_name(&source.name))
 }
 
@@ -433,11 +458,12 @@ pub fn image_name(source: &BurstSource) -> String {
 /// as [`BurstEvent::Failed`] and left out.
 pub fn detect_all(
     store: &mut FeatureStore,
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     camera: &CameraChoice,
     on: &mut dyn FnMut(BurstEvent<'_>),
     monitor: &Monitor,
 ) -> Result<(), DatasetError> {
+    store.job.detector.validate()?;
     store.protect(bursts)?;
     let share = 1.0 / bursts.len().max(1) as f32;
     for (index, source) in bursts.iter().enumerate() {

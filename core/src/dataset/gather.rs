@@ -6,10 +6,9 @@
 //! features found again.
 
 use super::features::{FEATURES_FOLDER, FeatureStore, IMAGES_FOLDER, image_name};
-use super::kept::NotKept;
-use super::manifest::Record;
+use super::kept::{KeptBurst, NotKept};
 use super::{BurstFeatures, DatasetError};
-use crate::burst::BurstSource;
+use crate::burst::BurstFiles;
 use crate::export::{ExportError, write_whole};
 use crate::files::serialize_path;
 use crate::monitor::Monitor;
@@ -53,7 +52,7 @@ fn as_text<S: Serializer>(reason: &NotKept, serializer: S) -> Result<S::Ok, S::E
 /// cancellation.
 pub fn gather(
     store: &mut FeatureStore,
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     folders: &[PathBuf],
     monitor: &Monitor,
 ) -> Result<GatherReport, DatasetError> {
@@ -72,7 +71,7 @@ pub fn gather(
         for (other, knows_one) in others.iter().zip(&mut knows_one) {
             if is_finished || brought {
                 // Only checked to see whether the folder is of this dataset.
-                *knows_one = *knows_one || Record::read(other.folder(), &image_name(source)).is_some();
+                *knows_one = *knows_one || other.records().read::<KeptBurst>(&image_name(source)).is_some();
                 continue;
             }
             match other.kept(source, monitor) {
@@ -102,9 +101,9 @@ pub fn gather(
 /// Copies the files of a burst that is finished in `other`. A picture that is missing there is made later.
 fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeatures) -> Result<(), DatasetError> {
     let image = &features.image_name;
-    let Some(record) = Record::read(other.folder(), image) else { return Ok(()) };
+    let Some(record) = other.records().read::<KeptBurst>(image) else { return Ok(()) };
     store.begin_writing()?;
-    Record::remove(store.folder(), image)?;
+    store.records().remove(image)?;
     let feature_file = Path::new(FEATURES_FOLDER).join(format!("{image}.txt"));
     let picture_file = Path::new(IMAGES_FOLDER).join(image);
     let has_picture = other.folder().join(&picture_file).is_file();
@@ -113,7 +112,7 @@ fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeature
         store.check_output(&to)?;
         copy(&other.folder().join(&file), &to)?;
     }
-    Ok(record.write(store.folder(), image)?)
+    Ok(store.records().write(image, &record)?)
 }
 
 /// Copies a file completely or not at all.

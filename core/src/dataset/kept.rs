@@ -1,6 +1,45 @@
-//! Reasons why stored features of a burst are not used.
+//! State of a dataset on disk, so that an interrupted run continues.
+//!
+//! `manifest.json` names the program and settings with which the folder was begun; it is written before anything else.
+//! Each finished burst has a record of its own (see [`Records`]), `records/NAME.png.json`, which names all that its
+//! features were made from, and the checksum of their file. A burst without a record, or with one that differs from the
+//! current settings, is computed again: features of two detectors do not match one another as well as those of one.
 
-use super::DatasetError;
+use super::stamp::FileStamp;
+use super::{DatasetError, ImageKind};
+use crate::export::{Checksum, ExportError, MadeFrom, Record, may_begin, read_json, write_json};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Name of the manifest file.
+pub(super) const MANIFEST_FILE: &str = "manifest.json";
+
+/// Key of the detector's parameters in the settings.
+pub(super) const DETECTOR_KEY: &str = "detector";
+
+/// Record of a finished burst.
+pub(super) type BurstRecord = Record<KeptBurst>;
+
+/// What is recorded of a finished burst.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct KeptBurst {
+    /// Stamps of its files.
+    pub files: Vec<FileStamp>,
+    /// Size of its frames (columns, rows).
+    pub size: (usize, usize),
+    /// Number of features.
+    pub features: usize,
+    /// Checksum of the file of features.
+    pub content: Checksum,
+    /// Kind of the picture that was written.
+    pub picture: ImageKind,
+    /// Checksum of the picture; absent in records of earlier programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picture_content: Option<Checksum>,
+    /// Time taken to open the burst and find its features, seconds.
+    pub seconds: Option<f64>,
+}
 
 /// Reason why the features of a burst are found again although stored features exist.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -24,4 +63,129 @@ pub enum NotKept {
     /// The check failed.
     #[error(transparent)]
     Failed(#[from] DatasetError),
+}
+
+/// Checks that `folder` is free or holds a dataset that this command began.
+///
+/// # Errors
+/// [`DatasetError::Occupied`] when `folder` holds files but no manifest: it belongs to somebody else.
+pub(super) fn check_folder(folder: &Path) -> Result<(), DatasetError> {
+    if may_begin(folder, MANIFEST_FILE.as_ref()) { Ok(()) } else { Err(DatasetError::Occupied(folder.into())) }
+}
+
+/// The manifest in `folder`, if it can be read.
+fn read_manifest(folder: &Path) -> Option<MadeFrom> {
+    read_json(&folder.join(MANIFEST_FILE))
+}
+
+/// Writes the manifest into `folder`, unless it is there already.
+pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<(), ExportError> {
+    if read_manifest(folder).as_ref() == Some(manifest) {
+        Ok(())
+    } else {
+        write_json(&folder.join(MANIFEST_FILE), manifest)
+    }
+}
+
+/// The detector's parameters, as text, with which this program found the features in `folder`; `None` where another
+/// one did.
+pub(super) fn detector_text(folder: &Path) -> Option<String> {
+    let manifest = read_manifest(folder).filter(MadeFrom::is_of_this_program)?;
+    manifest.settings().get(DETECTOR_KEY)?.as_str().map(str::to_owned)
+}
+
+/// Names of the settings in which `other` differs from `ours`: `detector` is replaced by the names of its parameters.
+pub(super) fn differences(ours: &MadeFrom, other: &MadeFrom) -> Vec<String> {
+    let keys = |made: &MadeFrom| made.settings().as_object().map(|map| map.keys().cloned().collect::<BTreeSet<_>>());
+    let all: BTreeSet<String> = [ours, other].into_iter().filter_map(keys).flatten().collect();
+    let mut names = Vec::new();
+    for key in all.into_iter().filter(|key| ours.settings().get(key) != other.settings().get(key)) {
+        let table = |made: &MadeFrom| made.settings().get(&key)?.as_str()?.parse::<toml::Table>().ok();
+        match (key.as_str(), table(ours), table(other)) {
+            (DETECTOR_KEY, Some(own), Some(others)) => {
+                let named: BTreeSet<&String> = own.keys().chain(others.keys()).collect();
+                names.extend(named.into_iter().filter(|name| own.get(*name) != others.get(*name)).cloned());
+            }
+            _ => names.push(key),
+        }
+    }
+    names.iter().map(|name| name.replace('_', "-")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::REVISION;
+    use crate::export::Records;
+    use crate::monitor::Monitor;
+    use serde_json::{Value, json};
+
+    /// A folder with a manifest, changed by `change`.
+    fn begun(change: impl FnOnce(&mut Value)) -> tempfile::TempDir {
+        let home = tempfile::tempdir().expect("a folder");
+        let manifest = MadeFrom::new(json!({ DETECTOR_KEY: "levels = 4" }));
+        let mut value = serde_json::to_value(&manifest).expect("plain values");
+        change(&mut value);
+        std::fs::write(home.path().join(MANIFEST_FILE), value.to_string()).expect("written");
+        home
+    }
+
+    #[test]
+    fn the_parameters_of_a_folder_are_those_that_this_program_would_find_again() {
+        assert_eq!(detector_text(begun(|_| ()).path()).as_deref(), Some("levels = 4"));
+        let changes: [fn(&mut Value); 5] = [
+            |manifest| manifest["detector_revision"] = json!(REVISION + 1),
+            |manifest| manifest["detector_revision"] = Value::Null,
+            |manifest| drop(manifest.as_object_mut().expect("an object").remove("detector_revision")),
+            |manifest| manifest["version"] = json!("0.0.1"),
+            |manifest| *manifest = json!([1, 2]),
+        ];
+        for change in changes {
+            assert_eq!(detector_text(begun(change).path()), None);
+        }
+    }
+
+    #[test]
+    fn what_differs_is_named_as_it_is_asked_for() {
+        let ours = MadeFrom::new(json!({ DETECTOR_KEY: "levels = 4\nedge_threshold = 10\n", "bias": [] }));
+        let other = |change: fn(&mut Value)| {
+            let mut value = serde_json::to_value(&ours).expect("plain values");
+            change(&mut value["settings"]);
+            differences(&serde_json::from_value(value).expect("a manifest"), &ours)
+        };
+        assert_eq!(other(|_| ()), Vec::<String>::new());
+        assert_eq!(other(|s| s[DETECTOR_KEY] = json!("levels = 4\nedge_threshold = 5\n")), ["edge-threshold"]);
+        assert_eq!(other(|s| s["black_level"] = json!(3)), ["black-level"]);
+        assert_eq!(other(|s| s[DETECTOR_KEY] = json!(3)), ["detector"]);
+        assert_eq!(other(|s| *s = json!(null)), ["bias", "detector"]);
+    }
+
+    #[test]
+    fn a_folder_of_other_files_is_refused() {
+        let home = tempfile::tempdir().expect("a folder");
+        assert_eq!(check_folder(home.path()), Ok(()));
+        std::fs::write(home.path().join("holiday.png"), "").expect("written");
+        assert_eq!(check_folder(home.path()), Err(DatasetError::Occupied(home.path().into())));
+        assert_eq!(check_folder(begun(|_| ()).path()), Ok(()));
+    }
+
+    #[test]
+    fn the_record_of_a_burst_comes_back() {
+        let home = tempfile::tempdir().expect("a folder");
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+        let of = KeptBurst {
+            files: FileStamp::with_checksums(&[file], &Monitor::default()).expect("it is there"),
+            size: (8, 6),
+            features: 3,
+            content: Checksum::of(b"3 128\n"),
+            picture: ImageKind::Middle,
+            picture_content: Some(Checksum::of(b"PNG")),
+            seconds: Some(0.25),
+        };
+        let record = Record { made_from: MadeFrom::new(json!({ DETECTOR_KEY: "levels = 4" })), of };
+        let records = Records::of(home.path());
+        records.write("night.png", &record).expect("written");
+        assert_eq!(records.read("night.png"), Some(record));
+        assert!(home.path().join("records/night.png.json").is_file());
+    }
 }

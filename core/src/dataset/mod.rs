@@ -10,15 +10,11 @@ pub mod colmap;
 mod error;
 pub mod features;
 pub mod gather;
-#[cfg(feature = "colmap")]
-mod geometry;
 mod kept;
-mod manifest;
 pub mod pairs;
 mod picture;
 mod source;
 mod stamp;
-mod thumbnail;
 
 pub use camera::{CameraChoice, GUESSED_FOCAL_FACTOR};
 #[cfg(feature = "colmap")]
@@ -27,9 +23,7 @@ pub use error::DatasetError;
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;
-pub use pairs::match_pairs;
-pub use picture::{BurstPicture, ImageKind, burst_picture};
+pub use pairs::{BurstSide, MatchedPair, match_pairs};
+pub use picture::{BurstPicture, ImageKind, Thumbnail, burst_picture, thumbnail};
 pub use source::DatasetSource;
-pub(crate) use stamp::Checksum;
 pub use stamp::Comparison;
-pub use thumbnail::{Thumbnail, thumbnail};

@@ -1,48 +1,169 @@
-//! The matching of pairs of bursts.
+//! The matching of pairs of bursts, with the features of a few bursts in memory at a time, however many there are.
 
 use super::{BurstFeatures, DatasetError};
+use crate::detector::Descriptor;
+use crate::export::ColmapKeypoint;
 use crate::matching::{MatchParams, MatchResult, MatchSide, match_features};
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Number of pairs that are matched before their results are passed on: enough for all threads, few enough for memory
-/// and for early results.
+/// Maximum number of pairs that are matched before their results are passed on: enough for all threads, and early
+/// results.
 const PAIRS_AT_ONCE: usize = 16;
+/// Number of first bursts that stay in memory while the second bursts of their pairs are loaded one after the other.
+const FIRST_AT_ONCE: usize = 8;
+/// Maximum number of bursts whose features are in memory.
+const BURSTS_AT_ONCE: usize = FIRST_AT_ONCE + PAIRS_AT_ONCE / FIRST_AT_ONCE;
 
-/// Callback for the result of one pair, given by its indices.
-pub type OnPair<'a> = dyn FnMut((usize, usize), &MatchResult) -> Result<(), DatasetError> + 'a;
+/// Features of a burst as matching needs them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BurstSide {
+    /// Position of each feature (u, v), pixels.
+    pub places: Vec<[f64; 2]>,
+    /// Descriptor of each feature.
+    pub descriptors: Vec<Descriptor>,
+}
 
-/// Matches the bursts of each of `pairs` (indices into `bursts`); `on` receives the results in the order of `pairs`.
+impl BurstSide {
+    /// The features of these keypoints and their descriptors.
+    pub fn new(keypoints: &[ColmapKeypoint], descriptors: Vec<Descriptor>) -> Self {
+        Self { places: keypoints.iter().map(ColmapKeypoint::pos_image).collect(), descriptors }
+    }
+
+    fn side(&self) -> MatchSide<'_> {
+        MatchSide { places: &self.places, descriptors: &self.descriptors }
+    }
+}
+
+impl From<BurstFeatures> for BurstSide {
+    fn from(burst: BurstFeatures) -> Self {
+        Self::new(&burst.keypoints, burst.descriptors)
+    }
+}
+
+/// A pair of bursts and its matches.
+#[derive(Debug, Clone, Copy)]
+pub struct MatchedPair<'a> {
+    /// Indices of the bursts.
+    pub indices: (usize, usize),
+    /// Their features.
+    pub sides: [&'a BurstSide; 2],
+    /// Matches of the first burst's features with those of the second.
+    pub result: &'a MatchResult,
+}
+
+/// Loads the features of the burst with this index; `None` where the burst has none and its pairs are left out. A burst
+/// may be loaded several times.
+pub type LoadBurst<'a> = dyn FnMut(usize) -> Result<Option<BurstSide>, DatasetError> + 'a;
+/// Callback for each matched pair.
+pub type OnPair<'a> = dyn FnMut(MatchedPair<'_>) -> Result<(), DatasetError> + 'a;
+
+/// Matches the bursts of each of `pairs`, whose features `load` gives; `on` receives each result, in an order in which
+/// few bursts are loaded again. Returns the number of pairs that were left out.
 ///
 /// # Errors
 /// [`DatasetError::Param`] for parameters that make no sense, [`DatasetError::Cancelled`] once `monitor` was cancelled,
-/// and errors of `on`.
-///
-/// # Panics
-/// When a pair has an index outside `bursts`: a mistake of the caller.
+/// and errors of `load` and `on`.
 pub fn match_pairs(
-    bursts: &[BurstFeatures],
     pairs: &[(usize, usize)],
     params: &MatchParams,
+    load: &mut LoadBurst<'_>,
     on: &mut OnPair<'_>,
     monitor: &Monitor,
-) -> Result<(), DatasetError> {
+) -> Result<usize, DatasetError> {
     params.validate()?;
-    let places: Vec<Vec<[f64; 2]>> =
-        bursts.iter().map(|b| b.keypoints.iter().map(|k| k.pos_image()).collect()).collect();
-    let side = |k: usize| MatchSide { places: &places[k], descriptors: &bursts[k].descriptors };
-    let mut done = 0;
-    for some in pairs.chunks(PAIRS_AT_ONCE) {
-        monitor.report(Stage::Match, done as f32 / pairs.len() as f32);
+    let mut ordered = pairs.to_vec();
+    ordered.sort_by_key(|&(a, b)| (a / FIRST_AT_ONCE, b, a));
+    let mut loaded: BTreeMap<usize, BurstSide> = BTreeMap::new();
+    let mut missing = BTreeSet::new();
+    let (mut done, mut left_out) = (0, 0);
+    while done < ordered.len() {
+        monitor.report(Stage::Match, done as f32 / ordered.len() as f32);
+        let (count, needed) = next_together(&ordered[done..]);
+        loaded.retain(|index, _| needed.contains(index));
+        for &index in &needed {
+            monitor.check()?;
+            if loaded.contains_key(&index) || missing.contains(&index) {
+                continue;
+            }
+            match load(index)? {
+                Some(burst) => drop(loaded.insert(index, burst)),
+                None => drop(missing.insert(index)),
+            }
+        }
+        let there = |&(a, b): &(usize, usize)| Some(((a, b), [loaded.get(&a)?, loaded.get(&b)?]));
+        let some: Vec<_> = ordered[done..done + count].iter().filter_map(there).collect();
+        left_out += count - some.len();
         let matched: Vec<MatchResult> = some
             .par_iter()
-            .map(|&(a, b)| match_features(side(a), side(b), params, &monitor.silent()))
+            .map(|(_, [a, b])| match_features(a.side(), b.side(), params, &monitor.silent()))
             .collect::<Result<_, _>>()?;
-        for (&pair, result) in some.iter().zip(&matched) {
-            on(pair, result)?;
+        for (&(indices, sides), result) in some.iter().zip(&matched) {
+            on(MatchedPair { indices, sides, result })?;
         }
-        done += some.len();
+        done += count;
     }
     monitor.report(Stage::Match, 1.0);
-    Ok(())
+    Ok(left_out)
+}
+
+/// Number of the first of `pairs` that are matched together, at least 1, and the bursts that they need.
+fn next_together(pairs: &[(usize, usize)]) -> (usize, BTreeSet<usize>) {
+    let mut needed = BTreeSet::new();
+    for (count, &(a, b)) in pairs.iter().take(PAIRS_AT_ONCE).enumerate() {
+        let more = [a, b].iter().filter(|index| !needed.contains(*index)).count();
+        if count > 0 && needed.len() + more > BURSTS_AT_ONCE {
+            return (count, needed);
+        }
+        needed.extend([a, b]);
+    }
+    (pairs.len().min(PAIRS_AT_ONCE), needed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::matching::PairSelection;
+
+    fn side() -> BurstSide {
+        BurstSide { places: vec![[1.0, 2.0]; 3], descriptors: vec![[7; 128]; 3] }
+    }
+
+    #[test]
+    fn each_pair_is_matched_once_with_few_loads_and_pairs_without_features_are_left_out() {
+        for (selection, missing) in
+            [(PairSelection::All, None), (PairSelection::All, Some(4)), (PairSelection::Sequential(1), Some(0))]
+        {
+            let pairs = selection.pairs(40);
+            let (mut loads, mut seen) = (0, Vec::new());
+            let mut load = |index| {
+                loads += 1;
+                Ok((Some(index) != missing).then(side))
+            };
+            let mut on = |pair: MatchedPair<'_>| {
+                seen.push(pair.indices);
+                Ok(())
+            };
+            let params = MatchParams::default();
+            let left_out = match_pairs(&pairs, &params, &mut load, &mut on, &Monitor::default()).expect("matched");
+            seen.sort_unstable();
+            let is_there = |&&(a, b): &&(usize, usize)| Some(a) != missing && Some(b) != missing;
+            assert_eq!(seen, pairs.iter().filter(is_there).copied().collect::<Vec<_>>());
+            assert_eq!(left_out, pairs.len() - seen.len());
+            assert!(loads < 40 + pairs.len() / 3, "{loads} loads for {} pairs", pairs.len());
+        }
+    }
+
+    #[test]
+    fn few_bursts_are_needed_at_once() {
+        let mut pairs = PairSelection::All.pairs(50);
+        pairs.sort_by_key(|&(a, b)| (a / FIRST_AT_ONCE, b, a));
+        let mut rest = &pairs[..];
+        while !rest.is_empty() {
+            let (count, needed) = next_together(rest);
+            assert!(count > 0 && needed.len() <= BURSTS_AT_ONCE);
+            rest = &rest[count..];
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! The source of a dataset: its paths, and the cutting of long sequences.
 
-use crate::burst::{BurstSource, Entries, OpenError, SequenceCut, cut_sequence, find_entries, name_among_several};
+use crate::burst::{BurstFiles, Entries, OpenError, SequenceCut, cut_sequence, find_entries, name_among_several};
 use crate::export::{make_file_names_unique, safe_file_name};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ impl DatasetSource {
     /// # Errors
     /// See [`OpenError`]: a path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
     /// too short for it.
-    pub fn bursts(&self) -> Result<Vec<BurstSource>, OpenError> {
+    pub fn bursts(&self) -> Result<Vec<BurstFiles>, OpenError> {
         self.entries().map(|found| found.bursts)
     }
 
@@ -48,7 +48,7 @@ impl DatasetSource {
         let mut bursts = Vec::new();
         for sequence in &sequences {
             bursts.extend(cut_sequence(sequence, cut)?.into_iter().map(|burst| match several {
-                true => BurstSource { name: name_among_several(&sequence.name, &burst.name), ..burst },
+                true => BurstFiles { name: name_among_several(&sequence.name, &burst.name), ..burst },
                 false => burst,
             }));
         }
@@ -75,7 +75,7 @@ impl DatasetSource {
     }
 }
 
-fn with_unique_names(mut bursts: Vec<BurstSource>) -> Vec<BurstSource> {
+fn with_unique_names(mut bursts: Vec<BurstFiles>) -> Vec<BurstFiles> {
     make_file_names_unique(bursts.iter_mut().map(|b| &mut b.name));
     bursts
 }

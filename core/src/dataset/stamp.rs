@@ -156,38 +156,6 @@ fn checksum(path: &Path, monitor: &Monitor) -> Result<u32, DatasetError> {
     }
 }
 
-/// Length and checksum by which an altered file is recognised.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Checksum {
-    bytes: u64,
-    crc32: u32,
-}
-
-impl Checksum {
-    /// The checksum of these bytes.
-    pub(crate) fn of(bytes: &[u8]) -> Self {
-        Self { bytes: bytes.len() as u64, crc32: crc32fast::hash(bytes) }
-    }
-
-    /// The checksum of the file at `path`.
-    ///
-    /// # Errors
-    /// The system's error.
-    pub(super) fn of_file(path: &Path) -> io::Result<Self> {
-        Ok(Self::of(&std::fs::read(path)?))
-    }
-
-    /// Whether the file at `path` has the same length; checked without reading it.
-    pub(super) fn is_as_long_as(&self, path: &Path) -> bool {
-        std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() == self.bytes)
-    }
-
-    /// Whether the file at `path` has this content. A file of another length is not read.
-    pub(super) fn is_of(&self, path: &Path) -> bool {
-        self.is_as_long_as(path) && Self::of_file(path).is_ok_and(|now| now == *self)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -241,8 +241,9 @@ pub fn grouped(number: u64) -> String {
 mod tests {
     use super::*;
     use crate::burst::Burst;
+    use crate::detector::NoiseGate;
     use crate::detector::feature::{Feature, StageTimes};
-    use crate::detector::{NoiseGate, detect};
+    use crate::detector::pipeline::search;
     use crate::monitor::Monitor;
     use crate::plane::Plane;
     use crate::synth::{ChartParams, Light, Trajectory, TrajectoryParams, synth_chart};
@@ -381,7 +382,7 @@ mod tests {
         let burst = Trajectory::new(&dark, &Monitor::default()).expect("a scene").burst(0, &Monitor::default());
         let burst = burst.expect("a burst");
         let found = |burst: &Burst, params: &DetectorParams| {
-            let detection = detect(burst, params, &Monitor::default()).expect("a detection");
+            let detection = search(burst, params, &Monitor::default()).expect("a detection");
             explain(&detection, params, burst.size())
         };
         let peak = DetectorParams { peak_threshold: 0.003, ..DetectorParams::default() };

@@ -257,7 +257,8 @@ pub const REVISION: u32 = 4;
 
 #[cfg(test)]
 mod tests {
-    use super::super::{DetectorParams, SlopeGrid, detect};
+    use super::super::pipeline::search;
+    use super::super::{DetectorParams, SlopeGrid};
     use super::*;
     use crate::monitor::Monitor;
     use crate::synth::{ChartParams, Motion, synth_chart};
@@ -275,7 +276,7 @@ mod tests {
             synth_chart(&ChartParams { motion: Motion::TwoD, max_slope: 1.0, ..chart }, &Monitor::default())
                 .expect("a chart");
         let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
-        let detection = detect(&burst, &DetectorParams { slopes, ..DetectorParams::default() }, &Monitor::default())
+        let detection = search(&burst, &DetectorParams { slopes, ..DetectorParams::default() }, &Monitor::default())
             .expect("a detection");
         let sum = |value: fn(&super::super::Feature) -> f32| {
             detection.features.iter().map(|f| f64::from(value(f).abs())).sum::<f64>()

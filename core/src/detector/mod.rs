@@ -36,5 +36,5 @@ pub use params::{
     DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
     NoiseModelKind, ParamChange, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
 };
-pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, detect, detect_with_trail};
+pub use pipeline::{Judgement, Neighbourhood, Sample, Trail};
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

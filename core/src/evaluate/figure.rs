@@ -7,9 +7,8 @@
 
 use super::chart::{ChartReport, ChartRow, MethodReport};
 use super::methods::BurstMethod;
-use crate::export::sheet::{FAINT, GRID, INK};
-use crate::export::{SVG_COMMENT, Series};
-use std::fmt::Write;
+use crate::export::sheet::{Anchor, Area, FAINT, Sheet};
+use crate::export::{Plot, Series};
 
 /// Line style of a method: colour, dashes (empty for solid) and width in pixels.
 pub fn method_line(method: BurstMethod) -> (&'static str, &'static str, f64) {
@@ -39,32 +38,18 @@ const BELOW: f64 = 52.0;
 
 /// The figure as an SVG document.
 pub fn roc_svg(report: &ChartReport) -> String {
-    let mut svg = String::new();
-    // Writing into a string cannot fail.
-    let _ = write_figure(&mut svg, report);
-    svg
-}
-
-fn write_figure(out: &mut String, report: &ChartReport) -> std::fmt::Result {
     let panel_width = SIDES.0 + PLOT.0 + SIDES.1;
     // A single panel is as wide as more than two, so that caption and legend fit.
-    let width = panel_width * (report.rows.len() as f64).max(2.2);
-    let height = ABOVE + PLOT.1 + BELOW;
-    writeln!(
-        out,
-        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0}" height="{height:.0}" viewBox="0 0 {width:.0} {height:.0}" font-family="Helvetica, Arial, 'DejaVu Sans', sans-serif" font-size="12" fill="{INK}">"#
-    )?;
-    writeln!(out, "{SVG_COMMENT}")?;
-    writeln!(out, "<title>Discs found against false features</title>")?;
-    writeln!(out, r##"<rect width="100%" height="100%" fill="#ffffff"/>"##)?;
-    write_header(out, report)?;
+    let mut sheet = Sheet::new(panel_width * (report.rows.len() as f64).max(2.2), "Discs found against false features");
+    draw_header(&mut sheet, report);
     for (index, row) in report.rows.iter().enumerate() {
-        write_panel(out, report, row, panel_width * index as f64 + SIDES.0)?;
+        let (x, y) = (panel_width * index as f64 + SIDES.0, ABOVE);
+        draw_panel(&mut sheet, report, row, Area { x, y, width: PLOT.0, height: PLOT.1 });
     }
-    writeln!(out, "</svg>")
+    sheet.finish(ABOVE + PLOT.1 + BELOW)
 }
 
-fn write_header(out: &mut String, report: &ChartReport) -> std::fmt::Result {
+fn draw_header(sheet: &mut Sheet, report: &ChartReport) {
     let chart = &report.chart;
     let charts =
         if report.setup.seeds == 1 { "one chart".to_owned() } else { format!("mean of {} charts", report.setup.seeds) };
@@ -76,147 +61,78 @@ fn write_header(out: &mut String, report: &ChartReport) -> std::fmt::Result {
         chart.height,
         if chart.motion == "2d" { "2D" } else { "1D" },
     );
-    writeln!(out, r#"<text x="{:.0}" y="24" font-size="14" font-weight="bold">{caption}</text>"#, SIDES.0)?;
-    let mut x = SIDES.0;
-    for method in report.rows.first().map_or(&[][..], |row| &row.methods) {
-        let (colour, dashes, stroke) = method_line(method.method);
-        let label = method.method.label();
-        writeln!(
-            out,
-            r#"<line x1="{x:.1}" y1="44" x2="{:.1}" y2="44" stroke="{colour}" stroke-width="{stroke}" stroke-dasharray="{dashes}"/><text x="{:.1}" y="48">{label}</text>"#,
-            x + 36.0,
-            x + 42.0
-        )?;
-        // About 6.3 px for each letter at this size.
-        x += 42.0 + 6.3 * label.chars().count() as f64 + 20.0;
-    }
-    Ok(())
+    sheet.styled_text((SIDES.0, 24.0), 14.0, Anchor::Start, r#"font-weight="bold""#, &caption);
+    let methods = report.rows.first().map_or(&[][..], |row| &row.methods);
+    let series: Vec<Series> = methods.iter().map(|method| method_series(method.method, Vec::new())).collect();
+    sheet.legend((SIDES.0, 44.0), f64::INFINITY, &series);
 }
 
-/// One panel whose plot begins at `left`.
-fn write_panel(out: &mut String, report: &ChartReport, row: &ChartRow, left: f64) -> std::fmt::Result {
-    let most_true = report.chart.discs.max(1) as f64;
-    let most_false = report.chart.discs.div_ceil(2).max(1) as f64;
-    let x_of = |count: f64| left + count / most_false * PLOT.0;
-    let y_of = |count: f64| ABOVE + PLOT.1 - count / most_true * PLOT.1;
-    let (right, bottom) = (left + PLOT.0, ABOVE + PLOT.1);
+/// Values at the ends of a panel's axes: false features, discs found.
+fn ranges(report: &ChartReport) -> [(f64, f64); 2] {
+    let discs = report.chart.discs;
+    [(0.0, discs.div_ceil(2).max(1) as f64), (0.0, discs.max(1) as f64)]
+}
+
+fn draw_panel(sheet: &mut Sheet, report: &ChartReport, row: &ChartRow, area: Area) {
+    let [range_x, range_y] = ranges(report);
+    let x_of = |count: f64| area.x + count / range_x.1 * area.width;
+    let y_of = |count: f64| area.bottom() - count / range_y.1 * area.height;
+    draw_share_line(sheet, report, area.right(), x_of, y_of);
     let snr = if row.snr.is_finite() { format!("SNR {}", row.snr) } else { "no noise".to_owned() };
-    writeln!(out, r#"<text x="{left:.1}" y="{:.1}" font-size="13" font-weight="bold">{snr}</text>"#, ABOVE - 10.0)?;
-    for tick in ticks(most_false) {
-        let x = x_of(tick);
-        writeln!(
-            out,
-            r#"<line x1="{x:.1}" y1="{ABOVE:.1}" x2="{x:.1}" y2="{bottom:.1}" stroke="{GRID}"/><text x="{x:.1}" y="{:.1}" text-anchor="middle">{tick}</text>"#,
-            bottom + 17.0
-        )?;
-    }
-    for tick in ticks(most_true) {
-        let y = y_of(tick);
-        writeln!(
-            out,
-            r#"<line x1="{left:.1}" y1="{y:.1}" x2="{right:.1}" y2="{y:.1}" stroke="{GRID}"/><text x="{:.1}" y="{:.1}" text-anchor="end">{tick}</text>"#,
-            left - 7.0,
-            y + 4.0
-        )?;
-    }
-    write_share_line(out, report, (left, right), x_of, y_of)?;
+    let series: Vec<Series> = row.methods.iter().map(curve).collect();
+    let plot = Plot {
+        title: &snr,
+        label_x: "false features",
+        label_y: &format!("discs found, of {}", report.chart.discs),
+        range_x,
+        range_y,
+        has_dots: false,
+        series: &series,
+    };
+    sheet.plot(area, &plot);
     for method in &row.methods {
-        write_curve(out, method, most_false, x_of, y_of)?;
+        let end = (method.default_false_features.mean, method.default_true_positives.mean);
+        if end.0 <= range_x.1 {
+            let style = format!(r#"fill="{}" stroke="white""#, method_line(method.method).0);
+            sheet.circle((x_of(end.0), y_of(end.1)), 3.6, &style);
+        }
     }
-    writeln!(
-        out,
-        r#"<path d="M{left:.1} {ABOVE:.1}V{bottom:.1}H{right:.1}" fill="none" stroke="{INK}"/><text x="{:.1}" y="{:.1}" text-anchor="middle">false features</text><text transform="translate({:.1} {:.1}) rotate(-90)" text-anchor="middle">discs found, of {}</text>"#,
-        left + 0.5 * PLOT.0,
-        bottom + 38.0,
-        left - 38.0,
-        ABOVE + 0.5 * PLOT.1,
-        report.chart.discs
-    )
 }
 
 /// Draws the line on which the requested share of the detections is false.
-fn write_share_line(
-    out: &mut String,
+fn draw_share_line(
+    sheet: &mut Sheet,
     report: &ChartReport,
-    (left, right): (f64, f64),
+    right: f64,
     x_of: impl Fn(f64) -> f64,
     y_of: impl Fn(f64) -> f64,
-) -> std::fmt::Result {
+) {
     let share = report.setup.false_fraction;
     if !(share > 0.0 && share < 1.0) {
-        return Ok(());
+        return;
     }
-    let most_true = report.chart.discs.max(1) as f64;
-    let most_false = report.chart.discs.div_ceil(2).max(1) as f64;
+    let [(_, most_false), (_, most_true)] = ranges(report);
     let false_at = |true_positives: f64| true_positives * share / (1.0 - share);
     let end = if false_at(most_true) <= most_false { most_true } else { most_false * (1.0 - share) / share };
     // The label stands at the foot of the line, which good curves do not reach.
     let foot = 0.07 * most_true;
-    let (x, y) = (x_of(false_at(end)), y_of(end));
-    writeln!(
-        out,
-        r#"<line x1="{left:.1}" y1="{:.1}" x2="{x:.1}" y2="{y:.1}" stroke="{FAINT}" stroke-width="1"/><text x="{:.1}" y="{:.1}" font-size="11" fill="{FAINT}">{} % false</text>"#,
-        y_of(0.0),
-        (x_of(false_at(foot)) + 6.0).min(right - 60.0),
-        y_of(foot) + 4.0,
-        (share * 1000.0).round() / 10.0,
-    )
+    sheet.line((x_of(0.0), y_of(0.0)), (x_of(false_at(end)), y_of(end)), FAINT, "");
+    let at = ((x_of(false_at(foot)) + 6.0).min(right - 60.0), y_of(foot) + 4.0);
+    let label = format!("{} % false", (share * 1000.0).round() / 10.0);
+    sheet.styled_text(at, 11.0, Anchor::Start, &format!(r#"fill="{FAINT}""#), &label);
 }
 
-fn write_curve(
-    out: &mut String,
-    method: &MethodReport,
-    most_false: f64,
-    x_of: impl Fn(f64) -> f64,
-    y_of: impl Fn(f64) -> f64,
-) -> std::fmt::Result {
-    let (colour, dashes, stroke) = method_line(method.method);
+/// A method's curve: discs found over false features.
+fn curve(method: &MethodReport) -> Series {
     // No chart has more than this many; nothing was measured further right.
     let measured = method.charts.iter().map(|chart| chart.default_false_features).max().unwrap_or(0);
-    let mut points = String::new();
-    for (count, &mean) in method.roc.iter().enumerate().take(measured + 1) {
-        write!(points, "{:.1},{:.1} ", x_of(count as f64), y_of(mean))?;
-    }
-    writeln!(
-        out,
-        r#"<polyline points="{}" fill="none" stroke="{colour}" stroke-width="{stroke}" stroke-dasharray="{dashes}" stroke-linejoin="round"><title>{}</title></polyline>"#,
-        points.trim_end(),
-        method.method.label()
-    )?;
-    let end = (method.default_false_features.mean, method.default_true_positives.mean);
-    if end.0 <= most_false {
-        writeln!(
-            out,
-            r#"<circle cx="{:.1}" cy="{:.1}" r="3.6" fill="{colour}" stroke="white"/>"#,
-            x_of(end.0),
-            y_of(end.1)
-        )?;
-    }
-    Ok(())
-}
-
-/// Round numbers from 0 to `max`, about five of them.
-fn ticks(max: f64) -> Vec<f64> {
-    let rough = max / 5.0;
-    let magnitude = 10f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * magnitude).into_iter().find(|s| *s >= rough).unwrap_or(rough).max(1.0);
-    (0..).map(|i| f64::from(i) * step).take_while(|tick| *tick <= max).collect()
+    let points = method.roc.iter().enumerate().take(measured + 1).map(|(count, &mean)| (count as f64, mean, None));
+    method_series(method.method, points.collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_are_round_and_few() {
-        assert_eq!(ticks(90.0), [0.0, 20.0, 40.0, 60.0, 80.0]);
-        assert_eq!(ticks(45.0), [0.0, 10.0, 20.0, 30.0, 40.0]);
-        assert_eq!(ticks(1.0), [0.0, 1.0]);
-        for max in 1..2000 {
-            let ticks = ticks(f64::from(max));
-            assert!((2..=6).contains(&ticks.len()), "{max}: {ticks:?}");
-        }
-    }
 
     #[test]
     fn no_two_methods_look_alike_even_without_colour() {

@@ -1,13 +1,13 @@
-//! The feature table as CSV: a header line, then one line for each feature, in the detection's order.
+//! Tables as CSV: features, matches, and profiles of pictures; a header line, then one line for each, in order.
 //!
-//! Numbers have the fewest digits that read back to the same `f32`. `at_slope_limit` is 1 or 0, so that every cell is a
-//! number. An infinite `snr` (a noiseless burst) is written `inf`, which numpy, pandas and R read.
+//! Numbers have the fewest digits that read back to the same `f32`. `at_slope_limit` is 1 or 0, so that every cell is
+//! a number. An infinite `snr` (a noiseless burst) is written `inf`, which numpy, pandas and R read.
 
 use super::atomic::write_whole;
-use super::columns::{COLUMNS, FeatureRow};
 use super::error::ExportError;
 use crate::detector::Feature;
 use crate::files::{MAX_TABLE_BYTES, read_bytes};
+use crate::plane::sample::ProfileSample;
 use std::io::Write;
 use std::path::Path;
 
@@ -91,6 +91,146 @@ fn row(line: &str) -> Result<FeatureRow, String> {
     })
 }
 
+/// Names of the columns, in order. Positions and scale are in input pixels; orientation in radians; slopes in pixels
+/// per frame; `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is |response|/σ_D;
+/// `at_slope_limit` is 1 or 0.
+pub const COLUMNS: [&str; 11] =
+    ["u", "v", "sigma", "orientation", "slope_u", "slope_v", "response", "snr", "octave", "level", "at_slope_limit"];
+
+/// Row of a feature table: the exported values of a feature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeatureRow {
+    /// Column at mid-burst, input pixels.
+    pub u: f32,
+    /// Row at mid-burst, input pixels.
+    pub v: f32,
+    /// Scale σ, input pixels.
+    pub sigma: f32,
+    /// Orientation, radians, from +u towards +v.
+    pub orientation: f32,
+    /// Apparent motion to the right, pixels per frame.
+    pub slope_u: f32,
+    /// Apparent motion down, pixels per frame.
+    pub slope_v: f32,
+    /// Interpolated DoG value with its sign, fraction of full scale.
+    pub response: f32,
+    /// |response| over the noise in D; infinite for a noiseless burst.
+    pub snr: f32,
+    /// Octave in which the feature was found.
+    pub octave: i32,
+    /// Level at which the feature was found.
+    pub level: i32,
+    /// Whether the feature was found on the rim of the slope grid.
+    pub at_slope_limit: bool,
+}
+
+impl From<&Feature> for FeatureRow {
+    fn from(f: &Feature) -> Self {
+        Self {
+            u: f.u,
+            v: f.v,
+            sigma: f.sigma,
+            orientation: f.orientation,
+            slope_u: f.slope.u,
+            slope_v: f.slope.v,
+            response: f.response,
+            snr: f.snr,
+            octave: f.octave,
+            level: f.level,
+            at_slope_limit: f.at_slope_limit,
+        }
+    }
+}
+
+impl FeatureRow {
+    /// Values of the row as numbers, in the order of [`COLUMNS`].
+    pub fn values(&self) -> [f32; 11] {
+        [
+            self.u,
+            self.v,
+            self.sigma,
+            self.orientation,
+            self.slope_u,
+            self.slope_v,
+            self.response,
+            self.snr,
+            self.octave as f32,
+            self.level as f32,
+            f32::from(u8::from(self.at_slope_limit)),
+        ]
+    }
+}
+
+/// Row of the table of matches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MatchRow {
+    /// Indices of the features in images A and B.
+    pub features: [usize; 2],
+    /// (u, v) in A, pixels.
+    pub a: [f64; 2],
+    /// (u, v) in B, pixels.
+    pub b: [f64; 2],
+    /// Distance of the descriptors.
+    pub distance: f32,
+    /// Ratio of the distances to the nearest and the second nearest.
+    pub ratio: f32,
+    /// Error in pixels and whether it is an inlier; `None` where no geometry was requested.
+    pub verified: Option<(f32, bool)>,
+}
+
+/// Names of the columns, in order.
+pub const MATCH_COLUMNS: [&str; 10] = ["a", "b", "u_a", "v_a", "u_b", "v_b", "distance", "ratio", "error_px", "inlier"];
+
+/// Writes the matches as CSV.
+///
+/// # Errors
+/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
+pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<(), ExportError> {
+    write_whole(path, |out| {
+        writeln!(out, "{}", MATCH_COLUMNS.join(","))?;
+        for MatchRow { features, a, b, distance, ratio, verified } in matches {
+            // As f32, since the positions are those of the feature files.
+            let [u_a, v_a, u_b, v_b] = [a[0], a[1], b[0], b[1]].map(|x| x as f32);
+            write!(out, "{},{},{u_a},{v_a},{u_b},{v_b},{distance},{ratio},", features[0], features[1])?;
+            match verified {
+                Some((error, inlier)) => writeln!(out, "{error},{}", u8::from(*inlier))?,
+                None => writeln!(out, "nan,nan")?,
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Columns of the file.
+pub const PROFILE_COLUMNS: &str = "picture,distance_px,u,v,value";
+
+/// Profile of one picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureProfile {
+    /// Name of the picture; commas and quotes are allowed.
+    pub picture: String,
+    /// Samples; positions in pixels of the input image, values as fractions of full scale.
+    pub samples: Vec<ProfileSample>,
+}
+
+/// Writes the profiles, one after the other. A sample outside its picture has an empty value.
+///
+/// # Errors
+/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
+pub fn write_profiles_csv(path: &Path, profiles: &[PictureProfile]) -> Result<(), ExportError> {
+    write_whole(path, |out| {
+        writeln!(out, "{PROFILE_COLUMNS}")?;
+        for profile in profiles {
+            let name = format!("\"{}\"", profile.picture.replace('"', "\"\""));
+            for sample in &profile.samples {
+                let value = if sample.value.is_finite() { sample.value.to_string() } else { String::new() };
+                writeln!(out, "{name},{},{},{},{value}", sample.distance_px, sample.u, sample.v)?;
+            }
+        }
+        Ok(())
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,5 +265,43 @@ mod tests {
             let _ = parse(&text);
             let _ = parse(&format!("{}{insert}{}", &GOOD[..cut], &GOOD[cut..]));
         }
+    }
+
+    #[test]
+    fn every_cell_is_a_number() {
+        let row = MatchRow {
+            features: [3, 0],
+            a: [1.5, 2.25],
+            b: [f64::from(0.1f32), 7.0],
+            distance: 120.5,
+            ratio: 0.5,
+            verified: Some((0.25, true)),
+        };
+        let rows =
+            [row, MatchRow { verified: Some((f32::INFINITY, false)), ..row }, MatchRow { verified: None, ..row }];
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("m.csv");
+        write_matches_csv(&path, &rows).expect("written");
+        let text = std::fs::read_to_string(&path).expect("a file");
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier");
+        assert_eq!(lines[1], "3,0,1.5,2.25,0.1,7,120.5,0.5,0.25,1");
+        assert!(lines[2].ends_with(",inf,0") && lines[3].ends_with(",nan,nan"));
+        assert!(lines[1..].iter().all(|l| l.split(',').all(|cell| cell.parse::<f64>().is_ok())));
+    }
+
+    #[test]
+    fn every_sample_has_a_row_and_names_may_hold_anything() {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("p.csv");
+        let sample = |distance_px, value| ProfileSample { distance_px, u: 1.5, v: 2.0, value };
+        let profiles = [
+            PictureProfile { picture: "Stack (1.00, 0.00)".into(), samples: vec![sample(0.0, 0.25), sample(1.0, 0.5)] },
+            PictureProfile { picture: "a \"b\"".into(), samples: vec![sample(0.0, f32::NAN)] },
+        ];
+        write_profiles_csv(&path, &profiles).expect("written");
+        let text = std::fs::read_to_string(&path).expect("there");
+        let expected = "picture,distance_px,u,v,value\n\"Stack (1.00, 0.00)\",0,1.5,2,0.25\n\"Stack (1.00, 0.00)\",1,1.5,2,0.5\n\"a \"\"b\"\"\",0,1.5,2,\n";
+        assert_eq!(text, expected);
     }
 }

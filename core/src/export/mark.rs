@@ -5,9 +5,7 @@
 //! session files in their first line. Tables and NumPy files have no place for a name: there the header is the mark.
 //! Only the first few kilobytes of a file are read; they decide, whatever its name is.
 
-use super::columns::COLUMNS;
-use super::matches::MATCH_COLUMNS;
-use super::profile::PROFILE_COLUMNS;
+use super::csv::{COLUMNS, MATCH_COLUMNS, PROFILE_COLUMNS};
 use crate::files::WRITTEN_BY;
 use std::fs::File;
 use std::io::Read;
@@ -16,7 +14,7 @@ use std::path::Path;
 /// The program's name and version, for the `Software` field of pictures.
 pub(super) const SOFTWARE: &str = concat!("Burstscope ", env!("CARGO_PKG_VERSION"));
 /// Comment in SVG figures.
-pub const SVG_COMMENT: &str = concat!("<!-- Written by Burstscope ", env!("CARGO_PKG_VERSION"), " -->");
+pub(super) const SVG_COMMENT: &str = concat!("<!-- Written by Burstscope ", env!("CARGO_PKG_VERSION"), " -->");
 /// Header of tables of curves.
 pub const CURVE_COLUMNS: &str = "set,plot,curve,x,y,low,high";
 

@@ -1,38 +1,38 @@
 //! Export: one source file for each file format.
 //!
 //! Features are written as CSV, as COLMAP's text and [database](write_colmap_database), or with their descriptors as
-//! `.npz`; pictures as 32-bit float TIFF (exact values) or PNG (as shown); figures as SVG with a vector overlay or on a
-//! [`sheet`] with axes; matches as CSV and as a picture of both images. Every file is written completely or not at all,
-//! see [`write_whole`]; [`OutputRules`] decides which files may be replaced.
+//! `.npz`; pictures as 32-bit float TIFF (exact values) or PNG (as shown); figures as SVG with a vector overlay or on
+//! a [`sheet`] with axes; matches as CSV and as a picture of both images. Every file is written completely or not at
+//! all, see [`write_whole`]; [`OutputRules`] decides which files may be replaced. `kept` records what results were
+//! made from.
 
 mod atomic;
-mod base64;
 mod colmap;
-mod columns;
 mod csv;
 mod error;
 mod figure;
 mod format;
+mod kept;
 mod mark;
 mod match_picture;
-mod matches;
 mod npz;
 mod outputs;
 mod plot;
 mod png;
-mod profile;
 pub mod sheet;
+mod svg;
 mod tiff;
 
 pub use atomic::{FileWriter, is_temporary_name, remove_temporary_files, write_whole};
-pub use base64::picture_as_data_url;
 pub use colmap::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};
 #[cfg(feature = "colmap")]
 pub use colmap::{
     DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
 };
-pub use columns::{COLUMNS, FeatureRow};
-pub use csv::{read_features_csv, write_csv};
+pub use csv::{
+    COLUMNS, FeatureRow, MATCH_COLUMNS, MatchRow, PROFILE_COLUMNS, PictureProfile, read_features_csv, write_csv,
+    write_matches_csv, write_profiles_csv,
+};
 pub use error::ExportError;
 pub use figure::{
     Colour, ColourBar, Drawing, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape,
@@ -41,12 +41,12 @@ pub use figure::{
 pub use format::{
     ExportFormat, UnknownFormat, detection_files, make_file_names_unique, safe_file_name, write_detection,
 };
-pub use mark::{CURVE_COLUMNS, SVG_COMMENT, is_ours};
+pub(crate) use kept::{Checksum, MadeFrom, Record, Records, may_begin, read_json, write_json};
+pub use mark::{CURVE_COLUMNS, is_ours};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
-pub use matches::{MATCH_COLUMNS, MatchRow, write_matches_csv};
 pub use npz::write_npz;
-pub use outputs::{Inputs, OutputRules, Overwrite};
+pub use outputs::{OpenedFiles, OutputRules, Overwrite};
 pub use plot::{Plot, Series, range_from_zero};
 pub use png::{Picture, write_png};
-pub use profile::{PROFILE_COLUMNS, PictureProfile, write_profiles_csv};
+pub(crate) use svg::Escaped;
 pub use tiff::write_tiff;

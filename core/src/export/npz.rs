@@ -2,7 +2,7 @@
 //! 128]` uint8 in UBC order.
 
 use super::atomic::write_whole;
-use super::columns::{COLUMNS, FeatureRow};
+use super::csv::{COLUMNS, FeatureRow};
 use super::error::ExportError;
 use crate::detector::{Descriptor, Feature};
 use ndarray::ArrayView2;

@@ -23,7 +23,7 @@ pub enum Overwrite {
 
 /// Files that were opened, or will be.
 #[derive(Debug, Clone, Default)]
-pub struct Inputs {
+pub struct OpenedFiles {
     /// Names in their folders, without links in the folders.
     places: HashSet<PathBuf>,
     /// Files that the names lead to.
@@ -54,7 +54,7 @@ impl Identity {
     }
 }
 
-impl Inputs {
+impl OpenedFiles {
     /// The inputs `files`. A name of a missing file is left out.
     pub fn of(files: impl IntoIterator<Item = PathBuf>) -> Self {
         let mut inputs = Self::default();
@@ -97,19 +97,19 @@ fn parted(path: &Path) -> Option<(&Path, &std::ffi::OsStr)> {
 /// Rules for overwriting files.
 #[derive(Debug, Clone, Default)]
 pub struct OutputRules {
-    inputs: Inputs,
+    inputs: OpenedFiles,
     overwrite: Overwrite,
 }
 
 impl OutputRules {
     /// Rules for a run that opens `inputs`.
-    pub fn new(inputs: Inputs, overwrite: Overwrite) -> Self {
+    pub fn new(inputs: OpenedFiles, overwrite: Overwrite) -> Self {
         Self { inputs, overwrite }
     }
 
     /// These rules for a run that has also opened `files`.
     pub fn and_opened(mut self, files: impl IntoIterator<Item = PathBuf>) -> Self {
-        let Inputs { places, targets } = Inputs::of(files);
+        let OpenedFiles { places, targets } = OpenedFiles::of(files);
         self.inputs.places.extend(places);
         self.inputs.targets.extend(targets);
         self
@@ -173,7 +173,7 @@ mod tests {
     }
 
     fn rules(inputs: &[PathBuf], overwrite: Overwrite) -> OutputRules {
-        OutputRules::new(Inputs::of(inputs.iter().cloned()), overwrite)
+        OutputRules::new(OpenedFiles::of(inputs.iter().cloned()), overwrite)
     }
 
     #[test]

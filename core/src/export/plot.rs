@@ -135,7 +135,7 @@ mod tests {
         assert_eq!(sheet.legend((10.0, 10.0), 50.0, &[all[0].clone(), all[0].clone()]), 50.0, "one under the other");
         let svg = sheet.finish(200.0);
         let path = svg.lines().find(|line| line.starts_with("<path")).expect("a line");
-        assert!(path.contains("M60.0 70.0M126.7 70.0L160.0 20.0"), "{path}");
+        assert!(path.contains("M60 70M126.667 70L160 20"), "{path}");
         assert_eq!(svg.matches("<circle").count(), 3);
         assert!(svg.contains("a &lt; b") && !svg.contains("NaN"), "{svg}");
     }

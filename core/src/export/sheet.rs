@@ -1,10 +1,9 @@
 //! The sheet on which a figure is drawn: lines, text, pictures, and axes with round ticks.
 
-use super::base64::picture_as_data_url;
-use super::mark::SVG_COMMENT;
+use super::png::Picture;
+use super::svg::{Attribute, Number, PathData, SvgWriter};
 use crate::plane::Plane;
 use crate::plane::display::Display;
-use std::fmt::Write;
 
 /// Colour of letters and axes.
 pub const INK: &str = "#24292f";
@@ -44,6 +43,11 @@ impl Area {
     pub fn bottom(&self) -> f64 {
         self.y + self.height
     }
+
+    /// Left, upper side, width and height.
+    fn numbers(&self) -> [Number; 4] {
+        [self.x, self.y, self.width, self.height].map(Number)
+    }
 }
 
 /// Alignment of a text to its position.
@@ -60,28 +64,32 @@ pub enum Anchor {
 /// SVG document under construction. Lengths are pixels.
 #[derive(Debug)]
 pub struct Sheet {
-    body: String,
+    body: SvgWriter<Vec<u8>>,
     width: f64,
     title: String,
-    /// Number of clipping rectangles.
-    clips: usize,
 }
+
+/// Why writing cannot fail.
+const IN_MEMORY: &str = "memory can be written";
 
 impl Sheet {
     /// Creates an empty sheet; screen readers use `title`.
     pub fn new(width: f64, title: &str) -> Self {
-        Self { body: String::new(), width, title: title.to_owned(), clips: 0 }
+        Self { body: SvgWriter::part(Vec::new()), width: width.round(), title: title.to_owned() }
     }
 
     /// Finishes the document, `height` high.
     pub fn finish(self, height: f64) -> String {
-        let Self { body, width, title, .. } = self;
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{width:.0}\" height=\"{height:.0}\" \
-             viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\" font-size=\"12\" fill=\"{INK}\">\n\
-             {SVG_COMMENT}\n<title>{}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n",
-            escaped(&title)
-        )
+        let body = String::from_utf8(self.body.into_inner()).expect("all that is written is text");
+        let font: [Attribute<'_>; 3] =
+            [("font-family", &"Helvetica, Arial, 'DejaVu Sans', sans-serif"), ("font-size", &12), ("fill", &INK)];
+        let whole = || {
+            let mut svg = SvgWriter::document(Vec::new(), (self.width, height.round()), &self.title, &font)?;
+            svg.empty("rect", &[("width", &"100%"), ("height", &"100%"), ("fill", &"#ffffff")], "")?;
+            svg.raw(body.trim_end())?;
+            svg.finish()
+        };
+        String::from_utf8(whole().expect(IN_MEMORY)).expect("all that is written is text")
     }
 
     /// Draws a line of text of `size` pixels.
@@ -96,10 +104,9 @@ impl Sheet {
             Anchor::Middle => "middle",
             Anchor::End => "end",
         };
-        self.put(format_args!(
-            r#"<text x="{x:.1}" y="{y:.1}" font-size="{size}" text-anchor="{anchor}" {style}>{}</text>"#,
-            escaped(text)
-        ));
+        let place: [Attribute<'_>; 4] =
+            [("x", &Number(x)), ("y", &Number(y)), ("font-size", &Number(size)), ("text-anchor", &anchor)];
+        self.body.text("text", &place, style, text).expect(IN_MEMORY);
     }
 
     /// Draws text in lines of at most `width` pixels; returns the position of the next line.
@@ -123,59 +130,47 @@ impl Sheet {
 
     /// Draws a straight line.
     pub fn line(&mut self, (x1, y1): (f64, f64), (x2, y2): (f64, f64), colour: &str, style: &str) {
-        self.put(format_args!(
-            r#"<line x1="{x1:.1}" y1="{y1:.1}" x2="{x2:.1}" y2="{y2:.1}" stroke="{colour}" {style}/>"#
-        ));
+        let [x1, y1, x2, y2] = [x1, y1, x2, y2].map(Number);
+        let ends: [Attribute<'_>; 5] = [("x1", &x1), ("y1", &y1), ("x2", &x2), ("y2", &y2), ("stroke", &colour)];
+        self.body.empty("line", &ends, style).expect(IN_MEMORY);
     }
 
     /// Draws a rectangle, filled and outlined by `style`.
     pub fn rectangle(&mut self, area: Area, style: &str) {
-        let Area { x, y, width, height } = area;
-        self.put(format_args!(r#"<rect x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}" {style}/>"#));
+        let [x, y, width, height] = area.numbers();
+        let place: [Attribute<'_>; 4] = [("x", &x), ("y", &y), ("width", &width), ("height", &height)];
+        self.body.empty("rect", &place, style).expect(IN_MEMORY);
     }
 
     /// Draws a circle, filled and outlined by `style`.
     pub fn circle(&mut self, (x, y): (f64, f64), radius: f64, style: &str) {
-        self.put(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius:.1}" {style}/>"#));
+        let place: [Attribute<'_>; 3] = [("cx", &Number(x)), ("cy", &Number(y)), ("r", &Number(radius))];
+        self.body.empty("circle", &place, style).expect(IN_MEMORY);
     }
 
     /// Draws a line through points, with breaks where a point is `None`.
     pub fn polyline(&mut self, points: impl IntoIterator<Item = Option<(f64, f64)>>, style: &str) {
-        let mut path = String::new();
-        let mut is_down = false;
-        for point in points {
-            match point {
-                Some((x, y)) => {
-                    // Writing into a string cannot fail.
-                    let _ = write!(path, "{}{x:.1} {y:.1}", if is_down { "L" } else { "M" });
-                    is_down = true;
-                }
-                None => is_down = false,
-            }
-        }
-        self.put(format_args!(r#"<path d="{path}" fill="none" {style}/>"#));
+        let points: Vec<_> = points.into_iter().map(|point| point.map(|(x, y)| [x, y])).collect();
+        self.body.empty("path", &[("d", &PathData(&points)), ("fill", &"none")], style).expect(IN_MEMORY);
     }
 
     /// Draws a plane as a picture that fills `area`; pixels stay sharp.
     pub fn picture(&mut self, area: Area, plane: &Plane, display: &Display) {
         let colours = display.colours();
         let pixels: Vec<u8> = plane.data().iter().flat_map(|&x| colours.colour(x)).collect();
-        let url = picture_as_data_url(plane.width(), plane.height(), &pixels);
-        let Area { x, y, width, height } = area;
-        self.put(format_args!(
-            r#"<image x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}" preserveAspectRatio="none" style="image-rendering:pixelated" xlink:href="{url}"/>"#
-        ));
+        let [x, y, width, height] = area.numbers();
+        let place: [Attribute<'_>; 4] = [("x", &x), ("y", &y), ("width", &width), ("height", &height)];
+        let picture = Picture::rgb(plane.width(), plane.height(), &pixels);
+        self.body.picture(&place, &picture).expect("a picture with pixels is encoded in memory");
     }
 
     /// Draws the shapes of `draw`, clipped to `area`.
     pub fn clipped(&mut self, area: Area, draw: impl FnOnce(&mut Self)) {
-        self.clips += 1;
-        let (id, Area { x, y, width, height }) = (self.clips, area);
-        self.put(format_args!(
-            r#"<clipPath id="clip{id}"><rect x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}"/></clipPath><g clip-path="url(#clip{id})">"#
-        ));
+        let [x, y, width, height] = area.numbers();
+        let place: [Attribute<'_>; 4] = [("x", &x), ("y", &y), ("width", &width), ("height", &height)];
+        self.body.begin_clipped(&place, &[]).expect(IN_MEMORY);
         draw(self);
-        self.put(format_args!("</g>"));
+        self.body.end("g").expect(IN_MEMORY);
     }
 
     /// Draws ticks and labels under an area, for values from `range.0` at its left to `range.1` at its right.
@@ -200,17 +195,9 @@ impl Sheet {
 
     /// Draws the label of a vertical axis.
     pub fn label_left(&mut self, area: Area, label: &str) {
-        let (x, y) = (area.x - 50.0, area.y + 0.5 * area.height);
-        self.put(format_args!(
-            r#"<text transform="translate({x:.1} {y:.1}) rotate(-90)" text-anchor="middle">{}</text>"#,
-            escaped(label)
-        ));
-    }
-
-    fn put(&mut self, element: std::fmt::Arguments<'_>) {
-        // Writing into a string cannot fail.
-        let _ = self.body.write_fmt(element);
-        self.body.push('\n');
+        let (x, y) = (Number(area.x - 50.0), Number(area.y + 0.5 * area.height));
+        let turned = format!("translate({x} {y}) rotate(-90)");
+        self.body.text("text", &[("transform", &turned), ("text-anchor", &"middle")], "", label).expect(IN_MEMORY);
     }
 }
 
@@ -247,27 +234,10 @@ pub fn stacked(title: &str, documents: &[String]) -> String {
         let inner = document.trim_end().replacen("<svg ", &format!(r#"<svg y="{y:.0}" "#), 1);
         let inner = inner.replace(r#"id="clip"#, &format!(r#"id="part{index}-clip"#));
         let inner = inner.replace("url(#clip", &format!("url(#part{index}-clip"));
-        sheet.put(format_args!("{inner}"));
+        sheet.body.raw(inner).expect(IN_MEMORY);
         y += length(document, "height");
     }
     sheet.finish(y)
-}
-
-/// Escapes text for XML and HTML. Characters that XML 1.0 does not allow are replaced by U+FFFD.
-pub fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
-            c if c.is_control() && !matches!(c, '\t' | '\n' | '\r') => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 #[cfg(test)]
@@ -276,7 +246,6 @@ mod tests {
 
     #[test]
     fn markup_is_escaped_and_what_xml_forbids_is_replaced() {
-        assert_eq!(escaped("a<b & \"c\"\u{1}"), "a&lt;b &amp; &quot;c&quot;\u{fffd}");
         let mut sheet = Sheet::new(100.0, "title\u{0}\u{b}");
         sheet.text((1.0, 2.0), 10.0, Anchor::Start, "name\u{1b}[31m\u{ffff}");
         let document = sheet.finish(50.0);

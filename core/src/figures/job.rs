@@ -1,10 +1,9 @@
 //! Making figures one after the other into a folder.
 
 use super::page::write_page;
-use super::record::{MadeFrom, Pieces, Record, begin, check_folder};
+use super::record::{FigureRecord, KeptFigure, Pieces, begin, check_folder, read_record};
 use super::{FigureSize, FiguresError, Made, PaperFigure};
-use crate::dataset::Checksum;
-use crate::export::{ExportError, OutputRules, write_whole};
+use crate::export::{Checksum, ExportError, MadeFrom, OutputRules, Record, Records, write_whole};
 use crate::files::lock::FolderLock;
 use crate::monitor::Monitor;
 use serde::Serialize;
@@ -118,7 +117,7 @@ impl FiguresJob {
     ) -> Result<FigureReport, FiguresError> {
         let maker = figure.maker(self.size, self.colmap.as_deref());
         let made_from = MadeFrom::new(format!("{maker:?}"));
-        let kept = Record::read(&self.out, figure).filter(|record| record.made_from == made_from);
+        let kept = read_record(&self.out, figure).filter(|record| record.made_from == made_from);
         let resumed = kept.is_some();
         let record = match kept {
             Some(record) => record,
@@ -130,8 +129,9 @@ impl FiguresJob {
                 self.write(figure, made, made_from, started.elapsed().as_secs_f64())?
             }
         };
-        let files = record.files.iter().map(|(name, _)| self.out.join(name)).collect();
-        Ok(FigureReport { figure, files, notes: record.notes, resumed, seconds: record.seconds })
+        let KeptFigure { files, notes, seconds, .. } = record.of;
+        let files = files.iter().map(|(name, _)| self.out.join(name)).collect();
+        Ok(FigureReport { figure, files, notes, resumed, seconds })
     }
 
     fn write(
@@ -140,16 +140,17 @@ impl FiguresJob {
         made: Made,
         made_from: MadeFrom,
         seconds: f64,
-    ) -> Result<Record, FiguresError> {
-        Record::remove(&self.out, figure)?;
+    ) -> Result<FigureRecord, FiguresError> {
+        let records = Records::of(&self.out);
+        records.remove(figure.name())?;
         let mut files = Vec::with_capacity(2);
         for (ending, text) in [("svg", &made.svg), ("csv", &made.csv)] {
             let name = format!("{}.{ending}", figure.name());
             write_text(&self.out.join(&name), text)?;
             files.push((name, Checksum::of(text.as_bytes())));
         }
-        let record = Record { figure, made_from, files, notes: made.notes, seconds };
-        record.write(&self.out)?;
+        let record = Record { made_from, of: KeptFigure { figure, files, notes: made.notes, seconds } };
+        records.write(figure.name(), &record)?;
         Ok(record)
     }
 }

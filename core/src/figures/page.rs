@@ -1,23 +1,23 @@
 //! The page that shows all figures of a folder.
 
-use super::record::Record;
+use super::record::{KeptFigure, read_record};
 use super::{FigureSize, FiguresError, PaperFigure};
-use crate::export::sheet::escaped;
-use crate::export::{OutputRules, write_whole};
+use crate::export::{Escaped, OutputRules, write_whole};
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Writes `index.html` into `folder`: every finished figure there, with its caption, notes and numbers.
 pub(super) fn write_page(folder: &Path, size: FigureSize) -> Result<PathBuf, FiguresError> {
-    let records: Vec<Record> = PaperFigure::ALL.into_iter().filter_map(|f| Record::read(folder, f)).collect();
+    let records: Vec<KeptFigure> =
+        PaperFigure::ALL.into_iter().filter_map(|f| Some(read_record(folder, f)?.of)).collect();
     let path = folder.join("index.html");
     OutputRules::default().check_own(&path)?;
     write_whole(&path, |out| out.write_all(page(&records, size).as_bytes()))?;
     Ok(path)
 }
 
-fn page(records: &[Record], size: FigureSize) -> String {
+fn page(records: &[KeptFigure], size: FigureSize) -> String {
     let mut html = String::from(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>The figures of the BuFF paper, remade by Burstscope</title>\n\
          <style>body{font-family:Helvetica,Arial,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;color:#24292f;background:#fff;line-height:1.45}\n\
@@ -38,11 +38,11 @@ fn page(records: &[Record], size: FigureSize) -> String {
         env!("CARGO_PKG_VERSION")
     );
     for record in records {
-        let (name, title) = (record.figure.name(), escaped(record.figure.title()));
-        let _ = writeln!(html, "<h2 id=\"{name}\">{title}</h2>\n<p>{}</p>", escaped(record.figure.caption()));
+        let (name, title) = (record.figure.name(), Escaped(record.figure.title()));
+        let _ = writeln!(html, "<h2 id=\"{name}\">{title}</h2>\n<p>{}</p>", Escaped(record.figure.caption()));
         let _ = writeln!(html, "<p><a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{title}\"></a></p>");
         for note in &record.notes {
-            let _ = writeln!(html, "<p class=\"note\">{}</p>", escaped(note));
+            let _ = writeln!(html, "<p class=\"note\">{}</p>", Escaped(note));
         }
         let _ = writeln!(
             html,

@@ -1,12 +1,10 @@
 //! Data from which questions about one burst are answered: its detection with all intermediate results. It is computed
 //! once and then used for any number of questions.
 
-use crate::baseline::prepare;
+use crate::baseline::PreparedSearch;
 use crate::burst::Burst;
-use crate::detector::slopes::resolve;
-use crate::detector::{
-    DetectError, Detection, DetectorParams, Method, SearchParams, SlopeChoice, SlopeFinding, Trail, detect_with_trail,
-};
+use crate::detector::pipeline::search_with_trail;
+use crate::detector::{DetectError, Detection, DetectorParams, Method, SearchParams, SlopeChoice, SlopeFinding, Trail};
 use crate::monitor::Monitor;
 use std::sync::Arc;
 
@@ -23,9 +21,6 @@ pub struct ProbeCache {
     pub asked: SearchParams,
 }
 
-/// Share of the progress that finding the slopes takes.
-const SLOPES_SHARE: f32 = 0.2;
-
 impl ProbeCache {
     /// Detects the features of `burst`, finding its slopes first if requested, and keeps the data that questions need.
     ///
@@ -33,10 +28,9 @@ impl ProbeCache {
     /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once
     /// `monitor` was cancelled.
     pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, DetectError> {
-        let (resolved, finding) = resolve(burst, params, &monitor.part(0.0, SLOPES_SHARE))?;
-        let share = if finding.is_some() { SLOPES_SHARE } else { 0.0 };
-        let (burst, resolved) = prepare(burst, &resolved, &monitor.silent())?;
-        let trail = Arc::new(detect_with_trail(&burst, &resolved, &monitor.part(share, 1.0 - share))?);
+        let PreparedSearch { burst, params: prepared, finding, rest, .. } =
+            PreparedSearch::new(burst, params, monitor)?;
+        let trail = Arc::new(search_with_trail(&burst, &prepared, &rest)?);
         Ok(Self { burst, trail, finding, asked: params.clone() })
     }
 

@@ -102,7 +102,7 @@ fn the_figure_is_a_valid_picture_with_every_method_named() {
     let svg = roc_svg(&report.expect("a report"));
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).count();
-    assert_eq!(count("polyline"), 3 * BurstMethod::ALL.len());
+    assert_eq!(count("path"), 3 * BurstMethod::ALL.len());
     for words in ["SNR 0.3", "SNR 0.6", "no noise", "false features", "discs found, of 14", "10 % false"] {
         assert!(svg.contains(words), "{words}");
     }
@@ -111,9 +111,9 @@ fn the_figure_is_a_valid_picture_with_every_method_named() {
     // All curves lie inside their panels.
     let size = |name| document.root_element().attribute(name).and_then(|x| x.parse::<f64>().ok()).expect("a number");
     let (width, height) = (size("width"), size("height"));
-    for line in document.descendants().filter(|n| n.has_tag_name("polyline")) {
-        for point in line.attribute("points").expect("points").split_whitespace() {
-            let (x, y) = point.split_once(',').expect("a pair");
+    for line in document.descendants().filter(|n| n.has_tag_name("path")) {
+        for point in line.attribute("d").expect("points").split(['M', 'L']).skip(1) {
+            let (x, y) = point.split_once(' ').expect("a pair");
             let (x, y): (f64, f64) = (x.parse().expect("x"), y.parse().expect("y"));
             assert!(x > 0.0 && x < width && y > 0.0 && y < height, "{point}");
         }

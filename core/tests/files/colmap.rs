@@ -1,7 +1,7 @@
 //! Export of a dataset to COLMAP: the written files, resuming without repeated work, and, where pycolmap is installed,
 //! reading by COLMAP.
 
-use burstscope_core::burst::{Burst, BurstSource, OpenOptions, SequenceCut, cut_sequence, find_bursts};
+use burstscope_core::burst::{Burst, BurstFiles, OpenOptions, SequenceCut, cut_sequence, find_bursts};
 use burstscope_core::dataset::{
     CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, ImageKind, export_colmap,
 };
@@ -19,7 +19,7 @@ use std::process::Command;
 pub const SIZE: (usize, usize) = (260, 200);
 
 /// Three bursts of five frames, cut from one walk past a layered scene in `home`.
-pub fn walk(home: &Path) -> Vec<BurstSource> {
+pub fn walk(home: &Path) -> Vec<BurstFiles> {
     let params = SceneParams {
         width: SIZE.0,
         height: SIZE.1,
@@ -51,11 +51,7 @@ pub fn job() -> ColmapJob {
 }
 
 /// Runs the job; also returns the names of bursts that failed.
-pub fn export(
-    bursts: &[BurstSource],
-    out: &Path,
-    job: &ColmapJob,
-) -> (Result<ColmapReport, DatasetError>, Vec<String>) {
+pub fn export(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> (Result<ColmapReport, DatasetError>, Vec<String>) {
     let mut failed = Vec::new();
     let mut on = |event: Event<'_>| {
         if let Event::Failed { name, .. } = event {
@@ -278,7 +274,7 @@ fn inliers_are_as_many_as_colmaps() {
     }
 }
 
-fn done(bursts: &[BurstSource], out: &Path, job: &ColmapJob) -> ColmapReport {
+fn done(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> ColmapReport {
     let (report, failed) = export(bursts, out, job);
     assert!(failed.is_empty(), "{failed:?}");
     report.expect("written")

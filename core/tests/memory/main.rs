@@ -5,6 +5,9 @@
 //! Memory is counted at this program's allocator: the same on every system, whereas the operating system's count
 //! depends on memory that an allocator keeps for later. The tests run one at a time, so that nothing else is counted.
 
+#[cfg(feature = "colmap")]
+mod colmap;
+
 use burstscope_core::detector::{DetectorParams, SlopeGrid, memory};
 use burstscope_core::synth::{SceneParams, synth_scene};
 use burstscope_core::{Burst, Detection, Monitor, detect};

@@ -8,7 +8,7 @@ use crate::app::panel::widgets::{middle_elided, progress_text};
 use crate::app::project::Model;
 use crate::app::project::datasets::{BurstState, Dataset, Datasets};
 use crate::app::style;
-use crate::burst::{BurstSource, OpenOptions};
+use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::Thumbnail;
 use crate::engine::{Engine, Wanted};
 use crate::inspect::words::counted;
@@ -324,7 +324,7 @@ pub enum ThumbnailState {
 pub struct Thumbnails {
     shown: HashMap<String, ThumbnailState>,
     /// Bursts that came into view in this pass.
-    in_view: Vec<BurstSource>,
+    in_view: Vec<BurstFiles>,
     wanted: Wanted<ThumbnailsRequest>,
 }
 
@@ -335,7 +335,7 @@ impl Thumbnails {
     }
 
     /// State of the thumbnail of `burst`; an unknown one is requested next.
-    pub fn get(&mut self, burst: &BurstSource) -> Option<&ThumbnailState> {
+    pub fn get(&mut self, burst: &BurstFiles) -> Option<&ThumbnailState> {
         if !self.shown.contains_key(&burst.name) {
             self.in_view.push(burst.clone());
         }
@@ -363,7 +363,7 @@ impl Thumbnails {
     }
 
     /// Takes the pictures that were made of `bursts`.
-    pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstSource]) {
+    pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstFiles]) {
         for (source, picture) in self.wanted.take_told().into_iter().filter(|(source, _)| bursts.contains(source)) {
             let shown = match picture {
                 Ok(Thumbnail { width, height, rgb }) => {

@@ -458,7 +458,7 @@ fn files_of(source: &BurstSource) -> Vec<PathBuf> {
 }
 
 fn files_at(paths: Vec<PathBuf>) -> Vec<PathBuf> {
-    let source = burst::BurstSource { name: String::new(), paths };
+    let source = burst::BurstFiles { name: String::new(), paths };
     source.files().unwrap_or(source.paths)
 }
 

@@ -106,7 +106,7 @@ fn two_bursts_are_opened_and_searched_side_by_side() {
     }
     for (wanted, open) in detecting.iter_mut().zip(&bursts) {
         let detected = end_of(wanted).result.expect("valid");
-        let expected = crate::detector::detect(&open.burst, &params, &Monitor::default()).expect("valid");
+        let expected = crate::detect(&open.burst, &params, &Monitor::default()).expect("valid");
         assert_eq!(detected.detection.features, expected.features);
     }
 }

@@ -1,7 +1,7 @@
 //! Export of a whole dataset for COLMAP's mapper: the work of the command `colmap`, as a request.
 
 use super::DatasetEvent;
-use crate::burst::{BurstSource, OpenOptions};
+use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{
     CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, ImageKind, export_colmap,
 };
@@ -56,7 +56,7 @@ pub struct ColmapDone {
 /// # Errors
 /// As [`export_colmap`].
 pub(super) fn run(
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     request: &ColmapRequest,
     tell: &dyn Fn(DatasetEvent),
     monitor: &Monitor,

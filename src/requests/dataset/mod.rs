@@ -1,27 +1,29 @@
-//! Work on a whole dataset: listing its bursts, finding their features, matching pairs of them, exporting to COLMAP.
+//! Work on a whole dataset: listing its bursts, finding their features, matching pairs of them, exporting to COLMAP,
+//! small pictures.
 //!
-//! Such work takes long, and the window shows each burst and each pair as it is finished. So events are reported before
-//! the answer.
+//! Such work takes long, and the window shows each burst and each pair as it is finished. So events are reported
+//! before the answer.
 
 #[cfg(feature = "colmap")]
 mod colmap;
-mod thumbnails;
 mod work;
-
-pub use thumbnails::ThumbnailsRequest;
 
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapDone, ColmapRequest};
 
-use crate::burst::{BurstSource, OpenOptions};
-use crate::dataset::{DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind};
+use crate::burst::{BurstFiles, OpenOptions};
+use crate::dataset::{
+    DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind, Thumbnail, thumbnail,
+};
 use crate::detector::SearchParams;
 use crate::matching::{MatchCounts, MatchParams};
+use crate::requests::error::JobError;
+use crate::requests::request::{Request, Urgency, Work};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Bursts of a dataset, shared by all requests for it.
-pub type Bursts = Arc<Vec<BurstSource>>;
+pub type Bursts = Arc<Vec<BurstFiles>>;
 
 /// Folder in which features are kept, and parameters with which they are found: an immutable snapshot.
 #[derive(Debug, Clone, PartialEq)]
@@ -154,4 +156,39 @@ pub enum DatasetEvent {
         /// The pair's matches in numbers.
         counts: MatchCounts,
     },
+}
+
+/// Small pictures of some bursts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ThumbnailsRequest {
+    /// The bursts, in the order in which their pictures are made.
+    pub bursts: Vec<BurstFiles>,
+    /// Maximum length of the longer side, pixels.
+    pub max_side_px: usize,
+    /// Options with which the bursts are opened.
+    pub open: OpenOptions,
+}
+
+impl Request for ThumbnailsRequest {
+    type Answer = ();
+    /// A burst with its picture, or why there is none.
+    type Told = (BurstFiles, Result<Thumbnail, String>);
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Dataset
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn compute(self, work: &Work<'_, Self::Told>) -> Result<(), JobError> {
+        for source in self.bursts {
+            let silent = work.monitor.silent();
+            let picture = thumbnail(&source, self.max_side_px, &self.open, &silent).map_err(|e| e.to_string());
+            work.monitor.check()?;
+            (work.tell)((source, picture));
+        }
+        Ok(())
+    }
 }

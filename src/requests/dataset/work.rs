@@ -1,8 +1,10 @@
 //! Work on a dataset: opening, detecting and matching.
 
 use super::{DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
-use crate::burst::{BurstSource, Entries, OpenOptions};
-use crate::dataset::{BurstEvent, BurstFeatures, CameraChoice, DatasetSource, FeatureStore, detect_all, match_pairs};
+use crate::burst::{BurstFiles, Entries, OpenOptions};
+use crate::dataset::{
+    BurstEvent, BurstSide, CameraChoice, DatasetSource, FeatureStore, MatchedPair, detect_all, match_pairs,
+};
 use crate::detector::SearchParams;
 use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Stage};
@@ -91,12 +93,11 @@ fn other_params_in(folder: &Path, params: &SearchParams) -> Option<SearchParams>
 }
 
 fn detect(
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     keeping: &Keeping,
     tell: &dyn Fn(DatasetEvent),
     monitor: &Monitor,
 ) -> Result<DatasetAnswer, JobError> {
-    keeping.params.validate().map_err(JobError::failed)?;
     let mut store = keeping.store()?;
     let mut on = |event: BurstEvent<'_>| {
         tell(match event {
@@ -109,44 +110,24 @@ fn detect(
     Ok(DatasetAnswer::Detected)
 }
 
-/// Fraction of the progress of matching that reading features from files takes.
-const READING_SHARE: f32 = 0.2;
-
 fn match_all(
-    bursts: &[BurstSource],
+    bursts: &[BurstFiles],
     keeping: &Keeping,
     pairs: &[(usize, usize)],
     matching: &MatchParams,
     tell: &dyn Fn(DatasetEvent),
     monitor: &Monitor,
 ) -> Result<DatasetAnswer, JobError> {
-    matching.validate().map_err(JobError::failed)?;
     let store = keeping.store()?;
-    let mut wanted: Vec<usize> = pairs.iter().flat_map(|&(a, b)| [a, b]).collect();
-    wanted.sort_unstable();
-    wanted.dedup();
-    // Only bursts that are matched are read; `place_of[index]` is a burst's index among them.
-    let (mut read, mut place_of) = (Vec::<BurstFeatures>::new(), vec![None; bursts.len()]);
-    for (count, &index) in wanted.iter().enumerate() {
-        monitor.check()?;
-        monitor.report(Stage::Open, READING_SHARE * count as f32 / wanted.len() as f32);
-        if let Some(features) = bursts.get(index).and_then(|source| store.kept(source, monitor).ok()) {
-            place_of[index] = Some(read.len());
-            read.push(features);
-        }
-    }
-    let place = |index: usize| place_of.get(index).copied().flatten();
-    let (indices, places): (Vec<_>, Vec<_>) =
-        pairs.iter().filter_map(|&(a, b)| Some(((a, b), (place(a)?, place(b)?)))).unzip();
-    let mut next = indices.iter();
-    let mut on = |_, result: &crate::matching::MatchResult| {
-        // Results come in the order of the pairs.
-        if let Some(&pair) = next.next() {
-            tell(DatasetEvent::Matched { pair, counts: result.counts });
-        }
+    // Features are read when a pair needs them, so that few bursts are in memory.
+    let mut load = |index: usize| {
+        let kept = bursts.get(index).and_then(|source| store.kept(source, monitor).ok());
+        Ok(kept.map(BurstSide::from))
+    };
+    let mut on = |matched: MatchedPair<'_>| {
+        tell(DatasetEvent::Matched { pair: matched.indices, counts: matched.result.counts });
         Ok(())
     };
-    let rest = monitor.part(READING_SHARE, 1.0 - READING_SHARE);
-    match_pairs(&read, &places, matching, &mut on, &rest)?;
-    Ok(DatasetAnswer::Matched { left_out: pairs.len() - indices.len() })
+    let left_out = match_pairs(pairs, matching, &mut load, &mut on, monitor)?;
+    Ok(DatasetAnswer::Matched { left_out })
 }

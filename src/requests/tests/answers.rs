@@ -3,9 +3,10 @@
 use super::{detected, empty, open, params, source, write_chart};
 use crate::baseline;
 use crate::burst::OpenOptions;
+use crate::detect;
 use crate::detector::DetectorParams;
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{Method, SearchParams, Slope, detect};
+use crate::detector::{Method, SearchParams, Slope};
 use crate::evaluate::Study;
 use crate::evaluate::poses::PoseStudy;
 use crate::inspect::ProbeCache;

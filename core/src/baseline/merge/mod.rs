@@ -6,13 +6,12 @@
 //! tile's pixels against the coarser level's shift by the share of signal in the tile, and the shrinkage works on real
 //! cosines.
 //!
-//! The data flow: frames → [`pyramid`] → [`align`] (a shift for each tile of the middle frame, coarse to fine) →
+//! The data flow: frames → [`align`] (a shift for each tile of the middle frame, over a pyramid from coarse to fine) →
 //! [`temporal`] (robust mean over time, tile by tile) → one image. [`tiles`] and [`dct`] are shared by these. Each
 //! frame is aligned by itself, without the assumption that the motion is uniform from frame to frame.
 
 mod align;
 mod dct;
-mod pyramid;
 mod temporal;
 #[cfg(test)]
 mod tests;
@@ -60,11 +59,11 @@ fn merge_frames(frames: &[&Plane], noise: f32, monitor: &Monitor) -> Result<Plan
         return Ok(reference.clone());
     }
     let variance = noise * noise;
-    let levels = pyramid::pyramid(reference);
+    let levels = align::pyramid(reference);
     let mut others = Vec::with_capacity(frames.len() - 1);
     for (t, frame) in frames.iter().enumerate().filter(|(t, _)| *t != middle) {
         monitor.check()?;
-        let shifts = align::align(&levels, &pyramid::pyramid(frame), variance, monitor)?;
+        let shifts = align::align(&levels, &align::pyramid(frame), variance, monitor)?;
         others.push(temporal::Aligned { frame, shifts });
         monitor.report(Stage::Merge, 0.8 * (t + 1) as f32 / frames.len() as f32);
     }

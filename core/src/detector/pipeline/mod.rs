@@ -29,12 +29,13 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Finds the features of a burst.
+/// Finds the features of a burst whose frames are merged already, where the method merges them; callers use
+/// [`crate::detect`].
 ///
 /// # Errors
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
 /// was cancelled.
-pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
+pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
     Ok(search_all(burst, params, (&OF_PROCESS, memory::budget()), monitor)?.detection)
 }
 
@@ -42,8 +43,12 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
 /// them, and the keypoints that were removed.
 ///
 /// # Errors
-/// As [`detect`].
-pub fn detect_with_trail(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Trail, DetectError> {
+/// As [`search`].
+pub(crate) fn search_with_trail(
+    burst: &Burst,
+    params: &DetectorParams,
+    monitor: &Monitor,
+) -> Result<Trail, DetectError> {
     // Trails that are kept already have their part of the budget.
     let budget = memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()));
     Ok(search_all(burst, params, (&OF_PROCESS, budget), monitor)?.ready())

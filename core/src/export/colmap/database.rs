@@ -2,15 +2,13 @@
 //!
 //! Numbers are stored as little-endian rows: keypoints as four `f32` (x, y, scale, orientation), descriptors as 128
 //! bytes in UBC order, matches as pairs of `u32`, matrices as nine `f64` by rows. Each camera gets a rig and each image
-//! a frame of its own, as COLMAP does for cameras that are not mounted together. Tables: see [`super::schema`].
+//! a frame of its own, as COLMAP does for cameras that are not mounted together.
 
-use super::geometry::DatabaseGeometry;
-use super::keypoint::ColmapKeypoint;
-use super::schema::{SENSOR_CAMERA, TABLES};
+use super::text::{ColmapKeypoint, FIRST_PIXEL};
 use crate::detector::Descriptor;
 use crate::export::atomic::replace_whole;
 use crate::export::error::ExportError;
-use nalgebra::Matrix3;
+use nalgebra::{Isometry3, Matrix3};
 use rusqlite::{Connection, Params, params};
 use std::io;
 use std::path::Path;
@@ -187,6 +185,24 @@ impl DatabaseWriter<'_> {
         )
     }
 
+    /// Reads the features of the image `id` back, as they were added.
+    ///
+    /// # Errors
+    /// [`ExportError`] when the file cannot be read, or holds no image of this id.
+    pub fn features(&self, id: u32) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
+        let sql = "SELECT keypoints.data, descriptors.data FROM keypoints JOIN descriptors USING (image_id) WHERE image_id = ?";
+        let read = self.connection.query_row(sql, [id], |row| {
+            let number = |bytes: &[u8], k: usize| f32::from_le_bytes(std::array::from_fn(|i| bytes[4 * k + i]));
+            let keypoint = |bytes: &[u8]| {
+                let [x, y, scale, orientation] = std::array::from_fn(|k| number(bytes, k));
+                ColmapKeypoint { x, y, scale, orientation }
+            };
+            let keypoints = row.get_ref(0)?.as_blob()?.chunks_exact(16).map(keypoint).collect();
+            Ok((keypoints, row.get_ref(1)?.as_blob()?.as_chunks().0.to_vec()))
+        });
+        read.map_err(|e| failure(self.path, &e))
+    }
+
     fn insert(&self, sql: &str, values: impl Params) -> Result<(), ExportError> {
         self.connection.execute(sql, values).map(|_| ()).map_err(|e| failure(self.path, &e))
     }
@@ -209,3 +225,137 @@ fn float_bytes(values: impl IntoIterator<Item = f64>) -> Vec<u8> {
 fn matrix_bytes(matrix: Matrix3<f64>) -> Vec<u8> {
     float_bytes(matrix.transpose().iter().copied())
 }
+
+/// Kind of a two-view geometry, with COLMAP's number for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GeometryKind {
+    /// Too few matches agree on a geometry.
+    Degenerate = 1,
+    /// Essential matrix, of calibrated cameras.
+    Calibrated = 2,
+    /// Fundamental matrix.
+    Uncalibrated = 3,
+    /// Homography, of a plane or of a camera that only turns.
+    PlanarOrPanoramic = 6,
+}
+
+/// Geometry of images A and B, in Burstscope's pixels (the centre of the first one is (0, 0)).
+#[derive(Debug, Clone, PartialEq)]
+pub struct DatabaseGeometry {
+    /// Kind of the geometry.
+    pub kind: GeometryKind,
+    /// Index pairs of the inliers' features, of A and of B.
+    pub inliers: Vec<[u32; 2]>,
+    /// F: x_bᵀ·F·x_a = 0 for pixels.
+    pub fundamental: Option<Matrix3<f64>>,
+    /// E: d_bᵀ·E·d_a = 0 for directions.
+    pub essential: Option<Matrix3<f64>>,
+    /// H: x_b ~ H·x_a for pixels.
+    pub homography: Option<Matrix3<f64>>,
+    /// Map from the frame of A's camera to that of B's.
+    pub b_from_a: Option<Isometry3<f64>>,
+}
+
+impl DatabaseGeometry {
+    /// The geometry of a pair whose matches do not agree.
+    pub fn degenerate() -> Self {
+        Self {
+            kind: GeometryKind::Degenerate,
+            inliers: Vec::new(),
+            fundamental: None,
+            essential: None,
+            homography: None,
+            b_from_a: None,
+        }
+    }
+
+    /// This geometry in COLMAP's pixels.
+    pub(super) fn in_colmap_pixels(&self) -> Self {
+        let there = Matrix3::new(1.0, 0.0, FIRST_PIXEL, 0.0, 1.0, FIRST_PIXEL, 0.0, 0.0, 1.0);
+        let back = Matrix3::new(1.0, 0.0, -FIRST_PIXEL, 0.0, 1.0, -FIRST_PIXEL, 0.0, 0.0, 1.0);
+        Self {
+            fundamental: self.fundamental.map(|f| back.transpose() * f * back),
+            homography: self.homography.map(|h| there * h * back),
+            ..self.clone()
+        }
+    }
+}
+
+/// Statements that create the tables.
+pub(super) const TABLES: &str = "
+CREATE TABLE cameras (
+    camera_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,
+    model INTEGER NOT NULL,
+    width INTEGER NOT NULL,
+    height INTEGER NOT NULL,
+    params BLOB,
+    prior_focal_length INTEGER NOT NULL);
+CREATE TABLE images (
+    image_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,
+    name TEXT NOT NULL UNIQUE,
+    camera_id INTEGER NOT NULL,
+    prior_qw REAL,
+    prior_qx REAL,
+    prior_qy REAL,
+    prior_qz REAL,
+    prior_tx REAL,
+    prior_ty REAL,
+    prior_tz REAL,
+    CONSTRAINT image_id_check CHECK(image_id >= 0 and image_id < 2147483647),
+    FOREIGN KEY(camera_id) REFERENCES cameras(camera_id));
+CREATE UNIQUE INDEX index_name ON images(name);
+CREATE TABLE keypoints (
+    image_id INTEGER PRIMARY KEY NOT NULL,
+    rows INTEGER NOT NULL,
+    cols INTEGER NOT NULL,
+    data BLOB,
+    FOREIGN KEY(image_id) REFERENCES images(image_id) ON DELETE CASCADE);
+CREATE TABLE descriptors (
+    image_id INTEGER PRIMARY KEY NOT NULL,
+    rows INTEGER NOT NULL,
+    cols INTEGER NOT NULL,
+    data BLOB,
+    FOREIGN KEY(image_id) REFERENCES images(image_id) ON DELETE CASCADE);
+CREATE TABLE matches (
+    pair_id INTEGER PRIMARY KEY NOT NULL,
+    rows INTEGER NOT NULL,
+    cols INTEGER NOT NULL,
+    data BLOB);
+CREATE TABLE two_view_geometries (
+    pair_id INTEGER PRIMARY KEY NOT NULL,
+    rows INTEGER NOT NULL,
+    cols INTEGER NOT NULL,
+    data BLOB,
+    config INTEGER NOT NULL,
+    F BLOB,
+    E BLOB,
+    H BLOB,
+    qvec BLOB,
+    tvec BLOB);
+CREATE TABLE rigs (
+    rig_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,
+    ref_sensor_id INTEGER NOT NULL,
+    ref_sensor_type INTEGER NOT NULL);
+CREATE UNIQUE INDEX rig_ref_sensor_assignment ON rigs(ref_sensor_id, ref_sensor_type);
+CREATE TABLE rig_sensors (
+    rig_id INTEGER NOT NULL,
+    sensor_id INTEGER NOT NULL,
+    sensor_type INTEGER NOT NULL,
+    sensor_from_rig BLOB,
+    FOREIGN KEY(rig_id) REFERENCES rigs(rig_id) ON DELETE CASCADE);
+CREATE UNIQUE INDEX rig_sensor_assignment ON rig_sensors(sensor_id, sensor_type);
+CREATE TABLE frames (
+    frame_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,
+    rig_id INTEGER NOT NULL,
+    FOREIGN KEY(rig_id) REFERENCES rigs(rig_id) ON DELETE CASCADE);
+CREATE TABLE frame_data (
+    frame_id INTEGER NOT NULL,
+    data_id INTEGER NOT NULL,
+    sensor_id INTEGER NOT NULL,
+    sensor_type INTEGER NOT NULL,
+    FOREIGN KEY(frame_id) REFERENCES frames(frame_id) ON DELETE CASCADE);
+CREATE UNIQUE INDEX frame_sensor_assignment ON frame_data(data_id, sensor_type);
+";
+
+/// Code of the sensor type "camera".
+pub(super) const SENSOR_CAMERA: u32 = 0;

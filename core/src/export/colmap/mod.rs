@@ -6,18 +6,13 @@
 
 #[cfg(feature = "colmap")]
 mod database;
-#[cfg(feature = "colmap")]
-mod geometry;
-mod keypoint;
-#[cfg(feature = "colmap")]
-mod schema;
 #[cfg(all(test, feature = "colmap"))]
 mod tests;
 mod text;
 
 #[cfg(feature = "colmap")]
-pub use database::{DatabaseCamera, DatabaseWriter, MAX_IMAGE_ID, pair_id, write_colmap_database};
+pub use database::{
+    DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
+};
 #[cfg(feature = "colmap")]
-pub use geometry::{DatabaseGeometry, GeometryKind};
-pub use keypoint::ColmapKeypoint;
-pub use text::{parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};
+pub use text::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};

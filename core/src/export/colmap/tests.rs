@@ -42,6 +42,9 @@ fn written(path: &Path) {
                 Vector3::new(0.0, 0.0, std::f64::consts::PI / 3.0),
             )),
         };
+        assert_eq!(database.features(a)?, (keypoints(4), descriptors(4)), "they are read back as they were added");
+        let none = database.add_image("none.png", camera, &[], &[])?;
+        assert_eq!((database.features(none)?, database.features(none + 1).is_err()), ((vec![], vec![]), true));
         database.add_pair(a, b, &[[0, 0], [3, 1]], Some(&geometry))
     })
     .expect("written");
@@ -76,7 +79,7 @@ fn every_blob_is_as_documented() {
     let count = |table: &str| db.query_row(&format!("SELECT COUNT(*) FROM {table}"), [], |row| row.get::<_, i64>(0));
     let counts =
         ["cameras", "rigs", "rig_sensors", "images", "frames", "frame_data"].map(|t| count(t).expect("a table"));
-    assert_eq!(counts, [1, 1, 0, 2, 2, 2]);
+    assert_eq!(counts, [1, 1, 0, 3, 3, 3]);
     assert_eq!(db.query_row("PRAGMA integrity_check", [], |row| row.get::<_, String>(0)), Ok("ok".to_owned()));
 }
 

@@ -1,10 +1,10 @@
-//! Text for COLMAP's feature importer: `N 128`, then for each feature `x y scale orientation d1 … d128`.
+//! Keypoints in COLMAP's convention, and text for its feature importer: `N 128`, then for each feature
+//! `x y scale orientation d1 … d128`.
 //!
 //! The descriptors are in UBC order, which is the order of [`Descriptor`] and of COLMAP's own SIFT. Numbers have as
 //! many digits as are needed to read the same values back. Format:
 //! <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
 
-use super::keypoint::ColmapKeypoint;
 use crate::detector::{Descriptor, Feature};
 use crate::export::atomic::write_whole;
 use crate::export::error::ExportError;
@@ -104,4 +104,35 @@ fn parse(line: &str) -> Result<(ColmapKeypoint, Descriptor), String> {
 fn next<'a, T: FromStr>(words: &mut impl Iterator<Item = &'a str>) -> Result<T, String> {
     let word = words.next().ok_or("it ends too early; a feature is x, y, scale, orientation and 128 numbers")?;
     word.parse().map_err(|_| format!("'{word:.40}' is not a number that can stand here"))
+}
+
+/// Half a pixel: the coordinate of the first pixel's centre in COLMAP.
+pub(super) const FIRST_PIXEL: f64 = 0.5;
+
+/// Keypoint in COLMAP's convention: the centre of the first pixel is (0.5, 0.5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ColmapKeypoint {
+    /// Column, pixels.
+    pub x: f32,
+    /// Row, pixels.
+    pub y: f32,
+    /// Scale σ, pixels.
+    pub scale: f32,
+    /// Orientation, radians, from +x towards +y.
+    pub orientation: f32,
+}
+
+impl ColmapKeypoint {
+    /// Position (u, v) in Burstscope's convention, where the centre of the first pixel is (0, 0).
+    pub fn pos_image(&self) -> [f64; 2] {
+        [f64::from(self.x) - FIRST_PIXEL, f64::from(self.y) - FIRST_PIXEL]
+    }
+}
+
+impl From<&Feature> for ColmapKeypoint {
+    fn from(feature: &Feature) -> Self {
+        // COLMAP uses 32-bit floats; the sum is rounded once.
+        let moved = |place: f32| (f64::from(place) + FIRST_PIXEL) as f32;
+        Self { x: moved(feature.u), y: moved(feature.v), scale: feature.sigma, orientation: feature.orientation }
+    }
 }

@@ -50,7 +50,7 @@ pub(super) fn reconstruct(
 #[cfg(feature = "colmap")]
 mod with_database {
     use super::*;
-    use crate::burst::{BurstSource, OpenOptions};
+    use crate::burst::{BurstFiles, OpenOptions};
     use crate::dataset::{CameraChoice, ColmapJob, DatasetSource, FeatureJob, ImageKind, export_colmap};
     use crate::evaluate::poses::{PoseStudy, evaluate_poses, read_trajectory};
     use crate::matching::{Camera, CameraModel, PairSelection};
@@ -82,7 +82,7 @@ mod with_database {
                 .map(|index| {
                     let name = Trajectory::name(index);
                     let paths = vec![data.join("gold").join(format!("{name}.png"))];
-                    BurstSource { name, paths }
+                    BurstFiles { name, paths }
                 })
                 .collect(),
         };
@@ -113,7 +113,7 @@ mod with_database {
         Ok(Reconstructed { mapper_secs, gave_up, ..compared })
     }
 
-    fn bursts_in(folder: &Path) -> Result<Vec<BurstSource>, FiguresError> {
+    fn bursts_in(folder: &Path) -> Result<Vec<BurstFiles>, FiguresError> {
         let found = DatasetSource::of_bursts(vec![folder.to_path_buf()]).bursts();
         Ok(found.map_err(crate::dataset::DatasetError::from)?)
     }

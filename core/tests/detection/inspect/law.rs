@@ -5,20 +5,20 @@ use super::probing::{cache, slopes_of};
 use burstscope_core::detector::feature::Keypoint;
 use burstscope_core::detector::{
     DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Sample, SlopeExtrema, SlopeGrid,
-    SlopeNeighbours, Tally, Test, Trail, detect, detect_with_trail,
+    SlopeNeighbours, Tally, Test, Trail,
 };
 use burstscope_core::inspect::changes::{Spot, compare};
 use burstscope_core::inspect::telling::fate;
 use burstscope_core::inspect::truth::{AgainstTruth, TruthError, against_truth, read_truth, truth_of};
 use burstscope_core::inspect::unmatched::{ComparedPair, Losses, Lost};
-use burstscope_core::inspect::{Fate, Outcome};
+use burstscope_core::inspect::{Fate, Outcome, ProbeCache};
 use burstscope_core::matching::{Geometry, MatchParams, match_detections};
 use burstscope_core::plane::tile::Region;
 use burstscope_core::synth::examples::{Example, disc_place};
 use burstscope_core::synth::{
     ChartParams, SceneParams, demo_burst, later_demo_burst, synth_chart, synth_scene, write_burst,
 };
-use burstscope_core::{Burst, Monitor};
+use burstscope_core::{Burst, Monitor, detect};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -46,7 +46,7 @@ fn samples(trail: &Trail, octave: i32) -> (Region, Vec<Sample>) {
 fn assert_law(burst: &Burst, params: &DetectorParams) -> usize {
     let monitor = Monitor::default();
     let detection = detect(burst, params, &monitor).expect("valid parameters");
-    let trail = detect_with_trail(burst, params, &monitor).expect("valid parameters");
+    let trail = ProbeCache::new(burst, &params.clone().into(), &monitor).expect("valid parameters").trail;
     assert_eq!(trail.detection().features, detection.features, "keeping the trail changes nothing");
     assert_eq!(trail.detection().descriptors, detection.descriptors);
     assert_eq!(trail.detection().tally, detection.tally);

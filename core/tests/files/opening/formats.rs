@@ -3,7 +3,7 @@
 
 use super::support::{assert_close, folder, grey8, open, raw_tiff, save, tiff_pages};
 use burstscope_core::burst::{
-    Burst, BurstSource, LUMA_WEIGHTS, OpenError, SequenceCut, cut_sequence, find_bursts, supported_extensions,
+    Burst, BurstFiles, LUMA_WEIGHTS, OpenError, SequenceCut, cut_sequence, find_bursts, supported_extensions,
 };
 use image::{ImageBuffer, Luma, LumaA, Rgb, Rgba};
 use ndarray::{Array2, Array3, ShapeBuilder};
@@ -342,7 +342,7 @@ fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
     // Frames in one file are not cut.
     let path = folder.path().join("film.tif");
     stack(&path);
-    let film = BurstSource { name: "film".into(), paths: vec![path.clone()] };
+    let film = BurstFiles { name: "film".into(), paths: vec![path.clone()] };
     let error = cut_sequence(&film, cut).expect_err("a stack");
     assert!(matches!(error, OpenError::CutStack { path: ref at, frames: 2 } if *at == path), "{error}");
     let error = cut_sequence(sequence, cut).expect_err("a stack among frames");

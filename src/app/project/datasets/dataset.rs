@@ -1,12 +1,12 @@
 //! A dataset with the states of its bursts and the matches of its pairs.
 
 use super::pairs::{BurstPair, PairTable, pair_of};
-use crate::burst::{BurstSource, OpenOptions};
+use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{DatasetSource, FinishedBurst, image_name};
 use crate::detector::SearchParams;
 use crate::inspect::words::counted;
 use crate::matching::ImageCounts;
-use crate::requests::{Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset};
+use crate::requests::{BurstSource, Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -67,7 +67,7 @@ impl Dataset {
 
     /// Place of the burst that is open in the inspector, if it belongs to the dataset.
     pub fn place_of(&self, open: Option<&OpenBurst>) -> Option<usize> {
-        let crate::requests::BurstSource::Paths(paths) = &open?.source else { return None };
+        let BurstSource::Paths(paths) = &open?.source else { return None };
         self.bursts.iter().position(|b| b.paths == *paths)
     }
 
@@ -75,18 +75,18 @@ impl Dataset {
     /// its own name.
     pub fn place_of_camera(&self, label: &str) -> Option<usize> {
         let file = label.rsplit(['/', '\\']).next().unwrap_or(label);
-        let named = |b: &BurstSource| image_name(b) == file || b.name == label;
+        let named = |b: &BurstFiles| image_name(b) == file || b.name == label;
         self.bursts.iter().position(named)
     }
 
     /// The burst at `place`, as the inspector opens it.
-    pub fn source_at(&self, place: usize) -> Option<crate::requests::BurstSource> {
-        self.bursts.get(place).map(|burst| crate::requests::BurstSource::Paths(burst.paths.clone()))
+    pub fn source_at(&self, place: usize) -> Option<BurstSource> {
+        self.bursts.get(place).map(|burst| BurstSource::Paths(burst.paths.clone()))
     }
 
     /// Gives an open burst of the dataset its name in the dataset: the bursts of a cut sequence all lie in one folder.
     pub fn name_as_here(&self, open: &mut OpenBurst) {
-        if let Some(BurstSource { name, .. }) = self.place_of(Some(open)).and_then(|place| self.bursts.get(place))
+        if let Some(BurstFiles { name, .. }) = self.place_of(Some(open)).and_then(|place| self.bursts.get(place))
             && open.burst.name != *name
         {
             Arc::make_mut(&mut open.burst).name.clone_from(name);
@@ -269,7 +269,7 @@ mod tests {
     use std::path::Path;
 
     fn dataset(count: usize) -> Dataset {
-        let burst = |k: usize| BurstSource { name: format!("b{k}"), paths: vec![format!("/n/{k}").into()] };
+        let burst = |k: usize| BurstFiles { name: format!("b{k}"), paths: vec![format!("/n/{k}").into()] };
         Dataset::new(OpenDataset {
             strays: Vec::new(),
             source: DatasetSource::of_bursts(vec!["/n".into()]),

@@ -1,0 +1,238 @@
+//! Writer of SVG 1.1: elements with attributes, escaped text, short numbers. Everything that is drawn as SVG is written
+//! by it, one element a line.
+
+use super::mark::SVG_COMMENT;
+use super::png::Picture;
+use std::fmt::{self, Display, Write as _};
+use std::io::{self, Write};
+
+/// Name and value of an attribute; the value is escaped.
+pub(super) type Attribute<'a> = (&'a str, &'a dyn Display);
+
+/// Writer of an SVG document, or of a part of one.
+#[derive(Debug)]
+pub(super) struct SvgWriter<W> {
+    out: W,
+    /// Number of clipping rectangles.
+    clips: usize,
+}
+
+impl<W: Write> SvgWriter<W> {
+    /// Writes a part of a document.
+    pub fn part(out: W) -> Self {
+        Self { out, clips: 0 }
+    }
+
+    /// Begins a document of `size` (width, height), pixels; screen readers use `title`.
+    pub fn document(out: W, size: (f64, f64), title: &str, more: &[Attribute<'_>]) -> io::Result<Self> {
+        let mut svg = Self::part(out);
+        let [width, height] = [size.0, size.1].map(Number);
+        let view = format!("0 0 {width} {height}");
+        let names: [Attribute<'_>; 2] =
+            [("xmlns", &"http://www.w3.org/2000/svg"), ("xmlns:xlink", &"http://www.w3.org/1999/xlink")];
+        let sizes: [Attribute<'_>; 4] =
+            [("version", &"1.1"), ("width", &width), ("height", &height), ("viewBox", &view)];
+        svg.begin("svg", &[&names[..], &sizes, more].concat())?;
+        svg.raw(SVG_COMMENT)?;
+        svg.text("title", &[], "", title)?;
+        Ok(svg)
+    }
+
+    /// Ends the document and returns what it was written to.
+    pub fn finish(mut self) -> io::Result<W> {
+        self.end("svg")?;
+        Ok(self.out)
+    }
+
+    /// What the part was written to.
+    pub fn into_inner(self) -> W {
+        self.out
+    }
+
+    /// Writes an element without content.
+    pub fn empty(&mut self, name: &str, attributes: &[Attribute<'_>], style: &str) -> io::Result<()> {
+        self.tag(name, attributes, style)?;
+        self.out.write_all(b"/>\n")
+    }
+
+    /// Writes an element that holds text.
+    pub fn text(&mut self, name: &str, attributes: &[Attribute<'_>], style: &str, text: &str) -> io::Result<()> {
+        self.tag(name, attributes, style)?;
+        writeln!(self.out, ">{}</{name}>", Escaped(&text))
+    }
+
+    /// Begins an element that holds others.
+    pub fn begin(&mut self, name: &str, attributes: &[Attribute<'_>]) -> io::Result<()> {
+        self.tag(name, attributes, "")?;
+        self.out.write_all(b">\n")
+    }
+
+    /// Ends the element that was begun with this name.
+    pub fn end(&mut self, name: &str) -> io::Result<()> {
+        writeln!(self.out, "</{name}>")
+    }
+
+    /// Begins a group that is clipped to `rect`, to be ended as `g`. `more` are attributes of the group.
+    pub fn begin_clipped(&mut self, rect: &[Attribute<'_>], more: &[Attribute<'_>]) -> io::Result<()> {
+        self.clips += 1;
+        let id = format!("clip{}", self.clips);
+        self.begin("clipPath", &[("id", &id)])?;
+        self.empty("rect", rect, "")?;
+        self.end("clipPath")?;
+        let clip: [Attribute<'_>; 1] = [("clip-path", &format!("url(#{id})"))];
+        self.begin("g", &[&clip[..], more].concat())
+    }
+
+    /// Writes a picture into `rect`; its pixels stay sharp when magnified.
+    pub fn picture(&mut self, rect: &[Attribute<'_>], picture: &Picture<'_>) -> io::Result<()> {
+        let mut png = Vec::new();
+        picture.encode_png(&mut png)?;
+        // `xlink:href` is understood by all current readers.
+        let more: [Attribute<'_>; 3] =
+            [("preserveAspectRatio", &"none"), ("style", &"image-rendering:pixelated"), ("xlink:href", &DataUrl(&png))];
+        self.empty("image", &[rect, &more].concat(), "")
+    }
+
+    /// Writes SVG as it is.
+    pub fn raw(&mut self, svg: impl Display) -> io::Result<()> {
+        writeln!(self.out, "{svg}")
+    }
+
+    /// Writes the beginning of a tag. `style` is more attributes, in SVG's form.
+    fn tag(&mut self, name: &str, attributes: &[Attribute<'_>], style: &str) -> io::Result<()> {
+        write!(self.out, "<{name}")?;
+        for (name, value) in attributes {
+            write!(self.out, " {name}=\"{}\"", Escaped(value))?;
+        }
+        if style.is_empty() { Ok(()) } else { write!(self.out, " {style}") }
+    }
+}
+
+/// Number in an SVG: a thousandth of a pixel is precise enough, and keeps files small.
+pub(super) struct Number(pub f64);
+
+impl Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = format!("{:.3}", self.0);
+        let short = text.trim_end_matches('0').trim_end_matches('.');
+        f.write_str(if short == "-0" { "0" } else { short })
+    }
+}
+
+/// Points joined by lines, as the data of a path; a `None` is a break.
+pub(super) struct PathData<'a>(pub &'a [Option<[f64; 2]>]);
+
+impl Display for PathData<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut command = 'M';
+        for point in self.0 {
+            command = match point {
+                Some([x, y]) => {
+                    write!(f, "{command}{} {}", Number(*x), Number(*y))?;
+                    'L'
+                }
+                None => 'M',
+            };
+        }
+        Ok(())
+    }
+}
+
+/// Text escaped for XML and HTML. Characters that XML 1.0 does not allow are replaced by U+FFFD.
+pub(crate) struct Escaped<T>(pub T);
+
+impl<T: Display> Display for Escaped<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(Escaper(f), "{}", self.0)
+    }
+}
+
+/// Escapes all that is written to it.
+struct Escaper<'a, 'b>(&'a mut fmt::Formatter<'b>);
+
+impl fmt::Write for Escaper<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        let mut plain = 0;
+        for (at, c) in text.char_indices() {
+            let replacement = match c {
+                '&' => "&amp;",
+                '<' => "&lt;",
+                '>' => "&gt;",
+                '"' => "&quot;",
+                '\u{fffe}' | '\u{ffff}' => "\u{fffd}",
+                c if c.is_control() && !matches!(c, '\t' | '\n' | '\r') => "\u{fffd}",
+                _ => continue,
+            };
+            self.0.write_str(&text[plain..at])?;
+            self.0.write_str(replacement)?;
+            plain = at + c.len_utf8();
+        }
+        self.0.write_str(&text[plain..])
+    }
+}
+
+/// Bytes of a PNG as a URL.
+struct DataUrl<'a>(&'a [u8]);
+
+impl Display for DataUrl<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("data:image/png;base64,")?;
+        write_base64(self.0, f)
+    }
+}
+
+const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+/// Writes `bytes` as Base64 (RFC 4648) with padding, without line breaks. Fifteen lines, so no library.
+fn write_base64(bytes: &[u8], out: &mut impl fmt::Write) -> fmt::Result {
+    for chunk in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for i in 0..4 {
+            let digit = ALPHABET[(bits >> (18 - 6 * i) & 63) as usize];
+            out.write_char(if i <= chunk.len() { char::from(digit) } else { '=' })?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_examples_of_rfc_4648_hold() {
+        let cases =
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("foobar", "Zm9vYmFy")];
+        for (plain, coded) in cases {
+            let mut out = String::new();
+            write_base64(plain.as_bytes(), &mut out).expect("memory takes everything");
+            assert_eq!(out, coded);
+        }
+    }
+
+    #[test]
+    fn numbers_are_short_and_text_is_escaped() {
+        let cases = [(1.0, "1"), (-0.00001, "0"), (2.5, "2.5"), (100.0, "100"), (1.0 / 3.0, "0.333")];
+        for (number, text) in cases {
+            assert_eq!(Number(number).to_string(), text);
+        }
+        let points = [Some([0.0, 1.0]), None, Some([2.0, 3.0]), Some([4.0, 5.25])];
+        assert_eq!(PathData(&points).to_string(), "M0 1M2 3L4 5.25");
+        assert_eq!(Escaped("a<b & \"c\"\u{1}").to_string(), "a&lt;b &amp; &quot;c&quot;\u{fffd}");
+    }
+
+    #[test]
+    fn a_document_is_valid_whatever_its_texts() {
+        let mut svg = SvgWriter::document(Vec::new(), (20.0, 10.5), "title\u{0} <&>", &[]).expect("memory");
+        svg.begin_clipped(&[("width", &5), ("height", &5)], &[]).expect("memory");
+        svg.picture(&[("x", &Number(1.0))], &Picture::rgb(1, 1, &[1, 2, 3])).expect("memory");
+        svg.end("g").expect("memory");
+        svg.text("text", &[("class", &"a\"b")], "fill=\"none\"", "name\u{1b}[31m\u{ffff}").expect("memory");
+        let text = String::from_utf8(svg.finish().expect("memory")).expect("text");
+        let document = roxmltree::Document::parse(&text).expect("valid XML");
+        assert_eq!(document.root_element().attribute("height"), Some("10.5"));
+        let texts = document.descendants().filter(|node| node.attribute("class") == Some("a\"b"));
+        assert_eq!(texts.count(), 1, "{text}");
+    }
+}

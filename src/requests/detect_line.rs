@@ -1,0 +1,94 @@
+//! Command line that finds a burst's features with given parameters: the window copies it, and a test holds that the
+//! command understands it.
+
+use crate::burst::{OpenOptions, RawColour};
+use crate::detector::params::doc;
+use crate::detector::{DetectorParams, SearchParams, SlopeAxis, SlopeChoice};
+use std::path::PathBuf;
+
+/// Output folder named in the command.
+const OUT: &str = "features";
+
+/// Writes the `burstscope detect …` line, quoted for a shell, that finds features in `inputs` (paths, or the names of
+/// built-in bursts) with `params`, with files opened by `calibration`. Values that are the default are left out.
+pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenOptions) -> String {
+    let mut words = vec!["burstscope".to_owned(), "detect".to_owned()];
+    // A path that begins with a dash would be read as an option.
+    let path = |input: &String| if input.starts_with('-') { format!("./{input}") } else { input.clone() };
+    words.extend(inputs.iter().map(|input| quoted(&path(input))));
+    words.extend(["--out".to_owned(), OUT.to_owned()]);
+    for (name, value) in options(params).into_iter().chain(calibration_options(calibration)) {
+        words.push(format!("--{name}"));
+        words.extend(value.map(|value| quoted(&value)));
+    }
+    words.join(" ")
+}
+
+/// Names and values of the calibration options that are not the default. A switch has no value.
+fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<String>)> {
+    let OpenOptions { bias, flat, full_scale, black_level, linearise, accept_damaged, raw_colour, limits: _ } =
+        calibration;
+    let path = |path: &Option<PathBuf>| path.as_ref().map(|path| Some(path.display().to_string()));
+    let number = |level: &Option<f32>| level.map(|level| Some(level.to_string()));
+    let colour = serde_json::to_value(raw_colour).ok().filter(|_| *raw_colour != RawColour::default());
+    let all = [
+        ("bias", path(bias)),
+        ("flat", path(flat)),
+        ("full-scale", number(full_scale)),
+        ("black-level", number(black_level)),
+        ("linearise", linearise.then_some(None)),
+        ("accept-damaged", accept_damaged.then_some(None)),
+        ("raw-colour", colour.map(|colour| Some(word(&colour)))),
+    ];
+    all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()
+}
+
+/// Names and values of the search options that are not the default.
+fn options(params: &SearchParams) -> Vec<(&'static str, Option<String>)> {
+    let mut options = Vec::new();
+    let grid = &params.detector.slopes;
+    match params.slopes {
+        SlopeChoice::Auto { direction_deg } => {
+            options.extend(direction_deg.map(|degrees| (doc::SLOPE_DIRECTION.name, degrees.to_string())));
+        }
+        SlopeChoice::Given => {
+            options.push((doc::SLOPES_U.name, grid.u.to_string()));
+            if grid.v != SlopeAxis::ZERO {
+                options.push((doc::SLOPES_V.name, grid.v.to_string()));
+            }
+            if grid.direction_deg != 0.0 {
+                options.push((doc::SLOPE_DIRECTION.name, grid.direction_deg.to_string()));
+            }
+        }
+    }
+    options.extend(params.detector.frames.map(|range| (doc::FRAMES.name, range.to_string())));
+    let said = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION, doc::FRAMES].map(|doc| doc.name);
+    let [own, default] = [&params.detector, &DetectorParams::default()].map(|p| serde_json::to_value(p).ok());
+    for name in doc::ALL.iter().map(|doc| doc.name).filter(|name| !said.contains(name)) {
+        let [own, default] = [&own, &default].map(|p| p.as_ref()?.get(name.replace('-', "_")));
+        if let Some(own) = own.filter(|own| Some(*own) != default) {
+            options.push((name, word(own)));
+        }
+    }
+    options.into_iter().map(|(name, value)| (name, Some(value))).collect()
+}
+
+/// Writes a value as typed on the command line.
+fn word(value: &serde_json::Value) -> String {
+    match value {
+        serde_json::Value::String(word) => word.clone(),
+        // By way of f32, so that 0.001 has not the digits of a double.
+        serde_json::Value::Number(n) if n.is_f64() => (n.as_f64().unwrap_or_default() as f32).to_string(),
+        value => value.to_string(),
+    }
+}
+
+/// Quotes `text` where a shell needs it, so that it is one word.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:+,=@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
