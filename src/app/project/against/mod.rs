@@ -10,7 +10,7 @@ pub use saved::SavedAgainst;
 use crate::app::project::Model;
 use crate::detector::{Detection, SearchParams};
 use crate::engine::{Engine, Wanted};
-use crate::inspect::foreign::ForeignFeature;
+use crate::inspect::changes::ForeignFeature;
 use crate::requests::{Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, Reference, Request};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
