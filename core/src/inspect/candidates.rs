@@ -5,7 +5,7 @@
 //! detection's tally counts samples; here candidates are counted, which shows how many possible features each test
 //! rejected.
 
-use super::fate::margin_of;
+use super::telling::margin_of;
 use crate::detector::scale_space::levels::octave_pixel;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
 use crate::detector::stack::offsets::coverage;

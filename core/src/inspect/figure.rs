@@ -177,8 +177,7 @@ fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
 fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
     let count = shares.frames.len().max(1);
     let side = (area.width / count as f64).min(area.height);
-    let values: Vec<f32> =
-        shares.frames.iter().flat_map(|f| f.patch.data().iter().copied()).filter(|x| x.is_finite()).collect();
+    let values: Vec<f32> = shares.frames.iter().flat_map(|f| f.patch.data().iter().copied()).collect();
     let (low, high) = percentiles_of(&values);
     let display = Display::default().with_range(low, high);
     for (index, frame) in shares.frames.iter().enumerate() {
@@ -193,7 +192,7 @@ fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
     sheet.text((area.x, area.y + side + 25.0), 11.0, Anchor::Start, &note);
 }
 
-/// The display range of values: all but the outermost percent on each side.
+/// The display range of the finite values: all but the outermost percent on each side.
 fn percentiles_of(values: &[f32]) -> (f32, f32) {
     let row = Plane::from_vec(values.len(), 1, values.to_vec());
     percentiles(&row, &Region::whole(&row), &[1.0, 99.0]).map_or((0.0, 1.0), |found| (found[0], found[1]))
@@ -201,8 +200,7 @@ fn percentiles_of(values: &[f32]) -> (f32, f32) {
 
 fn slice(sheet: &mut Sheet, area: Area, probe: &Probe, slice: &Slice) {
     heading(sheet, area, "Slice along the motion: one row a frame");
-    let finite: Vec<f32> = slice.plane.data().iter().copied().filter(|x| x.is_finite()).collect();
-    let (low, high) = percentiles_of(&finite);
+    let (low, high) = percentiles_of(slice.plane.data());
     sheet.picture(area, &slice.plane, &Display::default().with_range(low, high));
     let (columns, rows) = slice.plane.size();
     let x_of = |column: f32| area.x + (f64::from(column) + 0.5) / columns as f64 * area.width;

@@ -21,6 +21,7 @@ pub mod shares;
 pub mod spectrum;
 pub mod spot;
 pub mod suspicion;
+pub mod telling;
 pub mod texture;
 pub mod truth;
 pub mod unmatched;

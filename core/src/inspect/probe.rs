@@ -10,7 +10,7 @@ use super::suspicion::{Suspicion, suspicions};
 use crate::detector::scale_space::levels::octave_pixel;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
 use crate::detector::{Sample, Slope, Tally, Test, Trail};
-use crate::inspect::fate::fate;
+use crate::inspect::telling::fate;
 use crate::inspect::words::{number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::tile::Region;

@@ -5,7 +5,7 @@ use burstscope_core::detector::{
     DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Sample, SlopeExtrema, SlopeGrid,
     SlopeNeighbours, Tally, Test, Trail, detect, detect_with_trail,
 };
-use burstscope_core::inspect::fate::fate;
+use burstscope_core::inspect::telling::fate;
 use burstscope_core::inspect::{Fate, Outcome};
 use burstscope_core::plane::tile::Region;
 use burstscope_core::synth::{SceneParams, synth_scene};

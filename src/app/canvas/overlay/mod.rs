@@ -225,14 +225,14 @@ pub fn draw_compared(output: &CanvasOutput, marks: &[ComparedMark], highlighted:
     let visible = output.visible_image;
     let seen = |mark: &&ComparedMark| visible.expand(mark.radius_image()).contains(mark.pos_image);
     for mark in marks.iter().filter(seen) {
-        draw_compared_one(&mut strokes, output, mark, 3.4, edge);
+        draw_compared_mark(&mut strokes, output, mark, 3.4, edge);
     }
     for mark in marks.iter().filter(seen) {
-        draw_compared_one(&mut strokes, output, mark, 1.6, mark.colour);
+        draw_compared_mark(&mut strokes, output, mark, 1.6, mark.colour);
     }
     if let Some(mark) = highlighted.and_then(|index| marks.get(index)) {
         for (width, colour) in [(7.0, Color32::from_black_alpha(150)), (5.0, Color32::WHITE), (2.6, mark.colour)] {
-            draw_compared_one(&mut strokes, output, mark, width, colour);
+            draw_compared_mark(&mut strokes, output, mark, width, colour);
         }
     }
     let mesh = strokes.into_mesh();
@@ -241,7 +241,7 @@ pub fn draw_compared(output: &CanvasOutput, marks: &[ComparedMark], highlighted:
     }
 }
 
-fn draw_compared_one(strokes: &mut Strokes, output: &CanvasOutput, mark: &ComparedMark, width: f32, colour: Color32) {
+fn draw_compared_mark(strokes: &mut Strokes, output: &CanvasOutput, mark: &ComparedMark, width: f32, colour: Color32) {
     let t = output.ui_from_image;
     let centre = t.pos(mark.pos_image);
     let radius = (mark.radius_image() * t.scale()).max(MIN_RADIUS_POINTS);
