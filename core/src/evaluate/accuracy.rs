@@ -18,16 +18,15 @@
 //! at σ = r/√(2·ln(k²)/(1 − 1/k²)). With 3 levels an octave, k = 2^(1/3), that is 0.633·r, 10.5 % below r/√2. Scale
 //! errors are relative to that σ; no other correction is applied.
 
-pub use super::accuracy_report::{AccuracyReport, AccuracyRow, RangeCount};
-use super::chart::LookedChart;
-use super::jobs::run_jobs;
+use super::chart::{ChartSummary, LookedChart};
 use super::score::{Ranking, judge};
 use super::statistics::{Errors, quantile};
-use super::{EvaluateError, check_lists};
+use super::{EvaluateError, check_lists, run_jobs};
 use crate::baseline::detect;
 use crate::detector::{DetectorParams, Feature, SlopeGrid};
 use crate::monitor::Monitor;
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
+use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
 /// The σ at which a DoG pyramid with `levels` levels an octave reports a disc of `radius` pixels; see the module's
@@ -260,6 +259,61 @@ fn lengths(u: &[f64], v: &[f64]) -> [f64; 2] {
     let mut lengths: Vec<f64> = u.iter().zip(v).map(|(u, v)| u.hypot(*v)).collect();
     lengths.sort_by(f64::total_cmp);
     [quantile(&lengths, 0.5), quantile(&lengths, 0.95)]
+}
+
+/// Report of a study of accuracy.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AccuracyReport {
+    /// Parameters of the charts.
+    pub chart: ChartSummary,
+    /// The first seed.
+    pub first_seed: u64,
+    /// Number of seeds.
+    pub seeds: u64,
+    /// The detector's parameters.
+    pub detector: DetectorParams,
+    /// One row for each ratio.
+    pub rows: Vec<AccuracyRow>,
+}
+
+/// The errors at one ratio, over all seeds together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AccuracyRow {
+    /// Per-pixel signal-to-noise ratio; null in JSON for charts without noise.
+    pub snr: f64,
+    /// Discs that move within the grid's range, between its outermost slopes.
+    pub within: RangeCount,
+    /// Discs that move faster than that range.
+    pub beyond: RangeCount,
+    /// Errors of the columns, pixels.
+    pub u: Errors,
+    /// Errors of the rows, pixels.
+    pub v: Errors,
+    /// Distances from the true positions, pixels: median and 95 %.
+    pub distance: [f64; 2],
+    /// Number of compared discs that stand apart, see [`stands_apart`].
+    pub apart: usize,
+    /// Distances of those from their true positions, pixels: median and 95 %.
+    pub distance_apart: [f64; 2],
+    /// Relative errors of scale: σ over the expected one, minus 1.
+    pub scale: Errors,
+    /// Errors of the slopes to the right, pixels per frame.
+    pub slope_u: Errors,
+    /// Errors of the slopes down, pixels per frame.
+    pub slope_v: Errors,
+    /// Lengths of the slopes' errors, pixels per frame: median and 95 %.
+    pub slope_distance: [f64; 2],
+}
+
+/// Numbers of discs, of discs found, and of those marked as lying at the limit of the slopes searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct RangeCount {
+    /// Number of discs.
+    pub discs: usize,
+    /// Number of discs that were found.
+    pub found: usize,
+    /// Number of found discs whose feature is marked `at_slope_limit`.
+    pub marked: usize,
 }
 
 #[cfg(test)]

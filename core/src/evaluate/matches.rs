@@ -10,21 +10,18 @@
 //! counted against a geometry that was found with the same matches, which favours a method with few matches: some
 //! always agree on some geometry. This column does not.
 
-mod method;
-mod report;
-
 use super::EvaluateError;
 use super::methods::{BurstMethod, Searches};
 use crate::burst::Burst;
 use crate::detector::{Descriptor, Detection, DetectorParams, SlopeGrid};
-use crate::matching::PairSelection;
-use crate::matching::{Geometry, MatchError, MatchParams, MatchResult, MatchSide, TwoViewModel, match_features};
+use crate::matching::{
+    Geometry, ImageCounts, MatchCounts, MatchError, MatchParams, MatchResult, MatchSide, PairSelection, TwoViewModel,
+    match_features,
+};
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
-use report::row;
-
-pub use method::MatchMethod;
-pub use report::{MatchReport, MatchRow, PairCounts};
+use serde::{Serialize, Serializer};
+use std::str::FromStr;
 
 /// Kind of pictures of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -214,5 +211,162 @@ impl MatchStudy {
         let max = f64::from(self.matching.max_error_px);
         let agrees = |m: &&crate::matching::Match| judge.error_px(sides[0].places[m.a], sides[1].places[m.b]) <= max;
         result.matches.iter().filter(agrees).count()
+    }
+}
+
+/// A row of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MatchMethod {
+    /// SIFT on a sharp image of the same view.
+    Gold,
+    /// A method that finds features in the burst.
+    Burst(BurstMethod),
+}
+
+impl MatchMethod {
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gold => "gold",
+            Self::Burst(method) => method.name(),
+        }
+    }
+
+    /// The method, if it searches the burst.
+    pub fn of_burst(self) -> Option<BurstMethod> {
+        match self {
+            Self::Gold => None,
+            Self::Burst(method) => Some(method),
+        }
+    }
+
+    /// Name in a table.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Gold => "gold standard",
+            Self::Burst(method) => method.label(),
+        }
+    }
+}
+
+impl FromStr for MatchMethod {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "gold" {
+            return Ok(Self::Gold);
+        }
+        text.parse().map(Self::Burst).map_err(|e: String| e.replace("give ", "give gold, "))
+    }
+}
+
+impl Serialize for MatchMethod {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// Report of a study of matches.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MatchReport {
+    /// The bursts' names, in order.
+    pub bursts: Vec<String>,
+    /// Number of frames of the first burst.
+    pub frames: usize,
+    /// (columns, rows) of its frames.
+    pub size: (usize, usize),
+    /// Matched pairs, as indices of bursts.
+    pub pairs: Vec<(usize, usize)>,
+    /// The detector's parameters; method and slopes were set by each method.
+    pub detector: DetectorParams,
+    /// Slopes of BuFF 1D.
+    pub slopes_1d: SlopeGrid,
+    /// Slopes of BuFF 2D.
+    pub slopes_2d: SlopeGrid,
+    /// Parameters of matching and verification.
+    pub matching: MatchParams,
+    /// One row for each method.
+    pub methods: Vec<MatchRow>,
+}
+
+/// Results of one method. Numbers for an image are means over the images; an image's matches are those with all others
+/// it was paired with.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MatchRow {
+    /// The method.
+    pub method: MatchMethod,
+    /// Statistics, as in the paper's table.
+    #[serde(flatten)]
+    pub counts: ImageCounts,
+    /// Putative matches of an image on the geometry of the sharp images; `None` without these.
+    pub on_gold_geometry_per_image: Option<f64>,
+    /// Slopes found and searched in each burst, where the method finds them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slopes_found: Option<Vec<SlopeGrid>>,
+    /// Counts of each pair, in the report's order.
+    pub by_pair: Vec<PairCounts>,
+}
+
+/// Counts of one pair by one method.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PairCounts {
+    /// Counts of the match.
+    #[serde(flatten)]
+    pub counts: MatchCounts,
+    /// Number of putative matches on the geometry of the sharp images; `None` where there is none.
+    pub on_gold_geometry: Option<usize>,
+}
+
+/// The row of a method from the counts of its pairs.
+fn row(
+    method: MatchMethod,
+    keypoints: &[usize],
+    slopes_found: Option<Vec<SlopeGrid>>,
+    pairs: &[(usize, usize)],
+    by_pair: Vec<PairCounts>,
+) -> MatchRow {
+    let counts: Vec<_> = pairs.iter().zip(&by_pair).map(|(&pair, counted)| (pair, counted.counts)).collect();
+    let judged = by_pair.iter().any(|pair| pair.on_gold_geometry.is_some());
+    // Each match counts for both images.
+    let on_gold = 2 * by_pair.iter().filter_map(|pair| pair.on_gold_geometry).sum::<usize>();
+    MatchRow {
+        method,
+        counts: ImageCounts::of(keypoints, &counts).expect("pairs are matched of images that are there"),
+        on_gold_geometry_per_image: judged.then(|| on_gold as f64 / keypoints.len() as f64),
+        slopes_found,
+        by_pair,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn methods_are_read_as_they_are_written() {
+        for word in ["gold", "sift-frame", "sift-mean", "sift-merge", "buff-1d", "buff-2d", "buff-auto"] {
+            assert_eq!(word.parse::<MatchMethod>().map(MatchMethod::name), Ok(word));
+        }
+        assert!("surf".parse::<MatchMethod>().expect_err("unknown").contains("give gold, sift-frame"));
+    }
+
+    #[test]
+    fn an_images_matches_with_all_others_are_added_up() {
+        let pair = |keypoints_a, keypoints_b, putative, inliers, on_gold| PairCounts {
+            counts: MatchCounts { keypoints_a, keypoints_b, putative, inliers: Some(inliers) },
+            on_gold_geometry: on_gold,
+        };
+        // Three images of 10, 20 and 0 features.
+        let by_pair = vec![pair(10, 20, 8, 6, Some(5)), pair(10, 0, 0, 0, None), pair(20, 0, 0, 0, Some(0))];
+        let row = row(MatchMethod::Gold, &[10, 20, 0], None, &[(0, 1), (0, 2), (1, 2)], by_pair);
+        let counts = &row.counts;
+        assert_eq!(
+            (counts.keypoints_per_image, counts.putative_per_image, counts.inliers_per_image),
+            (10.0, 16.0 / 3.0, 4.0)
+        );
+        assert!((counts.match_ratio - (0.8 + 0.4) / 3.0).abs() < 1e-12);
+        assert!((counts.match_score - (0.6 + 0.3) / 3.0).abs() < 1e-12);
+        assert_eq!((counts.precision, counts.verified_pairs), (Some(0.75), 1));
+        assert_eq!(row.on_gold_geometry_per_image, Some(10.0 / 3.0));
     }
 }

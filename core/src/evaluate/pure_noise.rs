@@ -5,8 +5,7 @@
 //! is false. The noise gate promises at most one of them in a million pixels of the image, for any noise and any number
 //! of slopes searched.
 
-use super::EvaluateError;
-use super::jobs::run_jobs;
+use super::{EvaluateError, run_jobs};
 use crate::baseline::detect;
 use crate::burst::Burst;
 use crate::detector::noise::gate_factor;

@@ -3,12 +3,10 @@
 use super::MakeFigure;
 use super::apparent_motion::ApparentMotion;
 use super::architecture::Architecture;
-use super::charts::{FramesFigure, RocFigure};
-use super::failures::Failures;
-use super::light::Light;
+use super::charts::{FramesFigure, RocFigure, TestTarget};
 use super::matching::MatchingInTheDark;
+use super::pictures::{Failures, Light};
 use super::reconstruction::{ReconstructionFigure, Shown};
-use super::target::TestTarget;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

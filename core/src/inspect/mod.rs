@@ -9,18 +9,15 @@
 //! ([`crate::detector::Trail`]), and over a whole picture the verdicts add up to the detection's tally. Where one
 //! setting would help, an explanation ends with that setting and its value ([`crate::detector::ParamChange`]).
 
-pub mod cache;
 pub mod candidates;
 pub mod changes;
 pub mod fate;
 pub mod figure;
-pub mod foreign;
 pub mod probe;
 pub mod remedy;
 pub mod report;
 pub mod response;
 pub mod shares;
-pub mod slices;
 pub mod spectrum;
 pub mod spot;
 pub mod suspicion;
@@ -30,6 +27,73 @@ pub mod truth;
 pub mod unmatched;
 pub mod words;
 
-pub use cache::ProbeCache;
 pub use fate::{Fate, Outcome, TestReport};
 pub use probe::{Probe, ProbeError, ProbeOptions, Subject, probe};
+
+use crate::baseline::PreparedSearch;
+use crate::burst::Burst;
+use crate::detector::pipeline::search_with_trail;
+use crate::detector::{DetectError, Detection, DetectorParams, Method, SearchParams, SlopeChoice, SlopeFinding, Trail};
+use crate::monitor::Monitor;
+use std::sync::Arc;
+
+/// A burst, its detection, and the parameters of the detection.
+#[derive(Debug)]
+pub struct ProbeCache {
+    /// The burst that was searched: for [`Method::Merge`] the merged frame.
+    pub burst: Burst,
+    /// The detection and its trail. Shared: it is large, and may have been requested in several forms.
+    pub trail: Arc<Trail>,
+    /// The result of finding the slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
+    /// The parameters as requested.
+    pub asked: SearchParams,
+}
+
+impl ProbeCache {
+    /// Detects the features of `burst`, finding its slopes first if requested, and keeps the data that questions need.
+    ///
+    /// # Errors
+    /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once
+    /// `monitor` was cancelled.
+    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, DetectError> {
+        let PreparedSearch { burst, params: prepared, finding, rest, .. } =
+            PreparedSearch::new(burst, params, monitor)?;
+        let trail = Arc::new(search_with_trail(&burst, &prepared, &rest)?);
+        Ok(Self { burst, trail, finding, asked: params.clone() })
+    }
+
+    /// This detection as the result of another request, `asked`; `finding` is the result of finding its slopes, if that
+    /// request has them found.
+    pub fn asked_as(&self, asked: &SearchParams, finding: Option<&SlopeFinding>) -> Self {
+        let (burst, trail) = (self.burst.clone(), self.trail.clone());
+        Self { burst, trail, finding: finding.cloned(), asked: asked.clone() }
+    }
+
+    /// The parameters of the whole detection: the requested ones, with the slopes that were searched.
+    pub fn made_with(&self) -> DetectorParams {
+        // A merged frame is searched as one frame, whichever frames were requested.
+        DetectorParams { frames: self.asked.detector.frames, ..self.params().clone() }
+    }
+
+    /// Approximate bytes that the cache takes now in addition to `open`, the burst that was searched. Some of the data
+    /// is only computed with the first question.
+    pub fn bytes_beside(&self, open: &Burst) -> usize {
+        self.trail.bytes_beside(&open.frames)
+    }
+
+    /// The detection.
+    pub fn detection(&self) -> &Detection {
+        self.trail.detection()
+    }
+
+    /// The parameters of the search, including its slopes.
+    pub fn params(&self) -> &DetectorParams {
+        self.trail.params()
+    }
+
+    /// Whether the slopes were found, not given.
+    pub fn slopes_were_found(&self) -> bool {
+        self.params().method == Method::Buff && matches!(self.asked.slopes, SlopeChoice::Auto { .. })
+    }
+}

@@ -1,22 +1,20 @@
-//! The probe: all explanations of one place of a burst.
+//! The probe: all explanations of one place of a burst, with the candidates near it, their fates, and a summary in
+//! words.
 
-mod nearby;
-mod summary;
-
-use super::cache::ProbeCache;
+use super::ProbeCache;
 use super::fate::Fate;
 use super::remedy::duplicate_remedy;
 use super::response::{ResponseMap, response_map};
-use super::shares::{Shares, shares};
-use super::slices::{Slice, across, direction_of, slice};
+use super::shares::{Shares, Slice, across, direction_of, shares, slice};
 use super::suspicion::{Suspicion, suspicions};
-use crate::detector::{Sample, Slope, Trail};
+use crate::detector::scale_space::octave_pixel;
+use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
+use crate::detector::{Sample, Slope, Tally, Test, Trail};
+use crate::inspect::telling::fate;
+use crate::inspect::words::{number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
-use nearby::{add_feature, candidates_near, sort};
+use crate::plane::tile::Region;
 use serde::Serialize;
-use summary::summary;
-
-pub use nearby::{fate_of, fates_near};
 
 /// Reason why a place was not probed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -185,7 +183,7 @@ pub fn probe(
     };
     let direction = direction_of(subject.slope);
     let slices = [direction, across(direction)].map(|d| slice(trail, subject.pos_image, d, options.slice_half_px));
-    let summary = summary(&fates, &response);
+    let summary = summary_of(&fates, &response);
     Ok(Probe { pos_image: place, fates, samples, subject, response, shares, suspicions, slices, summary })
 }
 
@@ -244,4 +242,128 @@ fn subject(trail: &Trail, place: [f32; 2], fates: &[Fate], wanted: Wanted) -> Re
         }
     };
     Ok(subject)
+}
+
+/// The fates of all candidates near a place (u, v), input pixels, within `reach_sigmas` of their σ: kept ones first,
+/// then in order of how far they came and of their strength.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn fates_near(
+    trail: &Trail,
+    place: [f32; 2],
+    reach_sigmas: f32,
+    monitor: &Monitor,
+) -> Result<Vec<Fate>, Cancelled> {
+    let mut fates = Vec::new();
+    for octave in trail.octaves() {
+        candidates_near(trail, place, octave, reach_sigmas, monitor, &mut fates)?;
+    }
+    sort(&mut fates);
+    Ok(fates)
+}
+
+fn sort(fates: &mut [Fate]) {
+    fates.sort_by(|a, b| {
+        let stage = |fate: &Fate| fate.first_failed.map_or(Test::ALL.len(), |test| test as usize);
+        let strength = |fate: &Fate| if fate.snr.is_finite() { fate.snr } else { fate.value.abs() };
+        stage(b).cmp(&stage(a)).then(strength(b).total_cmp(&strength(a)))
+    });
+}
+
+/// Appends the fates of an octave's candidates near a place; returns the number of samples examined.
+fn candidates_near(
+    trail: &Trail,
+    place: [f32; 2],
+    octave: i32,
+    reach_sigmas: f32,
+    monitor: &Monitor,
+    out: &mut Vec<Fate>,
+) -> Result<usize, Cancelled> {
+    let (size, pixel, levels) = (trail.octave_size(octave), octave_pixel(octave), trail.space().levels);
+    let reach = |level: i32| (reach_sigmas * trail.space().sigma_octave(f64::from(level)) as f32).max(2.0);
+    let widest = reach(levels as i32 - 1).ceil() as usize;
+    let middle = |x: f32, n: usize| ((x / pixel).round().max(0.0) as usize).min(n - 1);
+    let (x, y) = (middle(place[0], size.0), middle(place[1], size.1));
+    let region = Region { columns: x..x + 1, rows: y..y + 1 }.widened(widest, size);
+    let around = trail.neighbourhood(octave, &region, monitor)?;
+    let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2] };
+    let mut samples = Vec::new();
+    for (slope_index, dog) in around.tiles.iter().enumerate() {
+        let mut found: Vec<Candidate> = Vec::new();
+        own_slope_extrema(&dog.levels, &region, size, &open, &mut Tally::default(), &mut found);
+        samples.extend(found.iter().filter_map(|c| {
+            let level = c.level_index as i32 - 1;
+            let (du, dv) = (c.x as f32 - place[0] / pixel, c.y as f32 - place[1] / pixel);
+            (du.hypot(dv) <= reach(level)).then_some(Sample { octave, level, slope_index, x: c.x, y: c.y })
+        }));
+    }
+    let judged = trail.judge(&around, &samples);
+    out.extend(samples.iter().zip(judged).filter_map(|(sample, j)| Some(fate(trail, &around, sample, &j?))));
+    Ok(region.columns.len() * region.rows.len() * levels * around.tiles.len())
+}
+
+/// Appends the fate of a feature whose sample is too far from its refined position to be among the candidates near
+/// that.
+fn add_feature(trail: &Trail, index: usize, monitor: &Monitor, fates: &mut Vec<Fate>) -> Result<(), Cancelled> {
+    let keypoint = trail.keypoint_of_feature(index);
+    if fates.iter().any(|fate| fate.keypoint == Some(keypoint)) {
+        return Ok(());
+    }
+    let k = trail.keypoints()[keypoint];
+    let [x, y] = k.sample.map(|at| at as usize);
+    let sample = Sample { octave: k.octave, level: k.level, slope_index: k.slope_index, x, y };
+    fates.extend(fate_of(trail, &sample, monitor)?);
+    Ok(())
+}
+
+/// The fate of one sample; `None` on its octave's border, which the search does not examine.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Option<Fate>, Cancelled> {
+    let region = Region { columns: sample.x..sample.x + 1, rows: sample.y..sample.y + 1 };
+    let around = trail.neighbourhood(sample.octave, &region, monitor)?;
+    let judgement = trail.judge(&around, std::slice::from_ref(sample))[0];
+    Ok(judgement.map(|judgement| {
+        let fate = fate(trail, &around, sample, &judgement);
+        let remedy = duplicate_remedy(trail, &fate).or_else(|| fate.remedy.clone());
+        Fate { remedy, ..fate }
+    }))
+}
+
+/// The summary, a sentence or two.
+fn summary_of(fates: &[Fate], response: &ResponseMap) -> String {
+    let kept = fates.iter().filter(|f| f.is_kept()).count();
+    if kept > 0 {
+        let covered = fates.iter().filter(|f| f.first_failed == Some(Test::Duplicate)).count();
+        let also = match covered {
+            0 => String::new(),
+            1 => "; 1 weaker keypoint was taken for the same blob".to_owned(),
+            n => format!("; {n} weaker keypoints were taken for the same blob"),
+        };
+        return match kept {
+            1 => format!("One candidate here was kept{also}."),
+            n => format!("{n} candidates here were kept{also}."),
+        };
+    }
+    let (column, row, strongest) = response.strongest();
+    let Some(best) = fates.iter().max_by(|a, b| a.snr.total_cmp(&b.snr)) else {
+        let scale = response.scales.get(row).map_or(0.0, |scale| scale.sigma);
+        let slope = response.columns.get(column).copied().unwrap_or_default();
+        let strength = if response.is_noiseless { format!("{strongest:+.1e}") } else { format!("{strongest:+.1} σ") };
+        return format!(
+            "Nothing here is an extremum at any slope and scale. The strongest response is {strength}, at scale {} px and slope {}.",
+            number(scale, 1),
+            slope_text(slope)
+        );
+    };
+    let strength = if response.is_noiseless {
+        format!("The strongest candidate here has |D| {:.2e}", best.value.abs())
+    } else if best.snr.is_finite() {
+        format!("The strongest candidate here has {:.1} σ (the gate asks for {:.2})", best.snr, response.gate)
+    } else {
+        format!("The strongest response here is {strongest:.1} σ")
+    };
+    format!("Nothing was kept here. {strength}: {}.", best.verdict)
 }

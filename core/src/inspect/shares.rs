@@ -1,14 +1,17 @@
-//! The shares of the frames: the response of every single frame along the motion of a feature, with its noise.
+//! Values of single frames along the motion of a feature: the response of each with its noise (its share), and slices.
 //!
 //! A true feature is in every frame: the responses are level. A ghost — a blob of another motion that shows in the
 //! stack of a wrong slope — responds only in the frames in which the true blob crosses its path, so its responses form
 //! a bump. Whether two keypoints at one place are different is decided by the search itself, from the frames in which
 //! their paths are apart (`two_motions`); the number here is only for information.
+//!
+//! A slice is taken along a line of pixels and has one row for each frame (the epipolar-plane image, *Reslice* in
+//! ImageJ). Content that moves along the line is slanted in it.
 
 use crate::detector::{Feature, Slope, Trail};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
-use crate::plane::sample::sample_patch;
+use crate::plane::sample::{bilinear, sample_patch};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
@@ -286,6 +289,65 @@ fn meaning(frames: &[FrameShare], shape: Shape, coherence: Option<f32>) -> Strin
         Shape::Unclear if covering.len() < 3 => "too few frames show the place to compare them".to_owned(),
         Shape::Unclear => "a single frame is too noisy here to compare the frames".to_owned(),
     }
+}
+
+/// A slice: columns are pixels along a direction, rows are frames in time order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slice {
+    /// Values, fraction of full scale; NaN beyond a frame.
+    pub plane: Plane,
+    /// Column that goes through the place.
+    pub centre_column: usize,
+    /// Place, input pixels.
+    pub pos_image: [f32; 2],
+    /// Direction along u and v, of length 1; from one column to the next it is one pixel.
+    pub direction: [f32; 2],
+    /// Index in the burst of each row's frame.
+    pub frames: Vec<usize>,
+    /// Time of each row's frame minus mid-burst, frames.
+    pub times: Vec<f32>,
+}
+
+impl Slice {
+    /// The column in row `row` of content that moves at `slope` through the place at mid-burst; only the motion along
+    /// this line counts.
+    pub fn column_at(&self, slope: Slope, row: usize) -> f32 {
+        let along = slope.u * self.direction[0] + slope.v * self.direction[1];
+        self.centre_column as f32 + along * self.times[row]
+    }
+}
+
+/// Cuts the slice through `place` (input pixels) along `direction` (u, v; of any length but 0), `half_px` pixels to
+/// each side.
+pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize) -> Slice {
+    let length = direction[0].hypot(direction[1]);
+    let direction = if length > 0.0 { direction.map(|x| x / length) } else { [1.0, 0.0] };
+    let (planes, kept, frame_count) = trail.frames();
+    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    let at = |column: usize, row: usize| {
+        let along = column as f32 - half_px as f32;
+        let (u, v) = (place[0] + along * direction[0], place[1] + along * direction[1]);
+        bilinear(&planes[row], u, v).unwrap_or(f32::NAN)
+    };
+    Slice {
+        plane: Plane::from_fn(2 * half_px + 1, planes.len(), at),
+        centre_column: half_px,
+        pos_image: place,
+        direction,
+        frames: kept.iter().map(|t| t + trail.detection().frames_used.start).collect(),
+        times: kept.iter().map(|&t| t as f32 - t0).collect(),
+    }
+}
+
+/// The direction of a slope; to the right for slope 0.
+pub fn direction_of(slope: Slope) -> [f32; 2] {
+    let length = slope.magnitude();
+    if length > 0.0 { [slope.u / length, slope.v / length] } else { [1.0, 0.0] }
+}
+
+/// The direction perpendicular to `direction`, a quarter turn from +u towards +v.
+pub fn across([u, v]: [f32; 2]) -> [f32; 2] {
+    [-v, u]
 }
 
 #[cfg(test)]

@@ -4,8 +4,7 @@
 
 use super::remedy::{nearest_slope, widened_towards};
 use super::response::{beyond_the_rim, covering, snr_at};
-use super::shares::{Shape, Shares};
-use super::slices::direction_of;
+use super::shares::{Shape, Shares, direction_of};
 use super::texture::{Period, dirichlet, period_along};
 use super::words::{number, slope_text};
 use crate::detector::stack::motion_stack;

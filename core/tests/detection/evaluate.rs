@@ -1,7 +1,6 @@
 //! The studies that measure the detector: small ones, with numbers that must be plausible.
 
-use burstscope_core::evaluate::figure::roc_svg;
-use burstscope_core::evaluate::frames_figure::{burst_frames_svg, frames_svg};
+use burstscope_core::evaluate::figure::{burst_frames_svg, frames_svg, roc_svg};
 use burstscope_core::evaluate::pure_noise::NoiseLevel;
 use burstscope_core::evaluate::{BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, FramesStudy, NoiseStudy};
 use burstscope_core::synth::{ChartParams, Motion};

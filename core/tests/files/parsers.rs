@@ -10,7 +10,7 @@ use burstscope_core::dataset::camera::read_camera;
 use burstscope_core::detector::{SearchParams, SlopeChoice};
 use burstscope_core::evaluate::poses::{read_sparse_model, read_trajectory};
 use burstscope_core::export::{parse_colmap, read_features_csv, write_colmap, write_csv};
-use burstscope_core::inspect::foreign::read_features;
+use burstscope_core::inspect::changes::read_features;
 use burstscope_core::inspect::truth::read_truth;
 use burstscope_core::synth::{ChartParams, synth_chart, write_burst};
 use burstscope_core::{DetectorParams, Monitor, SlopeGrid, detect};

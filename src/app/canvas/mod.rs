@@ -24,12 +24,10 @@
 pub mod overlay;
 mod picture;
 mod readout;
-mod values;
 
 pub use crate::app::view::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom, number, signed_number};
 pub use picture::Picture;
-pub use readout::{Quantity, Readout, readout};
-pub use values::{GRID_MIN_POINTS, VALUE_MIN_POINTS, readable_on};
+pub use readout::{GRID_MIN_POINTS, Quantity, Readout, VALUE_MIN_POINTS, readable_on, readout};
 
 use crate::app::gpu::{Gpu, PicturePaint};
 use crate::plane::display::Display;
@@ -238,10 +236,10 @@ impl<'a> Canvas<'a> {
         };
         output.painter.add(paint.into_shape(rect));
         if self.pixel_grid {
-            values::draw_grid(&output.painter, picture, output.ui_from_image, output.visible_image);
+            readout::draw_grid(&output.painter, picture, output.ui_from_image, output.visible_image);
         }
         if self.values {
-            values::draw_values(
+            readout::draw_values(
                 &output.painter,
                 picture,
                 &self.display,

@@ -1,11 +1,297 @@
 //! Figures of the shown panes, with filter, faint features, colours and visible part of the image, as vectors or as
-//! pixels.
+//! pixels: the dialog that chooses the content, and the content of the panes as panels, with the match lines between
+//! them.
 
-mod collect;
-mod dialog;
-mod links;
 mod raster;
 
-pub use collect::drawing_of;
-pub use dialog::figure_dialog_ui;
 pub use raster::rasterise;
+
+use crate::app::actions::{ActionId, Queue};
+use crate::app::canvas::overlay::{ColourBy, ColourScale, LineKind, circle_radius_image, motion_image};
+use crate::app::canvas::{self, number};
+use crate::app::inspector::{PaneWidgets, joined_panes};
+use crate::app::pane::PaneId;
+use crate::app::panel::features::{FeatureLayer, at_time, frames_from_middle};
+use crate::app::panel::picture::describe;
+use crate::app::project::Model;
+use crate::app::project::compare::Contender;
+use crate::app::project::figure::FigureChoice;
+use crate::app::project::look::RangeClass;
+use crate::app::project::pair::Matches;
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
+use crate::detector::{Detection, Feature};
+use crate::export::{ColourBar, Drawing, FigureLink, FigureMark, FigurePanel, LegendEntry, draw_links, lay_out};
+use crate::plane::Plane;
+use crate::plane::display::{Display, to_rgba8};
+use egui::{DragValue, Ui};
+use std::sync::Arc;
+
+/// Lines between `panes`, the figure's panels in reading order.
+pub fn links_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<FigureLink> {
+    match model.workspace {
+        Workspace::Pair => {
+            let Some(matches) = &model.pair.matches else { return Vec::new() };
+            links(model, widgets, panes, None, matches, &model.pair.drawn())
+        }
+        Workspace::Methods => Contender::ALL
+            .into_iter()
+            .filter_map(|method| Some((method, model.method_matches(method)?)))
+            .flat_map(|(method, matches)| {
+                let rows = matches.rows().filter(|row| model.pair.look.shows(row.inlier)).map(|row| row.index);
+                links(model, widgets, panes, Some(method), matches, &rows.collect::<Vec<_>>())
+            })
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn links(
+    model: &Model,
+    widgets: &PaneWidgets,
+    panes: &[PaneId],
+    method: Option<Contender>,
+    matches: &Matches,
+    drawn: &[usize],
+) -> Vec<FigureLink> {
+    // Panes hidden behind a tab have no neighbours.
+    let places: Vec<_> = panes
+        .iter()
+        .map(|id| (*id, widgets.rect_ui(*id).unwrap_or(egui::Rect::NOTHING)))
+        .filter(|(_, rect)| rect.is_positive())
+        .collect();
+    let shift = |id: PaneId, side| {
+        let picture = model.panes.get(id).and_then(|pane| pane.picture.as_ref());
+        frames_from_middle(picture, matches.detection(side)).unwrap_or(0.0)
+    };
+    let panel = |id: PaneId| panes.iter().position(|pane| *pane == id).unwrap_or(usize::MAX);
+    let mut links = Vec::new();
+    for (a, b) in joined_panes(model, &places, method).pairs {
+        let (a, b) = (places[a].0, places[b].0);
+        let shifts = [shift(a, Side::A), shift(b, Side::B)];
+        for row in drawn.iter().filter_map(|index| matches.row(*index)) {
+            let kind = LineKind::of(row.inlier);
+            let colour = kind.colour();
+            let ends = [at_time(row.a, shifts[0]), at_time(row.b, shifts[1])];
+            links.push(FigureLink {
+                panels: [panel(a), panel(b)],
+                ends_image: ends.map(|feature| [feature.u, feature.v]),
+                color: [colour.r(), colour.g(), colour.b()],
+                opacity: model.pair.look.opacity,
+                weight: if method.is_none() && model.pair.selected == Some(row.index) { 2.0 } else { 0.8 },
+                dashed: kind.is_dashed(),
+            });
+        }
+    }
+    links
+}
+
+/// Makes the figure of the shown panes.
+///
+/// # Errors
+/// When there is no picture.
+pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
+    let rows = if choice.all_panes && model.workspace.needs_burst() {
+        model.panes.arrangement().in_rows()
+    } else {
+        vec![vec![model.focus()]]
+    };
+    let mut panes = Vec::new();
+    let mut panels = |row: Vec<PaneId>| {
+        let panel = |id: PaneId| {
+            let panel = panel_of(model, widgets, id, choice)?;
+            panes.push(id);
+            Some(panel)
+        };
+        row.into_iter().filter_map(panel).collect()
+    };
+    let rows: Vec<Vec<FigurePanel>> = rows.into_iter().map(&mut panels).collect();
+    if rows.iter().all(Vec::is_empty) {
+        return Err("there is no picture; open a burst first".to_owned());
+    }
+    let mut drawing = lay_out(&rows, &choice.options());
+    draw_links(&mut drawing, &rows, &links_of(model, widgets, &panes), choice.stroke_width_px);
+    Ok(drawing)
+}
+
+fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureChoice) -> Option<FigurePanel> {
+    let picture = model.panes.get(id)?.picture.as_ref()?;
+    let shown = crate::app::panel::picture::canvas_picture(picture);
+    let visible = widgets.get(id).and_then(|widget| widget.picture.visible_image).filter(|_| !choice.whole_picture);
+    let region = shown.region(visible.unwrap_or_else(|| shown.rect_image()));
+    if region.is_empty() {
+        return None;
+    }
+    let display = model.display_of(id);
+    let part =
+        Plane::from_fn(region.u.len(), region.v.len(), |u, v| shown.plane.at(region.u.start + u, region.v.start + v));
+    let rgba = match &picture.motion {
+        Some(motion) => {
+            let (u, v) = (region.u.start as u32, region.v.start as u32);
+            let (width, height) = (region.u.len() as u32, region.v.len() as u32);
+            image::imageops::crop_imm(&motion.colours, u, v, width, height).to_image()
+        }
+        None => to_rgba8(&part, &display),
+    };
+    let step = shown.image_from_picture_scale;
+    let layer = FeatureLayer::of(model, id);
+    let legend = match &layer {
+        Some(layer) if choice.legend => legend(&layer.scale(model), &layer.detection),
+        _ => Vec::new(),
+    };
+    Some(FigurePanel {
+        size: part.size(),
+        rgba: Arc::new(rgba.into_raw()),
+        origin_image: [(region.u.start as f32 - 0.5) * step, (region.v.start as f32 - 0.5) * step],
+        image_px_per_px: step,
+        marks: layer.map(|layer| marks(model, &layer)).unwrap_or_default(),
+        title: choice.titles.then(|| describe(picture)),
+        legend,
+        bar: (choice.colour_bar && picture.motion.is_none()).then(|| colour_bar(&display, model.range_class(id))),
+    })
+}
+
+/// Marks of the features as the window draws them: faint ones below, the selected one on top.
+fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
+    let scale = layer.scale(model);
+    let frames = layer.detection.frames_used.len();
+    let selected = |i: usize| layer.selected == Some(i);
+    let mark = |i: usize| {
+        let (placed, own) = (&layer.placed[i], &layer.detection.features[i]);
+        let faint = layer.is_faint(i);
+        // The motion over the whole burst is the same in every frame.
+        let (first, last) = motion_image(own, frames);
+        FigureMark {
+            centre: [placed.u, placed.v],
+            radius: circle_radius_image(placed),
+            orientation: (layer.orientations && !faint).then_some(placed.orientation),
+            motion: (layer.motions && !faint).then(|| [first.into(), last.into()]),
+            color: rgb(scale.colour(i, placed)),
+            opacity: if faint || layer.stale { 0.35 } else { 0.95 },
+            weight: if selected(i) { 2.0 } else { 1.0 },
+            dashed: placed.at_slope_limit,
+        }
+    };
+    let mut order: Vec<usize> = (0..layer.placed.len()).filter(|&i| layer.shown[i]).collect();
+    order.sort_by_key(|&i| (selected(i), !layer.is_faint(i)));
+    order.into_iter().map(mark).collect()
+}
+
+fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
+    const STEPS: usize = 64;
+    let colours = display.colours();
+    let value = |i: usize| display.min + (display.max - display.min) * (i as f32 + 0.5) / STEPS as f32;
+    ColourBar {
+        colors: (0..STEPS).map(|i| colours.colour(value(i))).collect(),
+        low: number(display.min, 3),
+        high: match class {
+            RangeClass::Share => format!("{} of the frames", number(display.max, 3)),
+            _ => format!("{} of full scale", number(display.max, 3)),
+        },
+    }
+}
+
+/// Legend entries: the colours of the slopes of the grid that have features (at most 12), or of five steps through the
+/// range.
+fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
+    const MOST: usize = 12;
+    let Some(sample) = detection.features.first().copied() else { return Vec::new() };
+    let entry = |feature: Feature, label: String| LegendEntry { color: rgb(scale.colour(0, &feature)), label };
+    if scale.by == ColourBy::SlopeDirection {
+        let grid = detection.slopes;
+        let mut used: Vec<usize> = detection.features.iter().map(|f| f.slope_index).collect();
+        used.sort_unstable();
+        used.dedup();
+        let every = used.len().div_ceil(MOST).max(1);
+        return used
+            .into_iter()
+            .step_by(every)
+            .map(|i| {
+                let slope = grid.slope(i);
+                entry(Feature { slope, ..sample }, format!("({:.2}, {:.2}) px/frame", slope.u, slope.v))
+            })
+            .collect();
+    }
+    if scale.by == ColourBy::Limit {
+        return [(false, "inside the searched slopes"), (true, "at their limit")]
+            .map(|(at_slope_limit, label)| entry(Feature { at_slope_limit, ..sample }, label.to_owned()))
+            .to_vec();
+    }
+    let step = |step: usize| {
+        let x = scale.min + (scale.max - scale.min) * step as f32 / 4.0;
+        let label = format!("{} {}", canvas::number(x, 3), scale.by.unit());
+        LegendEntry { color: rgb(scale.along(x)), label: label.trim_end().to_owned() }
+    };
+    let grey = LegendEntry { color: rgb(scale.unknown()), label: "not known".to_owned() };
+    (0..5).map(step).chain(scale.has_unknown().then_some(grey)).collect()
+}
+
+fn rgb(colour: egui::Color32) -> [u8; 3] {
+    [colour.r(), colour.g(), colour.b()]
+}
+
+/// Draws the dialog if it is open.
+pub fn figure_dialog_ui(ctx: &egui::Context, open: &mut bool, choice: &mut FigureChoice, queue: &mut Queue) {
+    if !*open {
+        return;
+    }
+    let mut close = false;
+    let modal = egui::Modal::new(egui::Id::unique("figure")).show(ctx, |ui| {
+        ui.set_width(380.0);
+        ui.heading("Figure of what is shown");
+        ui.weak("Features, filter, colours and part of the picture as in the panes");
+        ui.add_space(6.0);
+        switches_ui(ui, choice);
+        ui.add_space(4.0);
+        numbers_ui(ui, choice);
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            for (label, action) in [("Export SVG…", ActionId::ExportSvg), ("Export PNG…", ActionId::ExportFigurePng)]
+            {
+                if ui.button(label).on_hover_text(action.action().help).clicked() {
+                    queue.push(action);
+                    close = true;
+                }
+            }
+            if ui.button("Reset").on_hover_text("Give every choice its default").clicked() {
+                *choice = FigureChoice::default();
+            }
+            if ui.button("Close").clicked() {
+                close = true;
+            }
+        });
+    });
+    if close || modal.should_close() {
+        *open = false;
+    }
+}
+
+fn switches_ui(ui: &mut Ui, choice: &mut FigureChoice) {
+    let switches = [
+        (&mut choice.all_panes, "All panes", "All panes on the screen, as they are arranged; else the one in focus"),
+        (&mut choice.whole_picture, "Whole picture", "Else the part of it that can be seen"),
+        (&mut choice.titles, "Titles", "What each picture is, above it"),
+        (&mut choice.letters, "Letters", "(a), (b), … where there are several pictures"),
+        (&mut choice.legend, "Legend of features", "What their colours mean, below the picture"),
+        (&mut choice.colour_bar, "Colour bar", "The picture's colours and values, below it"),
+        (&mut choice.scale_bar, "Scale bar", "A bar of a round number of pixels, in the picture's corner"),
+    ];
+    for (on, label, tip) in switches {
+        ui.checkbox(on, label).on_hover_text(tip);
+    }
+}
+
+fn numbers_ui(ui: &mut Ui, choice: &mut FigureChoice) {
+    egui::Grid::new("figure numbers").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+        let rows = [
+            (&mut choice.scale, "Scale", 0.1..=32.0, 0.02, " px per image pixel"),
+            (&mut choice.stroke_width_px, "Line width", 0.1..=20.0, 0.02, " px"),
+            (&mut choice.font_size_px, "Letter height", 4.0..=100.0, 0.1, " px"),
+        ];
+        for (value, label, range, speed, unit) in rows {
+            let name = ui.label(label);
+            ui.add(DragValue::new(value).range(range).speed(speed).suffix(unit).max_decimals(2)).labelled_by(name.id);
+            ui.end_row();
+        }
+    });
+}

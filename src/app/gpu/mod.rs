@@ -8,25 +8,16 @@
 //! A device can be lost: the driver was reset or updated, the card went to sleep. [`Gpu::lost`] reports it; [`install`]
 //! for a new device uploads everything to it again.
 
-mod callback;
-mod layout;
-mod limits;
-mod mirror;
-mod pipeline;
-mod pyramid;
 mod renderer;
 mod setup;
 mod texture;
-mod uniforms;
 
 #[cfg(test)]
 mod tests;
 
-pub use callback::PicturePaint;
-pub use limits::DeviceLimits;
-pub use mirror::textures_of;
-pub use renderer::PictureRenderer;
-pub use setup::{AdapterChoice, Gpu, install, wgpu_configuration, wgpu_setup};
+pub use renderer::{PicturePaint, PictureRenderer};
+pub use setup::{AdapterChoice, Gpu, install, textures_of, wgpu_configuration, wgpu_setup};
+pub use texture::DeviceLimits;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

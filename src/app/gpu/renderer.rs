@@ -1,15 +1,13 @@
-//! Resources kept on the card between frames: the pipeline, the colour maps, the pictures and one bind group for each
-//! pane.
+//! The renderer: what is kept on the card between frames (the pipeline, the colour maps, the pictures, one bind group
+//! for each pane), and the paint callback that draws one picture in one pane with it.
 
 use super::PictureId;
-use super::layout::Layout;
-use super::limits::DeviceLimits;
-use super::pipeline::{bind_group, bind_group_layout, lut_texture, pipeline};
-use super::texture::PictureTexture;
-use super::uniforms::Uniforms;
+use super::texture::{DeviceLimits, Layout, PictureTexture};
+use crate::app::canvas::RectTransform;
 use crate::plane::Plane;
-use crate::plane::display::ColourMap;
+use crate::plane::display::{ColourMap, Display};
 use std::collections::HashMap;
+use std::num::NonZeroU64;
 use std::sync::{Arc, Mutex};
 
 /// Memory of the pictures on the card, bytes; beyond it those unused for longest are removed.
@@ -195,4 +193,244 @@ impl PictureRenderer {
 /// Row of `map` in the table.
 pub(super) fn lut_row(map: ColourMap) -> u32 {
     ColourMap::ALL.iter().position(|&m| m == map).unwrap_or(0) as u32
+}
+
+pub(super) fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let texture = |binding, view_dimension| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension,
+            multisampled: false,
+        },
+        count: None,
+    };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("burstscope picture"),
+        entries: &[
+            wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    // wgpu checks the shader's structure against this size when the pipeline is made.
+                    min_binding_size: NonZeroU64::new(size_of::<Uniforms>() as u64),
+                },
+                count: None,
+            },
+            texture(1, wgpu::TextureViewDimension::D2Array),
+            texture(2, wgpu::TextureViewDimension::D2),
+        ],
+    })
+}
+
+pub(super) fn bind_group(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    uniforms: &wgpu::Buffer,
+    picture: &wgpu::TextureView,
+    lut: &wgpu::TextureView,
+) -> wgpu::BindGroup {
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("burstscope pane"),
+        layout,
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(picture) },
+            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(lut) },
+        ],
+    })
+}
+
+pub(super) fn pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    target: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let module = device.create_shader_module(wgpu::include_wgsl!("picture.wgsl"));
+    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("burstscope picture"),
+        bind_group_layouts: &[Some(layout)],
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("burstscope picture"),
+        layout: Some(&pipeline_layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vs_main"),
+            buffers: &[],
+            compilation_options: Default::default(),
+        },
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fs_main"),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: target,
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+            compilation_options: Default::default(),
+        }),
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// Creates a texture of all colour maps: 256 columns, one row for each map in the order of [`ColourMap::ALL`].
+pub(super) fn lut_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
+    let mut bytes = Vec::with_capacity(256 * 4 * ColourMap::ALL.len());
+    for [r, g, b] in ColourMap::ALL.into_iter().flat_map(ColourMap::lut) {
+        bytes.extend_from_slice(&[r, g, b, 255]);
+    }
+    let size = wgpu::Extent3d { width: 256, height: ColourMap::ALL.len() as u32, depth_or_array_layers: 1 };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("burstscope colour maps"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    queue.write_texture(
+        texture.as_image_copy(),
+        &bytes,
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256 * 4), rows_per_image: None },
+        size,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// Uniforms of the shader; field by field those of `picture.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Uniforms {
+    /// Anchor in the framebuffer, in pixels of the screen.
+    pub origin_px: [f32; 2],
+    /// Place of the picture shown at the anchor, in its pixels.
+    pub anchor_picture: [f32; 2],
+    /// Colour towards which a dimmed picture fades, sRGB in [0, 1].
+    pub backdrop: [f32; 3],
+    /// Pixels of the picture in one pixel of the screen.
+    pub picture_px_per_px: f32,
+    /// Columns, rows.
+    pub size: [u32; 2],
+    /// Columns, rows of one array layer.
+    pub tile: [u32; 2],
+    /// Number of tiles side by side.
+    pub tiles_across: u32,
+    /// Level to read.
+    pub level: u32,
+    /// Row of the colour map in the table.
+    pub lut_row: u32,
+    /// Bits: 1, diverging map; 2, the target converts from linear light.
+    pub flags: u32,
+    /// Lower end of the value range.
+    pub range_min: f32,
+    /// 1 / width of the value range.
+    pub range_scale: f32,
+    /// 1 / gamma.
+    pub exponent: f32,
+    /// Dimming, 0 … 1.
+    pub dim: f32,
+}
+
+/// One picture in one pane, for one frame.
+#[derive(Debug, Clone)]
+pub struct PicturePaint {
+    /// Id of the pane; unique in a frame.
+    pub pane: egui::Id,
+    /// Id of the picture.
+    pub id: PictureId,
+    /// Values of the picture; read only when it is not on the card yet.
+    pub plane: Arc<Plane>,
+    /// Transform from pixels of the picture (centre of the first one at 0) to points of the window.
+    pub ui_from_picture: RectTransform,
+    /// Range, gamma and colour map.
+    pub display: Display,
+    /// Dimming: 0 none, 1 that of a stale picture.
+    pub dim: f32,
+    /// Colour towards which a dimmed picture fades.
+    pub backdrop: egui::Color32,
+}
+
+impl PicturePaint {
+    /// Shape that draws the picture into `rect_ui`.
+    pub fn into_shape(self, rect_ui: egui::Rect) -> egui::Shape {
+        egui_wgpu::Callback::new_paint_callback(rect_ui, self).into()
+    }
+
+    fn uniforms(&self, pixels_per_point: f32) -> Uniforms {
+        let origin_ui = self.ui_from_picture.anchor_to();
+        let anchor = self.ui_from_picture.anchor_from();
+        let display = self.display.sanitised();
+        let backdrop = [self.backdrop.r(), self.backdrop.g(), self.backdrop.b()].map(|c| f32::from(c) / 255.0);
+        Uniforms {
+            origin_px: [origin_ui.x * pixels_per_point, origin_ui.y * pixels_per_point],
+            anchor_picture: [anchor.x, anchor.y],
+            backdrop,
+            picture_px_per_px: screen_ratio(1.0 / (self.ui_from_picture.scale() * pixels_per_point)),
+            range_min: display.min,
+            range_scale: 1.0 / (display.max - display.min),
+            exponent: 1.0 / display.gamma,
+            lut_row: lut_row(display.map),
+            flags: u32::from(display.map.is_diverging()),
+            dim: self.dim.clamp(0.0, 1.0),
+            ..bytemuck::Zeroable::zeroed()
+        }
+    }
+}
+
+/// Rounds a ratio to 1 where it differs only by rounding, so that pixels are copied and not mixed with their
+/// neighbours.
+fn screen_ratio(picture_px_per_px: f32) -> f32 {
+    if (picture_px_per_px - 1.0).abs() < 1e-5 { 1.0 } else { picture_px_per_px }
+}
+
+impl egui_wgpu::CallbackTrait for PicturePaint {
+    fn prepare(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        screen: &egui_wgpu::ScreenDescriptor,
+        _encoder: &mut wgpu::CommandEncoder,
+        resources: &mut egui_wgpu::CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        if let Some(renderer) = resources.get_mut::<PictureRenderer>() {
+            let uniforms = self.uniforms(screen.pixels_per_point);
+            renderer.prepare(device, queue, self.pane.value(), (self.id, &self.plane), uniforms);
+        }
+        Vec::new()
+    }
+
+    fn finish_prepare(
+        &self,
+        _device: &wgpu::Device,
+        _queue: &wgpu::Queue,
+        _encoder: &mut wgpu::CommandEncoder,
+        resources: &mut egui_wgpu::CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        if let Some(renderer) = resources.get_mut::<PictureRenderer>() {
+            renderer.end_frame();
+        }
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &egui_wgpu::CallbackResources,
+    ) {
+        if let Some(renderer) = resources.get::<PictureRenderer>() {
+            renderer.paint(self.pane.value(), pass);
+        }
+    }
 }

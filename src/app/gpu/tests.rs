@@ -158,7 +158,7 @@ fn pictures_beyond_one_texture_are_tiled_without_a_seam() {
         state.renderer.write().callback_resources.insert(small);
     }
     let plane = Plane::from_fn(400, 300, |u, v| ((u * 3 + v * 2) % 256) as f32 / 255.0);
-    assert!(layout::Layout::new(plane.size(), limits).unwrap().layers() > 8);
+    assert!(super::texture::Layout::new(plane.size(), limits).unwrap().layers() > 8);
     let picture = Picture::new(Arc::new(plane), "large");
     let display = Display::default();
     for centre in [(128usize, 128usize), (200, 150), (350, 260)] {
@@ -214,6 +214,6 @@ fn stale_pictures_are_dimmer_and_paler() {
 #[test]
 fn a_picture_that_cannot_be_shown_says_why() {
     let gpu_limits = DeviceLimits { max_side: 64, max_layers: 1 };
-    let message = layout::Layout::new((1000, 10), gpu_limits).unwrap_err();
+    let message = super::texture::Layout::new((1000, 10), gpu_limits).unwrap_err();
     assert!(message.contains("1000 × 10"), "{message}");
 }

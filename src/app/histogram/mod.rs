@@ -3,18 +3,14 @@
 //! The range changes only when a handle is dragged, a number typed or a button pressed. It stays when the picture
 //! changes, so that pictures can be compared. The axis stays too, as long as range and values fit on it.
 
-mod axis;
-mod drag;
 mod plot;
 
 use crate::app::canvas::{Picture, number};
 use crate::app::gpu::PictureId;
 use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
-use axis::{axis_fits, axis_for};
-use drag::{Drag, dragged, grip_at, nearest_end};
 use egui::{CursorIcon, DragValue, Rect, Response, Sense, Slider, Ui, vec2};
-use plot::{Grip, PlotGeometry};
+use plot::{Drag, Grip, PlotGeometry, axis_fits, axis_for, dragged, grip_at, nearest_end};
 
 /// Bars of the histogram.
 const BINS: usize = 256;

@@ -1,4 +1,5 @@
-//! Place under the pointer, marked in all linked panes, with the value there.
+//! Marks of places: the place under the pointer in all linked panes, with the value there, and the probed place in
+//! the panes of its burst, which is chosen by the pointer.
 
 use super::pane_ui::{Drawn, full_scale};
 use super::widgets::{PaneWidgets, PlaceValue};
@@ -6,7 +7,12 @@ use crate::app::canvas::CanvasOutput;
 use crate::app::pane::{Link, PaneId, place_in};
 use crate::app::panel::picture::readout_of;
 use crate::app::project::Model;
-use egui::{Align2, Color32, FontId, Pos2, Stroke, vec2};
+use crate::app::project::cursor::Cursor;
+use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
+use crate::detector::Slope;
+use crate::requests::PictureKind;
+use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
 
 /// Draws the marks over the drawn panes, and puts the values into `widgets`.
 pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
@@ -64,4 +70,123 @@ fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>) {
     let ground = anchor.anchor_size(at, galley.size() + vec2(6.0, 2.0));
     painter.rect_filled(ground, 3.0, Color32::from_black_alpha(180));
     painter.galley(ground.min + vec2(3.0, 1.0), galley, Color32::WHITE);
+}
+
+/// Maps a place of pane `id` to mid-burst of the pane's burst; `None` for panes without a picture.
+pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> Option<(Side, [f32; 2])> {
+    let pane = model.panes.get(id)?;
+    let kind = pane.picture.as_ref()?.request.kind;
+    let middle = PictureKind::Stack { slope: pane.cursor.slope };
+    let place = place_in(pos_image, (kind, &pane.cursor), (middle, &pane.cursor), &used(model, pane.side)?);
+    Some((pane.side, [place.x, place.y]))
+}
+
+/// Maps a place of mid-burst of the probed burst that moves by `slope` to pane `id`; `None` for panes of the other
+/// burst.
+fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<Pos2> {
+    let pane = model.panes.get(id).filter(|pane| pane.side == model.probe.side)?;
+    let kind = pane.picture.as_ref()?.request.kind;
+    let cursor = Cursor { slope, ..pane.cursor };
+    let [u, v] = place;
+    Some(place_in(pos2(u, v), (PictureKind::Stack { slope }, &cursor), (kind, &cursor), &used(model, pane.side)?))
+}
+
+/// Frames of the burst of `side` that are searched.
+fn used(model: &Model, side: Side) -> Option<std::ops::Range<usize>> {
+    Some(model.usable_params_of(side).used_frames(model.burst_of(side)?.burst.len()))
+}
+
+/// Draws the marks over the drawn panes, and takes the place under the pointer: a click with Shift probes it, any click
+/// ends following.
+pub(super) fn probe_ui(ui: &egui::Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) {
+    probe_marks_ui(model, drawn);
+    let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
+    model.probe.pointer = pointed.and_then(|(_, drawn, pos)| mid_burst(model, drawn.shown, pos));
+    let Some((_, drawn, _)) = pointed else { return };
+    if !drawn.output.response.clicked() {
+        return;
+    }
+    if is_with_shift(ui) {
+        // Features can be pointed at where they are listed.
+        let feature = model.hovered.filter(|_| model.workspace == Workspace::Inspect);
+        match (feature, model.probe.pointer) {
+            (Some(feature), _) => model.probe_feature(Side::A, feature),
+            (None, Some((side, place))) => model.probe_place(side, place),
+            (None, None) => {}
+        }
+        model.probe.follows = false;
+    } else if let Some((side, place)) = model.probe.pointer.filter(|_| model.probe.follows) {
+        model.probe.follows = false;
+        model.probe_place(side, place);
+    }
+}
+
+/// Whether Shift was held when the button was released.
+pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {
+    ui.input(|i| {
+        let let_go = i.events.iter().rev().find_map(|event| match event {
+            egui::Event::PointerButton { pressed: false, modifiers, .. } => Some(modifiers.shift),
+            _ => None,
+        });
+        let_go.unwrap_or(i.modifiers.shift)
+    })
+}
+
+fn probe_marks_ui(model: &Model, drawn: &[(PaneId, Drawn)]) {
+    let Some(place) = model.probe.place() else { return };
+    let answer = model.probe.answer.as_ref().filter(|_| model.probe.is_current());
+    let is_linked = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
+    let is_probed = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);
+    // B's panes are not linked to A's; where none of the probed burst's panes is linked, all of them show the marks.
+    let any_linked = drawn.iter().any(|(id, _)| is_probed(*id) && is_linked(*id));
+    for (id, drawn) in drawn.iter().filter(|(id, _)| is_linked(*id) || !any_linked) {
+        let own = model.panes.get(*id).map_or_else(Slope::default, |pane| pane.cursor.slope);
+        let slope = answer.map_or(own, |answer| answer.probe.subject.slope);
+        if let Some(pos) = in_pane(model, drawn.shown, place, slope) {
+            probe_mark(&drawn.output, pos);
+        }
+        let Some(probe) = answer.map(|answer| &answer.probe) else { continue };
+        let Some(fate) = probe.subject_fate() else { continue };
+        // The selected candidate, and the rival that beat it.
+        if let Some(pos) = in_pane(model, drawn.shown, fate.pos_image, fate.slope) {
+            blob(&drawn.output, pos, fate.sigma, MARK);
+        }
+        let rival = fate.first_failed.and_then(|test| fate.report(test).rival);
+        if let Some(rival) = rival
+            && let Some(pos) = in_pane(model, drawn.shown, rival.pos_image, rival.slope)
+        {
+            blob(&drawn.output, pos, rival.sigma, RIVAL);
+        }
+    }
+}
+
+const MARK: Color32 = Color32::from_rgb(80, 220, 255);
+const RIVAL: Color32 = Color32::from_rgb(255, 120, 90);
+
+/// Draws four strokes that point at the place and leave it free.
+fn probe_mark(output: &CanvasOutput, pos_image: Pos2) {
+    let centre = output.ui_from_image.pos(pos_image);
+    if !output.response.rect.contains(centre) {
+        return;
+    }
+    for (width, colour) in [(4.0, Color32::from_black_alpha(170)), (2.0, MARK)] {
+        for direction in [vec2(1.0, 1.0), vec2(-1.0, 1.0), vec2(1.0, -1.0), vec2(-1.0, -1.0)] {
+            let direction = direction.normalized();
+            output
+                .painter
+                .line_segment([centre + 5.0 * direction, centre + 14.0 * direction], Stroke::new(width, colour));
+        }
+    }
+}
+
+/// Draws a blob's circle, dashed to distinguish it from a feature.
+fn blob(output: &CanvasOutput, pos_image: Pos2, sigma: f32, colour: Color32) {
+    let centre = output.ui_from_image.pos(pos_image);
+    let radius = (std::f32::consts::SQRT_2 * sigma * output.ui_from_image.scale()).max(4.0);
+    if !output.response.rect.expand(radius).contains(centre) {
+        return;
+    }
+    let points: Vec<Pos2> =
+        (0..=48).map(|i| centre + radius * egui::Vec2::angled(i as f32 / 48.0 * std::f32::consts::TAU)).collect();
+    output.painter.extend(egui::Shape::dashed_line(&points, Stroke::new(1.6, colour), 5.0, 4.0));
 }

@@ -1,11 +1,19 @@
-//! State of the panes' widgets, kept between passes.
+//! What the panes of the inspector share: the state of their widgets between passes, their names (in headers, on
+//! tabs, for screen readers and tests), and the pairs of panes of A and of B that face each other, between which
+//! match lines are drawn.
 
-use super::menu_place::MenuPlace;
+use crate::app::canvas;
 use crate::app::canvas::{Readout, RectTransform};
-use crate::app::pane::PaneId;
+use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::panel::display::DisplayState;
-use crate::app::panel::picture::PictureState;
+use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::probe::PlaneTexture;
+use crate::app::project::Model;
+use crate::app::project::cursor::ViewKind;
+use crate::app::project::method::Contender;
+use crate::app::project::pair::Side;
+use crate::app::project::workspace::Workspace;
+use crate::requests::{MapKind, PictureKind};
 use egui::{Pos2, Rect};
 use std::collections::HashMap;
 
@@ -77,5 +85,199 @@ impl PaneWidgets {
     /// Removes the state of all panes that `keep` rejects.
     pub fn retain(&mut self, keep: impl Fn(PaneId) -> bool) {
         self.all.retain(|id, _| keep(*id));
+    }
+}
+
+/// Objects under the pointer when the menu was opened.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MenuPlace {
+    pub(super) feature: Option<usize>,
+    pub(super) matched: Option<usize>,
+    pub(super) readout: Option<Readout>,
+    /// Place at mid-burst of a burst, input pixels.
+    pub(super) mid_burst: Option<(Side, [f32; 2])>,
+}
+
+/// Describes the content of a pane in few words.
+pub fn compact_description(model: &Model, id: PaneId) -> String {
+    short_description(model, id, false)
+}
+
+/// Describes the content of a pane in few words; with `tiny` only by what distinguishes it from its neighbours.
+pub(super) fn short_description(model: &Model, id: PaneId, tiny: bool) -> String {
+    let Some(pane) = model.panes.get(id) else { return String::new() };
+    let what = what(model, pane, id, tiny);
+    match pane.method {
+        Some(method) if tiny => format!("{}{}", side(model, pane), method.label()),
+        Some(method) => format!("{}{}  ·  {what}", side(model, pane), method.label()),
+        None => format!("{}{what}", side(model, pane)),
+    }
+}
+
+/// Names the pane's burst, where there are two.
+fn side(model: &Model, pane: &Pane) -> String {
+    let both = model.burst_of(Side::B).is_some() || model.workspace == Workspace::Pair;
+    if both { format!("{}  ", pane.side.name()) } else { String::new() }
+}
+
+fn what(model: &Model, pane: &Pane, id: PaneId, tiny: bool) -> String {
+    let cursor = match model.burst_in(pane) {
+        Some(open) => pane.cursor_within(open, &model.params_in(pane)),
+        None => pane.cursor,
+    };
+    let slope = format!("({}, {})", canvas::number(cursor.slope.u, 3), canvas::number(cursor.slope.v, 3));
+    let number = |id: PaneId| model.panes.number(id).unwrap_or(0);
+    // The input of some methods is no motion stack.
+    match (pane.method, model.wanted(id).map(|wanted| wanted.kind)) {
+        (Some(_), Some(PictureKind::Frame(t))) => return format!("Frame {t}"),
+        (Some(_), Some(PictureKind::Merge)) => return "Merged frames".to_owned(),
+        _ => {}
+    }
+    match (pane.content, cursor.kind) {
+        (Content::Merge, _) if tiny => "Merged".to_owned(),
+        (Content::Merge, _) => "Merged frames".to_owned(),
+        (Content::Map(MapKind::Noise), _) => format!("σ {}/{} {slope}", cursor.octave, cursor.level),
+        (Content::Map(MapKind::Motion), _) => format!("Winning slope {}/{}", cursor.octave, cursor.level),
+        (Content::Map(map), _) if tiny => map.label().to_owned(),
+        (Content::Map(map), _) => format!("{} {slope}", map.label()),
+        (Content::Slice(_), _) if tiny => "Slice".to_owned(),
+        (Content::Slice(axis), _) => axis.label().to_owned(),
+        (Content::Difference(a, b), _) => format!("{} − {}", number(a), number(b)),
+        (Content::Cursor, ViewKind::Frame) => format!("Frame {}", cursor.frame),
+        (Content::Cursor, ViewKind::Stack) if tiny => slope,
+        (Content::Cursor, ViewKind::Dog) if tiny => format!("{}/{} {slope}", cursor.octave, cursor.level),
+        (Content::Cursor, ViewKind::Stack) => format!("Stack {slope}"),
+        (Content::Cursor, ViewKind::Dog) => format!("DoG {}/{} {slope}", cursor.octave, cursor.level),
+    }
+}
+
+/// Describes the pane's picture in full, with the burst's name where there are two; empty while there is no picture.
+pub(super) fn long_description(model: &Model, id: PaneId) -> String {
+    let Some(pane) = model.panes.get(id) else { return String::new() };
+    let Some(picture) = &pane.picture else { return String::new() };
+    let what = describe(picture);
+    match (pane.method, model.workspace) {
+        (Some(method), _) => format!("{}{}  ·  {what}", side(model, pane), method.label()),
+        (None, Workspace::Pair) => {
+            let burst = model.burst_in(pane).map_or("", |open| open.burst.name.as_str());
+            format!("{}{burst}  ·  {what}", side(model, pane))
+        }
+        _ => what,
+    }
+}
+
+/// Name of the pane's canvas: by its number, or by its burst or method where these stand side by side. Names are unique
+/// on the screen.
+pub(super) fn canvas_name(model: &Model, id: PaneId) -> String {
+    let (Some(pane), Some(number)) = (model.panes.get(id), model.panes.number(id)) else { return String::new() };
+    let alone = model.panes.shown_of(pane.side, pane.method).len() < 2;
+    let named = match (pane.method, model.workspace) {
+        (Some(method), _) => Some(format!("{}: {}", pane.side.name(), method.label())),
+        (None, Workspace::Pair) => Some(format!("Picture {}", pane.side.name())),
+        _ => None,
+    };
+    match named {
+        Some(name) if alone => name,
+        Some(name) => format!("{name}, pane {number}"),
+        None if model.panes.are_many() => format!("Picture {number}"),
+        None => "Picture".to_owned(),
+    }
+}
+
+/// Panes of one method, and the joined ones among them; as indices into the given places.
+pub struct JoinedPanes {
+    /// Panes of A and of B.
+    pub sides: [Vec<usize>; 2],
+    /// A pane of A and one of B that faces it.
+    pub pairs: Vec<(usize, usize)>,
+}
+
+/// Finds the panes that show the input of `method` (those without a method, for `None`) among `places`: visible panes
+/// and their rectangles. Differences and slices show no places of one burst.
+pub fn joined_panes(model: &Model, places: &[(PaneId, Rect)], method: Option<Contender>) -> JoinedPanes {
+    let is_of = |id: PaneId, side: Side| {
+        let pane = model.panes.get(id).filter(|pane| pane.side == side && pane.method == method);
+        pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))
+    };
+    let sides = Side::BOTH.map(|side| (0..places.len()).filter(|i| is_of(places[*i].0, side)).collect::<Vec<_>>());
+    let rects = sides.each_ref().map(|side| side.iter().map(|place| places[*place].1).collect::<Vec<_>>());
+    let all: Vec<Rect> = places.iter().map(|(_, rect)| *rect).collect();
+    let pairs = joined(&rects[0], &rects[1], &all).into_iter().map(|(a, b)| (sides[0][a], sides[1][b])).collect();
+    JoinedPanes { sides, pairs }
+}
+
+/// Pairs of `a` and `b` between which lines go, as indices; `all` are the canvases of all panes on the screen.
+///
+/// Two panes are joined where one faces the other with no third between them. Where A and B are farther apart, two
+/// panes are joined when each is the nearest to the other.
+fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
+    let nearest = |from: &Rect, to: &[Rect]| {
+        let place = |i: &usize| apart(from, &to[*i]);
+        (0..to.len()).min_by(|i, j| place(i).total_cmp(&place(j)))
+    };
+    let mut pairs = Vec::new();
+    for (i, of_a) in a.iter().enumerate() {
+        for (j, of_b) in b.iter().enumerate() {
+            let each_nearest = nearest(of_a, b) == Some(j) && nearest(of_b, a) == Some(i);
+            if each_nearest || face(of_a, of_b, all) {
+                pairs.push((i, j));
+            }
+        }
+    }
+    pairs
+}
+
+/// Distance between two rectangles.
+fn apart(a: &Rect, b: &Rect) -> f32 {
+    let gap = |min: f32, max: f32| (min - max).max(0.0);
+    let x = gap(b.left(), a.right()).max(gap(a.left(), b.right()));
+    let y = gap(b.top(), a.bottom()).max(gap(a.top(), b.bottom()));
+    x.hypot(y)
+}
+
+/// Whether two rectangles stand side by side or one above the other, with nothing between them.
+fn face(a: &Rect, b: &Rect, all: &[Rect]) -> bool {
+    let common = |a: egui::Rangef, b: egui::Rangef| egui::Rangef::new(a.min.max(b.min), a.max.min(b.max));
+    let between = |a: egui::Rangef, b: egui::Rangef| egui::Rangef::new(a.max.min(b.max), a.min.max(b.min));
+    let (x, y) = (common(a.x_range(), b.x_range()), common(a.y_range(), b.y_range()));
+    let gap = match (x.span() > 0.0, y.span() > 0.0) {
+        (false, true) => Rect::from_x_y_ranges(between(a.x_range(), b.x_range()), y),
+        (true, false) => Rect::from_x_y_ranges(x, between(a.y_range(), b.y_range())),
+        _ => return false,
+    };
+    let gap = gap.shrink(1.0);
+    all.iter().all(|other| other == a || other == b || !(gap.is_positive() && other.intersects(gap)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{pos2, vec2};
+
+    /// Pane in a grid of panes of 100 × 80 points.
+    fn at(column: usize, row: usize) -> Rect {
+        Rect::from_min_size(pos2(104.0 * column as f32, 110.0 * row as f32), vec2(100.0, 80.0))
+    }
+
+    fn of(a: &[Rect], b: &[Rect], others: &[Rect]) -> Vec<(usize, usize)> {
+        let all: Vec<Rect> = a.iter().chain(b).chain(others).copied().collect();
+        joined(a, b, &all)
+    }
+
+    #[test]
+    fn neighbours_are_joined_and_what_lies_behind_them_is_not() {
+        assert_eq!(of(&[at(0, 0)], &[at(1, 0)], &[]), [(0, 0)]);
+        assert_eq!(of(&[at(0, 0)], &[at(0, 1)], &[]), [(0, 0)], "one above the other");
+        assert_eq!(of(&[at(0, 0), at(1, 0)], &[at(2, 0)], &[]), [(1, 0)], "A twice, B once");
+        assert_eq!(of(&[at(0, 0), at(0, 1)], &[at(1, 0), at(1, 1)], &[]), [(0, 0), (1, 1)], "row by row");
+        let tall = Rect::from_min_max(at(1, 0).min, at(1, 1).max);
+        assert_eq!(of(&[at(0, 0), at(0, 1)], &[tall], &[]), [(0, 0), (1, 0)]);
+    }
+
+    #[test]
+    fn those_far_apart_are_joined_all_the_same() {
+        assert_eq!(of(&[at(0, 0)], &[at(2, 0)], &[at(1, 0)]), [(0, 0)], "a difference stands between them");
+        assert_eq!(of(&[at(0, 0)], &[at(1, 1)], &[]), [(0, 0)], "across the corner");
+        assert!(of(&[at(0, 0)], &[], &[]).is_empty());
     }
 }

@@ -4,14 +4,146 @@
 //! [`Measure`] is a plain value of the project: the shape, its pane, and its place in pixels of the input image. The
 //! panels below the pictures show [`profiles_of`] and [`region_in`]; the export writes the same values.
 
-mod draw;
-mod line_panel;
-mod region_panel;
-mod values;
-
-pub use draw::{draw_ui, measure_ui};
-pub use line_panel::profile_ui;
-pub use region_panel::{RegionCache, region_ui};
-pub use values::{PaneProfile, PaneRegion, measured_panes, profiles_of, region_in};
+mod panels;
 
 pub use crate::app::project::measure::{Measure, MeasuredLine, MeasuredRegion, Tool};
+pub use panels::{RegionCache, profile_ui, region_ui};
+
+use crate::app::canvas::{CanvasOutput, Picture};
+use crate::app::inspector::{PaneWidgets, compact_description, same_place};
+use crate::app::pane::{Link, PaneId};
+use crate::app::project::{BottomTab, Model};
+use crate::plane::sample::{ProfileSample, profile};
+use crate::plane::statistics::Region;
+use egui::{Color32, PointerButton, Pos2, Rect, Stroke, StrokeKind};
+
+/// The values of one pane along the line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaneProfile {
+    /// Pane.
+    pub id: PaneId,
+    /// Number of the pane, from 1.
+    pub number: usize,
+    /// Description of the pane's picture.
+    pub label: String,
+    /// Samples along the line; places in image pixels.
+    pub samples: Vec<ProfileSample>,
+}
+
+/// The pixels of one pane in the rectangle.
+#[derive(Debug, Clone)]
+pub struct PaneRegion {
+    /// Pane.
+    pub id: PaneId,
+    /// Number of the pane, from 1.
+    pub number: usize,
+    /// Description of the pane's picture.
+    pub label: String,
+    /// Picture of the pane.
+    pub picture: Picture,
+    /// The pixels of that picture.
+    pub region: Region,
+}
+
+/// The pane that was drawn on and those linked with it by place, in reading order; empty when that pane is no longer
+/// shown.
+pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
+    let shown = model.panes.shown();
+    if !shown.contains(&drawn_on) {
+        return Vec::new();
+    }
+    let is_linked = |id: &PaneId| model.panes.get(*id).is_some_and(|pane| pane.links.has(Link::Place));
+    let alone = !is_linked(&drawn_on);
+    shown.into_iter().filter(|id| *id == drawn_on || (!alone && is_linked(id))).collect()
+}
+
+/// Maps a place of the pane that was drawn on to another pane.
+fn mapped(model: &Model, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
+    if drawn_on == to { Some(pos_image) } else { same_place(model, drawn_on, to, pos_image) }
+}
+
+/// Values along `line`, in every measured pane.
+pub fn profiles_of(model: &Model, widgets: &PaneWidgets, line: &MeasuredLine) -> Vec<PaneProfile> {
+    let of = |id: PaneId| {
+        let picture = widgets.get(id)?.picture.shown()?;
+        let ends = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos));
+        let (from, to) = (ends[0]?, ends[1]?);
+        let samples = profile(&picture.plane, from.into(), to.into(), picture.image_from_picture_scale);
+        Some(PaneProfile { id, number: model.panes.number(id)?, label: compact_description(model, id), samples })
+    };
+    measured_panes(model, line.pane).into_iter().filter_map(of).collect()
+}
+
+/// The pixels in `region` of pane `id`.
+pub fn region_in(model: &Model, widgets: &PaneWidgets, region: &MeasuredRegion, id: PaneId) -> Option<PaneRegion> {
+    let picture = widgets.get(id)?.picture.shown()?.clone();
+    let rect = region.rect_image;
+    let corners = [rect.min, rect.max].map(|pos| mapped(model, region.pane, id, pos));
+    let rect = Rect::from_min_max(corners[0]?, corners[1]?);
+    let region = picture.region(rect);
+    let (number, label) = (model.panes.number(id)?, compact_description(model, id));
+    Some(PaneRegion { id, number, label, picture, region })
+}
+
+/// Colour of the line and the rectangle.
+const COLOUR: Color32 = Color32::from_rgb(255, 214, 90);
+
+/// Handles the pointer on the canvas of pane `id`, while a measuring tool is active.
+pub fn draw_ui(model: &mut Model, id: PaneId, output: &CanvasOutput) {
+    let response = &output.response;
+    let place = |pos: Pos2| output.image_from_ui.pos(pos);
+    if model.measure.tool == Tool::Pan {
+        return;
+    }
+    if response.drag_started_by(PointerButton::Primary)
+        && let Some(pos) = response.interact_pointer_pos()
+    {
+        // Place of the press, not the place where the drag was recognised.
+        let press = pos - response.total_drag_delta().unwrap_or_default();
+        model.measure.drag = Some((id, place(press)));
+    }
+    let Some((_, from)) = model.measure.drag.filter(|(on, _)| *on == id) else { return };
+    if let Some(pos) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+        let to = place(pos);
+        match model.measure.tool {
+            Tool::Line => model.measure.line = Some(MeasuredLine { pane: id, from_image: from, to_image: to }),
+            Tool::Region => {
+                model.measure.region = Some(MeasuredRegion { pane: id, rect_image: Rect::from_two_pos(from, to) });
+            }
+            Tool::Pan => {}
+        }
+    }
+    if response.drag_stopped() {
+        model.measure.drag = None;
+        model.bottom_tab = if model.measure.tool == Tool::Line { BottomTab::Profile } else { BottomTab::Region };
+        model.panels.bottom = true;
+    }
+}
+
+/// Shows the line and the rectangle over the canvas of pane `id`.
+pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
+    let pos_ui = |pos: Pos2| output.ui_from_image.pos(pos);
+    let strokes = [Stroke::new(3.0, Color32::from_black_alpha(150)), Stroke::new(1.2, COLOUR)];
+    if let Some(line) = model.measure.line
+        && measured_panes(model, line.pane).contains(&id)
+        && let [Some(from), Some(to)] = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos))
+    {
+        for stroke in strokes {
+            output.painter.line_segment([pos_ui(from), pos_ui(to)], stroke);
+        }
+        // A ring marks the start of the line.
+        output.painter.circle_stroke(pos_ui(from), 3.5, strokes[1]);
+    }
+    if let Some(region) = model.measure.region
+        && measured_panes(model, region.pane).contains(&id)
+    {
+        let rect = region.rect_image;
+        let corners = [rect.min, rect.max].map(|pos| mapped(model, region.pane, id, pos));
+        if let [Some(min), Some(max)] = corners {
+            let rect = Rect::from_min_max(pos_ui(min), pos_ui(max));
+            for stroke in strokes {
+                output.painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
+            }
+        }
+    }
+}

@@ -2,12 +2,135 @@
 //! the quantity that colours show, and numbers as people read them. The project keeps these values, the canvas draws by
 //! them.
 
-mod colour_by;
-mod numbers;
 mod pan_zoom;
-mod transform;
 
-pub use colour_by::ColourBy;
-pub use numbers::{number, signed_number};
-pub use pan_zoom::{MAX_POINTS_PER_PIXEL, View, Zoom};
-pub use transform::RectTransform;
+pub use pan_zoom::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
+
+use serde::{Deserialize, Serialize};
+
+/// Quantity that the colour of a feature shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ColourBy {
+    /// The apparent motion: hue for its direction, saturation for its length.
+    #[default]
+    SlopeDirection,
+    /// The horizontal part of the apparent motion.
+    SlopeU,
+    /// The vertical part of the apparent motion.
+    SlopeV,
+    /// The scale σ, in logarithmic steps.
+    Scale,
+    /// The DoG value with its sign: bright blobs are negative.
+    Response,
+    /// The signal-to-noise ratio, in logarithmic steps.
+    Snr,
+    /// Whether the feature was found at the limit of the searched slopes; its true motion may lie beyond.
+    Limit,
+    /// Evenness of the frames' responses along its motion, 0 … 1; known once it was computed.
+    Coherence,
+}
+
+impl ColourBy {
+    /// All choices, in the order of a picker.
+    pub const ALL: [Self; 8] = [
+        Self::SlopeDirection,
+        Self::SlopeU,
+        Self::SlopeV,
+        Self::Scale,
+        Self::Response,
+        Self::Snr,
+        Self::Limit,
+        Self::Coherence,
+    ];
+
+    /// Name, in sentence case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SlopeDirection => "Slope (direction and magnitude)",
+            Self::SlopeU => "Slope u",
+            Self::SlopeV => "Slope v",
+            Self::Scale => "Scale",
+            Self::Response => "Response",
+            Self::Snr => "SNR",
+            Self::Limit => "Slope limit",
+            Self::Coherence => "Coherence",
+        }
+    }
+
+    /// Unit of the numbers in a legend.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::SlopeDirection | Self::SlopeU | Self::SlopeV => "px/frame",
+            Self::Scale => "px",
+            Self::Response => "of full scale",
+            Self::Snr => "σ",
+            Self::Limit | Self::Coherence => "",
+        }
+    }
+}
+
+/// Formats a number with `digits` significant digits, without trailing zeros: `0.0123`, `1234`, `−3.2e−7`, `NaN`.
+pub fn number(value: f32, digits: usize) -> String {
+    if value.is_nan() {
+        return "NaN".to_owned();
+    }
+    if value.is_infinite() {
+        return if value > 0.0 { "∞" } else { "−∞" }.to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    let text = if (-4..7).contains(&magnitude) {
+        let decimals = (digits as i32 - 1 - magnitude).max(0) as usize;
+        let fixed = format!("{value:.decimals$}");
+        if fixed.contains('.') { fixed.trim_end_matches('0').trim_end_matches('.').to_owned() } else { fixed }
+    } else {
+        let scientific = format!("{value:.*e}", digits.saturating_sub(1));
+        match scientific.split_once('e') {
+            Some((mantissa, exponent)) if mantissa.contains('.') => {
+                format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
+            }
+            _ => scientific,
+        }
+    };
+    text.replace('-', "−")
+}
+
+/// Formats as `number` does, with a `+` before positive numbers.
+pub fn signed_number(value: f32, digits: usize) -> String {
+    let text = number(value, digits);
+    if value > 0.0 { format!("+{text}") } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_as_people_read_them() {
+        let cases = [
+            (0.0, "0"),
+            (0.5, "0.5"),
+            (0.0123456, "0.01235"),
+            (1.0, "1"),
+            (1234.5678, "1235"),
+            (65535.0, "65535"),
+            (-0.25, "−0.25"),
+            (3.2e-7, "3.2e−7"),
+            (f32::NAN, "NaN"),
+            (f32::NEG_INFINITY, "−∞"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(number(value, 4), text, "{value}");
+        }
+    }
+
+    #[test]
+    fn faint_responses_of_dark_bursts_keep_their_digits() {
+        assert_eq!(signed_number(0.000_012_3, 3), "+1.23e−5");
+        assert_eq!(signed_number(-0.000_123_4, 3), "−0.000123");
+        assert_eq!((signed_number(0.0, 3), signed_number(0.5, 3)), ("0".to_owned(), "+0.5".to_owned()));
+    }
+}

@@ -160,42 +160,7 @@ fn convert(bytes: &[u8], header: &NpyHeader, values: &mut Vec<f32>) {
         Dtype::F16 => {
             let (chunks, _) = bytes.as_chunks::<2>();
             let bits = |c: &[u8; 2]| if header.big_endian { u16::from_be_bytes(*c) } else { u16::from_le_bytes(*c) };
-            values.extend(chunks.iter().map(|c| f32_from_half(bits(c))));
+            values.extend(chunks.iter().map(|c| half::f16::from_bits(bits(c)).to_f32()));
         }
-    }
-}
-
-/// Exact value of an IEEE 754 half-precision number.
-fn f32_from_half(bits: u16) -> f32 {
-    let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
-    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f32::from(bits & 0x3ff));
-    sign * match exponent {
-        0 => fraction * 2f32.powi(-24),
-        31 if fraction == 0.0 => f32::INFINITY,
-        31 => f32::NAN,
-        _ => (1.0 + fraction / 1024.0) * 2f32.powi(exponent - 15),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::f32_from_half;
-
-    #[test]
-    fn half_precision_is_exact() {
-        let cases = [
-            (0x0000, 0.0),
-            (0x3c00, 1.0),
-            (0xc000, -2.0),
-            (0x7bff, 65504.0),
-            (0x0001, 5.960_464_5e-8),
-            (0x0400, 6.103_515_6e-5),
-            (0x3555, 0.333_251_95),
-            (0x7c00, f32::INFINITY),
-        ];
-        for (bits, value) in cases {
-            assert_eq!(f32_from_half(bits), value, "{bits:#06x}");
-        }
-        assert!(f32_from_half(0x7c01).is_nan());
     }
 }

@@ -4,10 +4,8 @@
 //! share them and an interrupted study continues; COLMAP's result of a run is a separate piece.
 
 mod mapper;
-mod run;
 mod study;
 mod tables;
-mod trajectories;
 
 use super::record::Pieces;
 use super::{FigureSize, FiguresError, Made, MakeFigure};
@@ -65,7 +63,7 @@ impl MakeFigure for ReconstructionFigure {
             Shown::Matching => tables::matching(&self.study, &runs, missing),
             Shown::Poses => tables::poses(&self.study, &runs, missing),
             Shown::Time => tables::time(&self.study, &runs, missing),
-            Shown::Trajectories => trajectories::figure(&runs, missing),
+            Shown::Trajectories => tables::trajectories(&runs, missing),
         })
     }
 }

@@ -1,7 +1,6 @@
 //! The trajectories, the methods, and their runs.
 
-use super::mapper::{self, How};
-use super::run::{Matched, Reconstructed, Run};
+use super::mapper::{self, How, Matched, Reconstructed, Run};
 use crate::burst::Burst;
 use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
 use crate::evaluate::{BurstMethod, EvaluateError, MatchMethod, MatchStudy, Searches, Shot, motion_name};

@@ -1,21 +1,13 @@
 //! The real roots of polynomials in one unknown, for the minimal solvers: the cubic of seven points, the tenth degree
 //! of five.
 //!
-//! Between two neighbouring extrema a polynomial crosses zero at most once. So the roots of the derivative, found in
-//! the same way, separate those of the polynomial, and each is then found by Newton's method, with bisection where that
-//! fails. This needs no complex arithmetic, finds roots to the last digits that the coefficients allow, and always
-//! ends. A double root may be found or missed, depending on rounding.
+//! `polycool` finds them between given bounds, each between two neighbouring extrema, without complex arithmetic. A
+//! double root may be found or missed, depending on rounding.
 
-/// Maximum number of steps for one root: bisection alone needs about 64 for the digits of an `f64`.
-const MAX_STEPS: usize = 100;
+use polycool::PolyDyn;
 
-/// The value at `x` of the polynomial with these coefficients, the constant first.
-fn value(coefficients: &[f64], x: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
-}
-
-/// The real roots of the polynomial Σ `coefficients[k]`·xᵏ, in ascending order. Empty for a constant, and where a
-/// coefficient is not finite.
+/// The real roots of the polynomial Σ `coefficients[k]`·xᵏ, in ascending order, as exact as an `f64` allows. Empty for a
+/// constant, and where a coefficient is not finite.
 pub(super) fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     let largest = coefficients.iter().fold(0.0, |max: f64, c| max.max(c.abs()));
     if !(largest.is_finite() && largest > 0.0) || coefficients.iter().any(|c| c.is_nan()) {
@@ -23,50 +15,13 @@ pub(super) fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     }
     // A negligible leading coefficient would put a root near infinity.
     let degree = coefficients.iter().rposition(|c| c.abs() > 1e-14 * largest).unwrap_or(0);
-    let coefficients = &coefficients[..=degree];
-    match degree {
-        0 => return Vec::new(),
-        1 => return vec![-coefficients[0] / coefficients[1]],
-        _ => {}
-    }
-    let derivative: Vec<f64> = coefficients.iter().enumerate().skip(1).map(|(k, c)| k as f64 * c).collect();
+    let (lower, leading) = (&coefficients[..degree], coefficients[degree]);
     // Cauchy's bound on the magnitude of the roots.
-    let bound = 1.0 + coefficients[..degree].iter().fold(0.0, |max: f64, c| max.max((c / coefficients[degree]).abs()));
-    let mut borders = vec![-bound];
-    borders.extend(real_roots(&derivative).into_iter().filter(|x| x.abs() < bound));
-    borders.push(bound);
-    borders.windows(2).filter_map(|pair| root_between(coefficients, &derivative, pair[0], pair[1])).collect()
-}
-
-/// The root in (`low`, `high`], an interval on which the polynomial is monotonic; `None` without a change of sign.
-fn root_between(coefficients: &[f64], derivative: &[f64], mut low: f64, mut high: f64) -> Option<f64> {
-    let (at_low, at_high) = (value(coefficients, low), value(coefficients, high));
-    if at_high == 0.0 {
-        return Some(high);
-    }
-    if at_low == 0.0 || (at_low < 0.0) == (at_high < 0.0) {
-        return None;
-    }
-    let rising = at_low < 0.0;
-    let mut x = 0.5 * (low + high);
-    for _ in 0..MAX_STEPS {
-        let y = value(coefficients, x);
-        if y == 0.0 {
-            return Some(x);
-        }
-        if (y < 0.0) == rising {
-            low = x;
-        } else {
-            high = x;
-        }
-        let newton = x - y / value(derivative, x);
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - x).abs() <= 2.0 * f64::EPSILON * x.abs() {
-            return Some(next);
-        }
-        x = next;
-    }
-    Some(x)
+    let bound = 1.0 + lower.iter().fold(0.0, |max: f64, c| max.max((c / leading).abs()));
+    // The roots of a cubic come from a division by the first one, which costs digits; a fourth degree's do not.
+    let padding = (degree == 3).then_some(0.0);
+    let scaled = coefficients[..=degree].iter().map(|c| c / largest);
+    PolyDyn::new(scaled.chain(padding)).roots_between(-bound, bound, 0.0)
 }
 
 #[cfg(test)]

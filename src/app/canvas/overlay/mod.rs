@@ -1,21 +1,19 @@
-//! Features over a picture: circles of true scale, orientation, motion over the burst.
+//! Features over a picture: circles of true scale, orientation, motion over the burst; and the feature under the
+//! pointer.
 //!
 //! The circle is the rim of the disc to which D responds most strongly at scale σ. The tick points along the
 //! orientation. The arrow runs from the feature's place in the first frame to that in the last. Features whose slope
 //! lies on the rim of the searched grid have a dashed circle: their true motion may lie outside.
+//!
+//! Features compared with those of others have the colour of the outcome; those that only the others have are dashed,
+//! with a line from the compared place. Candidates and other marks are plain circles.
 
 mod colour_by;
-mod compared;
-mod hit;
-mod marks;
 mod match_lines;
 mod strokes;
 
 pub use crate::app::view::ColourBy;
 pub use colour_by::ColourScale;
-pub use compared::{ComparedMark, draw_compared, mark_at};
-pub use hit::feature_at;
-pub use marks::{CircleMark, circle_at, draw_marks};
 pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 
 use super::{CanvasOutput, RectTransform};
@@ -167,10 +165,161 @@ fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
     bounds.is_finite() && bounds.intersects(output.visible_image)
 }
 
+/// Maximum distance of the pointer from a centre or a circle line, in points.
+const TOLERANCE_POINTS: f32 = 7.0;
+
+/// Index of the feature under `pos_ui`: that with the nearest centre or circle line within a few points; otherwise the
+/// smallest circle around the pointer. `shown` is as in [`OverlayStyle`].
+pub fn feature_at(
+    features: &[Feature],
+    shown: Option<&[bool]>,
+    ui_from_image: RectTransform,
+    pos_ui: Pos2,
+) -> Option<usize> {
+    let mut near: Option<(f32, f32, usize)> = None;
+    let mut around: Option<(f32, usize)> = None;
+    for (i, feature) in features.iter().enumerate().filter(|&(i, _)| is_shown(shown, i)) {
+        let distance = ui_from_image.pos(Pos2::new(feature.u, feature.v)).distance(pos_ui);
+        let radius = circle_radius_image(feature) * ui_from_image.scale();
+        if !(distance.is_finite() && radius.is_finite()) {
+            continue;
+        }
+        let to_mark = distance.min((distance - radius).abs());
+        if to_mark <= TOLERANCE_POINTS {
+            // Of equally near ones, the smaller one is chosen, which is harder to hit.
+            if near.is_none_or(|(d, r, _)| (to_mark, radius) < (d, r)) {
+                near = Some((to_mark, radius, i));
+            }
+        } else if distance < radius && around.is_none_or(|(r, _)| radius < r) {
+            around = Some((radius, i));
+        }
+    }
+    near.map(|(_, _, i)| i).or(around.map(|(_, i)| i))
+}
+
+/// Mark of a compared feature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComparedMark {
+    /// Place, image pixels.
+    pub pos_image: Pos2,
+    /// Scale σ, image pixels.
+    pub sigma: f32,
+    /// Previous place of a feature that moved, image pixels; a line is drawn from it.
+    pub from_image: Option<Pos2>,
+    /// Colour of the circle.
+    pub colour: Color32,
+    /// Whether the feature is not one of ours.
+    pub dashed: bool,
+}
+
+impl ComparedMark {
+    fn radius_image(&self) -> f32 {
+        std::f32::consts::SQRT_2 * self.sigma
+    }
+}
+
+/// Draws `marks` over the canvas of `output`; the `highlighted` one lies above all others.
+pub fn draw_compared(output: &CanvasOutput, marks: &[ComparedMark], highlighted: Option<usize>) {
+    let mut strokes = Strokes::new(output.painter.pixels_per_point());
+    let edge = Color32::from_black_alpha(110);
+    let visible = output.visible_image;
+    let seen = |mark: &&ComparedMark| visible.expand(mark.radius_image()).contains(mark.pos_image);
+    for mark in marks.iter().filter(seen) {
+        draw_compared_mark(&mut strokes, output, mark, 3.4, edge);
+    }
+    for mark in marks.iter().filter(seen) {
+        draw_compared_mark(&mut strokes, output, mark, 1.6, mark.colour);
+    }
+    if let Some(mark) = highlighted.and_then(|index| marks.get(index)) {
+        for (width, colour) in [(7.0, Color32::from_black_alpha(150)), (5.0, Color32::WHITE), (2.6, mark.colour)] {
+            draw_compared_mark(&mut strokes, output, mark, width, colour);
+        }
+    }
+    let mesh = strokes.into_mesh();
+    if !mesh.is_empty() {
+        output.painter.add(Shape::mesh(mesh));
+    }
+}
+
+fn draw_compared_mark(strokes: &mut Strokes, output: &CanvasOutput, mark: &ComparedMark, width: f32, colour: Color32) {
+    let t = output.ui_from_image;
+    let centre = t.pos(mark.pos_image);
+    let radius = (mark.radius_image() * t.scale()).max(MIN_RADIUS_POINTS);
+    strokes.circle(centre, radius, width, colour, mark.dashed);
+    if let Some(from) = mark.from_image.map(|from| t.pos(from)).filter(|from| from.distance(centre) > 3.0) {
+        strokes.arrow(from, centre, 0.8 * width, colour);
+    }
+}
+
+/// Finds the mark under the pointer: that with the nearest circle or centre, within a few points.
+pub fn mark_at(output: &CanvasOutput, marks: &[ComparedMark], pointer: Pos2) -> Option<usize> {
+    const REACH_POINTS: f32 = 8.0;
+    let t = output.ui_from_image;
+    let apart = |mark: &ComparedMark| {
+        let distance = t.pos(mark.pos_image).distance(pointer);
+        distance.min((distance - mark.radius_image() * t.scale()).abs())
+    };
+    let near = marks.iter().enumerate().map(|(index, mark)| (index, apart(mark))).filter(|(_, d)| *d <= REACH_POINTS);
+    near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
+}
+
+/// Circle at a place of the image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CircleMark {
+    /// Centre, image pixels.
+    pub centre: Pos2,
+    /// Radius, image pixels.
+    pub radius: f32,
+    /// Colour of the circle.
+    pub colour: Color32,
+    /// Whether the circle stands out.
+    pub strong: bool,
+}
+
+/// Maximum distance of the pointer from a mark's centre, points; from its line, half as much.
+const REACH: f32 = 6.0;
+/// Minimum radius of a circle, points.
+const MIN_RADIUS: f32 = 2.0;
+
+/// Draws the visible marks.
+pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>) {
+    let rect = output.painter.clip_rect();
+    let mut strokes = Strokes::new(output.painter.ctx().pixels_per_point());
+    for mark in marks {
+        let centre = output.ui_from_image.pos(mark.centre);
+        let radius = (mark.radius * output.ui_from_image.scale()).max(MIN_RADIUS);
+        if rect.expand(radius).contains(centre) {
+            if mark.strong {
+                strokes.circle(centre, radius + 2.0, 3.5, Color32::from_black_alpha(160), false);
+                strokes.circle(centre, radius + 2.0, 2.0, Color32::WHITE, false);
+            }
+            strokes.circle(centre, radius, 1.3, mark.colour, false);
+        }
+    }
+    output.painter.add(Shape::mesh(strokes.into_mesh()));
+}
+
+/// Finds the circle (centre and radius, image pixels) under the pointer: of those within reach, that with the nearest
+/// centre.
+pub fn circle_at(
+    marks: impl Iterator<Item = (Pos2, f32)>,
+    ui_from_image: RectTransform,
+    pointer_ui: Pos2,
+) -> Option<usize> {
+    let near = |(index, (centre, radius)): (usize, (Pos2, f32))| {
+        let distance = ui_from_image.pos(centre).distance(pointer_ui);
+        let radius = (radius * ui_from_image.scale()).max(MIN_RADIUS);
+        let is_near = distance < REACH || (distance - radius).abs() < 0.5 * REACH;
+        is_near.then_some((index, distance))
+    };
+    marks.enumerate().filter_map(near).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::detector::params::slope_grid::Slope;
+    use egui::pos2;
 
     /// Test feature with the given values.
     pub(super) fn feature(u: f32, v: f32, sigma: f32, slope: (f32, f32), response: f32) -> Feature {
@@ -195,5 +344,26 @@ mod tests {
         assert_eq!((first, last), (pos2(96.0, 52.0), pos2(104.0, 48.0)));
         let (first, last) = motion_image(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), 1);
         assert_eq!(first, last);
+    }
+
+    #[test]
+    fn nearest_mark_wins_then_the_smallest_circle_around() {
+        let features = [
+            feature(100.0, 100.0, 60.0, (0.0, 0.0), 0.1),
+            feature(120.0, 100.0, 5.0, (0.0, 0.0), 0.1),
+            feature(100.0, 100.0, 20.0, (0.0, 0.0), 0.1),
+        ];
+        let t = RectTransform::new(pos2(0.0, 0.0), pos2(0.0, 0.0), 2.0);
+        let at = |u: f32, v: f32| feature_at(&features, None, t, t.pos(pos2(u, v)));
+        assert_eq!(at(120.0, 100.0), Some(1));
+        // Both large circles share their centre: the smaller is taken.
+        assert_eq!(at(100.0, 100.0), Some(2));
+        // On the largest circle's line.
+        assert_eq!(at(100.0 + 60.0 * 1.513, 100.0), Some(0));
+        // Between the marks, inside both large ones.
+        assert_eq!(at(100.0, 114.0), Some(2));
+        assert_eq!(at(300.0, 300.0), None);
+        let shown = [true, false, true];
+        assert_eq!(feature_at(&features, Some(&shown), t, t.pos(pos2(120.0, 100.0))), Some(2));
     }
 }

@@ -10,7 +10,7 @@ use crate::app::project::side::Side;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{Detection, SearchParams};
 use crate::engine::{Engine, Wanted};
-use crate::inspect::foreign::ForeignFeature;
+use crate::inspect::changes::ForeignFeature;
 use crate::requests::{
     Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, OpenBurst, Reference, Request,
 };

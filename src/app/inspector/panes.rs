@@ -1,30 +1,103 @@
-//! Callbacks of `egui_tiles` for the inspector.
+//! All panes of the open workspace, as `egui_tiles` draws them: each with its header and its content, or a page that
+//! says how to open its burst.
 
-use super::empty::empty_ui;
 use super::header::header_ui;
-use super::menu::Change;
-use super::method::method_ui;
-use super::names::canvas_name;
-use super::pane_ui::{Drawn, over_names_ui, over_ui, picture_ui};
-use super::slice_ui::slice_ui;
-use super::widgets::PaneWidgets;
-use crate::app::actions::Queue;
+use super::marks::{marks_ui, probe_ui};
+use super::menu::{Change, picture_menu_ui};
+use super::pane_ui::{Drawn, method_ui, over_names_ui, over_ui, picture_ui, slice_ui};
+use super::widgets::{PaneWidgets, canvas_name, compact_description};
+use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::measure::{draw_ui, measure_ui};
-use crate::app::pane::{Content, PaneId};
+use crate::app::pane::{Content, PaneId, arrangement_of, tree_of};
 use crate::app::panel::candidates::candidates_ui;
 use crate::app::panel::colour_bar::colour_bar_ui;
 use crate::app::panel::features::{FeatureOptions, features_ui};
 use crate::app::panel::picture::stale_ui;
 use crate::app::project::Model;
+use crate::app::project::method::Contender;
+use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
-use egui::{Stroke, StrokeKind, Ui, WidgetText};
+use egui::{ProgressBar, RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
+
+/// Result of drawing all panes.
+pub struct Inspected {
+    /// Drawn panes with a picture, in the order of drawing.
+    pub drawn: Vec<(PaneId, Drawn)>,
+    /// Requested changes of the set of panes.
+    pub changes: Vec<Change>,
+}
+
+/// Draws all panes of the open workspace.
+pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, queue: &mut Queue) -> Inspected {
+    widgets.begin_pass();
+    let mut tree = tree_of(model.panes.arrangement());
+    let mut inspector = Inspector { model, widgets, queue, drawn: Vec::new(), changes: Vec::new() };
+    tree.ui(&mut inspector, ui);
+    let Inspector { model, widgets, drawn, changes, .. } = inspector;
+    if let Some(arrangement) = arrangement_of(&tree) {
+        model.panes.rearrange(arrangement);
+    }
+    marks_ui(model, widgets, &drawn);
+    if matches!(model.workspace, Workspace::Inspect | Workspace::Pair) {
+        probe_ui(ui, model, &drawn);
+    }
+    Inspected { drawn, changes }
+}
+
+/// Draws the page of a pane on `side` that shows the input of `method`.
+fn empty_ui(ui: &mut Ui, model: &Model, side: Side, method: Option<Contender>, queue: &mut Queue) {
+    if method == Some(Contender::Gold) {
+        gold_ui(ui, side, queue);
+    } else {
+        second_ui(ui, model, queue);
+    }
+}
+
+fn gold_ui(ui: &mut Ui, side: Side, queue: &mut Queue) {
+    ui.vertical_centered(|ui| {
+        ui.add_space((ui.available_height() * 0.2).max(12.0));
+        let text = format!("Open a sharp image of {}'s view, taken with enough light", side.name());
+        ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+        let id = if side == Side::A { ActionId::OpenGoldA } else { ActionId::OpenGoldB };
+        if ui.button(id.action().label).on_hover_text(tooltip(ui.ctx(), id.action())).clicked() {
+            queue.push(id);
+        }
+    });
+}
+
+fn second_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    ui.vertical_centered(|ui| {
+        ui.add_space((ui.available_height() * 0.2).max(12.0));
+        ui.label(RichText::new("Open a second burst").size(18.0).strong());
+        ui.add(
+            egui::Label::new(
+                RichText::new("of the same place: its features are matched with those of the first").weak(),
+            )
+            .wrap(),
+        );
+        ui.add_space(12.0);
+        if let Some(running) = model.slots.b.opening.running() {
+            let fraction = running.progress.map_or(0.0, |p| p.fraction);
+            ui.add(ProgressBar::new(fraction).desired_width(220.0).text("Opening B…"));
+            return;
+        }
+        for id in [ActionId::OpenFolderB, ActionId::OpenFilesB, ActionId::OpenPathB, ActionId::OpenDemoB] {
+            let button = egui::Button::new(id.action().label).min_size(vec2(220.0, 26.0));
+            if ui.add(button).on_hover_text(tooltip(ui.ctx(), id.action())).clicked() {
+                queue.push(id);
+            }
+        }
+        ui.add_space(8.0);
+        ui.weak("or drop it here");
+    });
+}
 
 /// Minimum size of a picture with a legend, in points.
 const LEGEND_ROOM: egui::Vec2 = egui::vec2(250.0, 170.0);
 
 /// Draws panes for `egui_tiles`.
-pub(super) struct Inspector<'a> {
+struct Inspector<'a> {
     pub model: &'a mut Model,
     pub widgets: &'a mut PaneWidgets,
     pub queue: &'a mut Queue,
@@ -61,7 +134,7 @@ impl Behavior<PaneId> for Inspector<'_> {
 
     fn tab_title_for_pane(&mut self, id: &PaneId) -> WidgetText {
         let number = self.model.panes.number(*id).map_or_else(String::new, |number| format!("{number}  "));
-        format!("{number}{}", super::compact_description(self.model, *id)).into()
+        format!("{number}{}", compact_description(self.model, *id)).into()
     }
 
     fn gap_width(&self, _: &egui::Style) -> f32 {
@@ -101,7 +174,7 @@ impl Inspector<'_> {
                 stale_ui(ui, self.model, rect, self.queue);
             }
         }
-        super::picture_menu::picture_menu_ui(&drawn, self.model, id, self.widgets, &mut self.changes, self.queue);
+        picture_menu_ui(&drawn, self.model, id, self.widgets, &mut self.changes, self.queue);
         let touched = drawn.is_touched(ui);
         self.drawn.push((id, drawn));
         touched
