@@ -118,66 +118,14 @@ impl Model {
 }
 
 #[cfg(test)]
-pub(in crate::app::project) mod tests {
+mod tests {
     use super::*;
-    use crate::app::project::tests::open;
+    use crate::app::project::tests::{Bench, open};
     use crate::app::project::workspace::Workspace;
-    use crate::detector::{DetectorParams, SlopeChoice, SlopeGrid};
-    use crate::engine::DEFAULT_CACHE_BYTES;
+    use crate::detector::SlopeGrid;
     use crate::requests::{BurstSource, JobError};
-    use crate::synth::{ChartParams, Example};
+    use crate::synth::Example;
     use std::sync::Arc;
-    use std::time::{Duration, Instant};
-
-    /// A project with an engine, and no window.
-    pub(in crate::app::project) struct Bench {
-        pub model: Model,
-        engine: Engine,
-    }
-
-    impl Bench {
-        pub fn new() -> Self {
-            let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..Default::default() };
-            let model = Model { params, slopes: SlopeChoice::Given, auto_detect: true, ..Model::default() };
-            Self { model, engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
-        }
-
-        /// Makes passes until `done` holds; returns the effects.
-        pub fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {
-            let (end, mut effects) = (Instant::now() + Duration::from_secs(60), Vec::new());
-            loop {
-                effects.extend(self.model.take_answers(&self.engine));
-                self.model.check_params();
-                self.model.check_pair();
-                self.model.ask(&self.engine, false);
-                if done(&self.model, &effects) {
-                    return effects;
-                }
-                assert!(Instant::now() < end, "it does not come to rest");
-                std::thread::sleep(Duration::from_millis(1));
-            }
-        }
-
-        pub fn settle(&mut self) {
-            self.run_until(|model, _| model.is_settled());
-        }
-
-        /// A bench with a chart as A and another one, of another size, as B, both searched; *Two bursts* is open.
-        pub fn with_two_charts() -> Self {
-            let chart = |width, seed| {
-                let discs = ChartParams { width, height: 72, discs: 5, radius: 3.0..=5.0, ..ChartParams::default() };
-                let chart = ChartParams { frames: 5, max_slope: 1.0, snr: 20.0, seed, ..discs };
-                let source = BurstSource::Chart(Box::new(chart));
-                source.open(&Default::default(), &crate::Monitor::default()).expect("valid")
-            };
-            let mut bench = Self::new();
-            bench.model.take_burst(chart(120, 1));
-            bench.model.take_second_burst(chart(96, 2));
-            bench.model.open_workspace(Workspace::Pair);
-            bench.settle();
-            bench
-        }
-    }
 
     #[test]
     fn a_burst_is_opened_for_either_side_and_what_it_changes_beyond_is_an_effect() {

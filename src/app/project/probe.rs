@@ -364,7 +364,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::asking::tests::Bench;
+    use crate::app::project::tests::Bench;
     use crate::detector::params::doc;
     use crate::inspect::{ProbeOptions, probe};
     use crate::monitor::Monitor;

@@ -335,7 +335,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::asking::tests::Bench;
+    use crate::app::project::tests::Bench;
 
     #[test]
     fn either_burst_is_compared_with_its_own_truth_and_takes_the_comparison_along() {
