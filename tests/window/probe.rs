@@ -20,7 +20,6 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
 use std::path::Path;
-use std::sync::Arc;
 
 fn demo() -> Window {
     Start { size: [1280.0, 800.0], ..Start::default() }.open()
@@ -154,13 +153,6 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     let (model, map) = (&window.app().model, &answer(&window).probe.response);
     assert_eq!(model.active_side(), Side::B);
     assert!(model.focused().shows(ViewKind::Dog) && map.columns.contains(&model.cursor_of(Side::B).slope));
-    // The truth of B is held against B's features.
-    window.run_action("compare with the truth");
-    window.settle();
-    let model = &window.app().model;
-    assert!(model.shown_comparison(Side::A).is_none() && window.shows("Features of B"));
-    let shown = model.shown_comparison(Side::B).expect("the later demo knows its truth");
-    assert!(Arc::ptr_eq(&shown.detection, &model.found_of(Side::B).unwrap().detection) && window.shows(&shown.summary));
     // The other tab brings the match back.
     window.click("Match and display");
     assert!(!window.app().model.probe.is_open && window.shows("Selected match"));
