@@ -16,7 +16,7 @@ pub(super) fn chart_study(
     search: &SearchArgs,
     snrs: Vec<f64>,
 ) -> Result<ChartStudy, Failure> {
-    if search.method.is_some() {
+    if search.gives(&crate::detector::params::doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
     let Searched { detector, slopes, direction_deg } = searched_by(search, &compared.methods)?;

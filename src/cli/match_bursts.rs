@@ -8,6 +8,7 @@ use super::match_args::MatchArgs;
 use super::report::BurstReport;
 use crate::burst::Burst;
 use crate::dataset::burst_picture;
+use crate::detector::params::Word;
 use crate::detector::{Detection, SearchParams};
 use crate::export::{MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
 use crate::files::serialize_path;
@@ -148,7 +149,7 @@ fn write_summary(out: &mut String, counts: &MatchCounts, matching: &MatchParams,
         None => writeln!(out, "  inliers      not verified")?,
         Some(inliers) => {
             let why = if agreed { "" } else { "; too few agree on any" };
-            writeln!(out, "  inliers      {inliers} ({}{why})", matching.geometry.name())?;
+            writeln!(out, "  inliers      {inliers} ({}{why})", matching.geometry.word())?;
         }
     }
     writeln!(out, "  match ratio  {:.3}", counts.match_ratio())?;

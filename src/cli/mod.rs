@@ -39,6 +39,7 @@ mod merge;
 mod opening;
 pub mod output_args;
 mod outputs;
+mod param_args;
 mod probe;
 #[cfg(feature = "app")]
 mod render;

@@ -1,6 +1,6 @@
 //! Glossary: the terms that the window uses, each with an explanation in a sentence or two and the paper's symbol.
 
-use super::part::{field_of, parameters};
+use super::part::parameters;
 use super::values::Text;
 use serde::Deserialize;
 use std::sync::OnceLock;
@@ -20,8 +20,6 @@ struct WordTable {
     symbol: Option<Text>,
     text: Text,
     #[serde(default)]
-    parameters: Vec<String>,
-    #[serde(default)]
     pictures: Vec<String>,
 }
 
@@ -36,8 +34,6 @@ pub struct Word {
     pub symbol: Option<String>,
     /// Explanation, in CommonMark.
     pub text: String,
-    /// Parameters that the entry explains, by their names in files.
-    pub parameters: Vec<String>,
     /// Kinds of picture that the entry explains; of [`PICTURES`].
     pub pictures: Vec<String>,
 }
@@ -71,15 +67,12 @@ impl Glossary {
         let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
         let mut words = Vec::new();
         for table in file.word {
-            let WordTable { name, word, symbol, text, parameters: explained, pictures } = table;
-            if let Some(name) = explained.iter().find(|name| !parameters().any(|doc| field_of(doc.name) == **name)) {
-                return Err(format!("{}: there is no parameter '{name}'", word.0));
-            }
+            let WordTable { name, word, symbol, text, pictures } = table;
             if let Some(name) = pictures.iter().find(|name| !PICTURES.contains(&name.as_str())) {
                 return Err(format!("{}: there is no kind of picture '{name}'", word.0));
             }
             let symbol = symbol.map(|symbol| symbol.0);
-            words.push(Word { name: name.0, word: word.0, symbol, text: text.0, parameters: explained, pictures });
+            words.push(Word { name: name.0, word: word.0, symbol, text: text.0, pictures });
         }
         words.sort_by_key(|word| word.word.to_lowercase());
         Ok(Self { words })
@@ -97,8 +90,7 @@ impl Glossary {
 
     /// Finds the entry that explains a parameter, by the parameter's name on the command line.
     pub fn of_parameter(&self, name: &str) -> Option<&Word> {
-        let field = field_of(name);
-        self.words.iter().find(|word| word.parameters.contains(&field))
+        self.find(parameters().find(|doc| doc.name == name)?.term)
     }
 
     /// Finds the entry that explains a kind of picture.
@@ -142,11 +134,6 @@ mod tests {
         for picture in PICTURES {
             assert!(glossary.of_picture(picture).is_some(), "the picture {picture} is not explained");
         }
-        let explained: Vec<&String> = glossary.words().iter().flat_map(|word| &word.parameters).collect();
-        let mut once = explained.clone();
-        once.sort();
-        once.dedup();
-        assert_eq!(once.len(), explained.len(), "a parameter has two words");
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub use feature::{Descriptor, Detection, Feature, StageTimes, Tally, Test};
 pub use params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use params::{
     DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
-    NoiseModelKind, ParamChange, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
+    NoiseModelKind, Param, ParamChange, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
 };
 pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, detect, detect_with_trail};
 pub use revision::REVISION;
