@@ -12,7 +12,7 @@ mod run;
 pub mod shortcuts_sheet;
 mod state_of;
 
-pub use registry::{ACTIONS, Action, ActionId, Menu};
+pub use registry::{ACTIONS, Action, ActionId, Menu, shown_by};
 pub use state_of::{checked, enabled};
 
 use crate::app::pane::KindOfPicture;
@@ -34,19 +34,6 @@ pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> Stri
             format!("{modifiers}{sign}")
         }
         _ => text,
-    }
-}
-
-/// Action that shows a kind of picture.
-pub fn shown_by(shown: Shown) -> ActionId {
-    match shown {
-        Shown::Frame => ActionId::ShowFrame,
-        Shown::Stack => ActionId::ShowStack,
-        Shown::Dog => ActionId::ShowDog,
-        Shown::Merge => ActionId::ShowMerge,
-        Shown::Noise => ActionId::ShowNoise,
-        Shown::Coverage => ActionId::ShowCoverage,
-        Shown::Motion => ActionId::ShowMotion,
     }
 }
 
