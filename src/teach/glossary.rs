@@ -1,15 +1,17 @@
 //! Glossary: the terms that the window uses, each with an explanation in a sentence or two and the paper's symbol.
 
 use super::part::parameters;
+use super::state::Shown;
 use super::values::Text;
 use serde::Deserialize;
 use std::sync::OnceLock;
 
 const TEXT: &str = include_str!("../../assets/glossary.toml");
 
-/// Kinds of picture, by their names in the glossary.
-pub const PICTURES: [&str; 9] =
-    ["frame", "stack", "dog", "merge", "noise", "coverage", "motion", "slice", "difference"];
+/// Contents of a pane by their names in the glossary: the kinds of picture, and what is made of several.
+fn pictures() -> impl Iterator<Item = &'static str> {
+    Shown::ALL.into_iter().map(Shown::word).chain(["slice", "difference"])
+}
 
 /// Entry in the glossary's file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -34,7 +36,7 @@ pub struct Word {
     pub symbol: Option<String>,
     /// Explanation, in CommonMark.
     pub text: String,
-    /// Kinds of picture that the entry explains; of [`PICTURES`].
+    /// Kinds of picture that the entry explains.
     pub pictures: Vec<String>,
 }
 
@@ -67,12 +69,12 @@ impl Glossary {
         let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
         let mut words = Vec::new();
         for table in file.word {
-            let WordTable { name, word, symbol, text, pictures } = table;
-            if let Some(name) = pictures.iter().find(|name| !PICTURES.contains(&name.as_str())) {
+            let WordTable { name, word, symbol, text, pictures: explained } = table;
+            if let Some(name) = explained.iter().find(|name| !pictures().any(|picture| picture == **name)) {
                 return Err(format!("{}: there is no kind of picture '{name}'", word.0));
             }
             let symbol = symbol.map(|symbol| symbol.0);
-            words.push(Word { name: name.0, word: word.0, symbol, text: text.0, pictures });
+            words.push(Word { name: name.0, word: word.0, symbol, text: text.0, pictures: explained });
         }
         words.sort_by_key(|word| word.word.to_lowercase());
         Ok(Self { words })
@@ -131,7 +133,7 @@ mod tests {
         for doc in parameters() {
             assert!(glossary.of_parameter(doc.name).is_some(), "{} is not explained", doc.name);
         }
-        for picture in PICTURES {
+        for picture in pictures() {
             assert!(glossary.of_picture(picture).is_some(), "the picture {picture} is not explained");
         }
     }

@@ -33,16 +33,16 @@ impl ViewKind {
 impl KindOfPicture {
     /// The description of a kind of picture.
     pub fn of(shown: Shown) -> Self {
-        let at_cursor = |word, view| Self { word, file_name: word, content: Content::Cursor, view: Some(view) };
-        let map = |word, file_name, map| Self { word, file_name, content: Content::Map(map), view: None };
+        let word = shown.word();
+        let made = |content, view| Self { word, file_name: word, content, view };
         match shown {
-            Shown::Frame => at_cursor("frame", ViewKind::Frame),
-            Shown::Stack => at_cursor("stack", ViewKind::Stack),
-            Shown::Dog => at_cursor("dog", ViewKind::Dog),
-            Shown::Merge => Self { word: "merge", file_name: "merge", content: Content::Merge, view: None },
-            Shown::Noise => map("noise", "noise", MapKind::Noise),
-            Shown::Coverage => map("coverage", "coverage", MapKind::Coverage),
-            Shown::Motion => map("motion", "winning-slopes", MapKind::Motion),
+            Shown::Frame => made(Content::Cursor, Some(ViewKind::Frame)),
+            Shown::Stack => made(Content::Cursor, Some(ViewKind::Stack)),
+            Shown::Dog => made(Content::Cursor, Some(ViewKind::Dog)),
+            Shown::Merge => made(Content::Merge, None),
+            Shown::Noise => made(Content::Map(MapKind::Noise), None),
+            Shown::Coverage => made(Content::Map(MapKind::Coverage), None),
+            Shown::Motion => Self { file_name: "winning-slopes", ..made(Content::Map(MapKind::Motion), None) },
         }
     }
 
