@@ -142,10 +142,7 @@ mod tests {
     use super::*;
     use crate::burst::RawColour;
     use crate::cli::commands::{Cli, Command};
-    use crate::detector::{
-        DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
-        NoiseModelKind, Slope, SlopeChoice, SlopeExtrema, SlopeGrid, SlopeNeighbours,
-    };
+    use crate::detector::{Distinct, NoiseGate, Slope, SlopeGrid};
     use crate::requests::detect_line;
     use clap::Parser;
 
@@ -187,31 +184,7 @@ mod tests {
             detect_line(&["demo".to_owned()], &plain, &OpenOptions::default()),
             "burstscope detect demo --out features"
         );
-        let mut slopes = SlopeGrid::plane(-6.0..=6.0, 25, -1.5..=1.25, 3);
-        slopes.direction_deg = -30.0;
-        let everything = DetectorParams {
-            method: Method::Sift,
-            frames: Some(FrameRange { start: 2, end: 9 }),
-            octaves: 4,
-            levels: 3,
-            first_octave: -1,
-            peak_threshold: 0.0021,
-            noise_gate: NoiseGate::Factor(4.3),
-            noise_model: NoiseModelKind::White,
-            flicker: Flicker::Off,
-            edge_threshold: 10.1,
-            slope_neighbours: SlopeNeighbours::All,
-            slope_extrema: SlopeExtrema::Joint,
-            distinct: Distinct::Off,
-            distinct_scale: 2.3,
-            describe_slope: DescribeSlope::Grid,
-            interpolation: Interpolation::Nearest,
-            kernel_cut: 3.0,
-            localisation: Localisation::Quadratic,
-            max_features: 100,
-            max_orientations: 3,
-            slopes,
-        };
+        let (_, everything) = crate::cli::search_options::tests::everything();
         let line = |degrees| SearchParams {
             slopes: SlopeChoice::Auto { direction_deg: Some(degrees) },
             ..SearchParams::default()

@@ -80,7 +80,7 @@ fn rules(args: &FramesArgs, inputs: &[Input]) -> OutputRules {
 }
 
 fn charts(args: &FramesArgs) -> Result<(), Failure> {
-    if args.run.search.frames.is_some() {
+    if args.run.search.gives(&doc::FRAMES) {
         let problem = "charts have as many frames as --frame-counts says; leave it out";
         return Err(Failure::usage(format!("--{}: {problem}", doc::FRAMES.name)));
     }

@@ -101,7 +101,7 @@ struct MatchesDocument<'a> {
 }
 
 pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
-    if args.run.search.method.is_some() {
+    if args.run.search.gives(&crate::detector::params::doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
     let has_gold = args.gold.is_some() || args.snr.is_some();

@@ -10,6 +10,7 @@ use super::matching_args::MatchingArgs;
 use super::report::BurstReport;
 use crate::burst::Burst;
 use crate::dataset::{ImageKind, burst_picture};
+use crate::detector::params::Word;
 use crate::detector::{Detection, SearchParams};
 use crate::export::{ExportFormat, MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
 use crate::files::serialize_path;
@@ -151,7 +152,7 @@ fn write_summary(out: &mut String, counts: &MatchCounts, matching: &MatchParams,
         None => writeln!(out, "  inliers      not verified")?,
         Some(inliers) => {
             let why = if agreed { "" } else { "; too few agree on any" };
-            writeln!(out, "  inliers      {inliers} ({}{why})", matching.geometry.name())?;
+            writeln!(out, "  inliers      {inliers} ({}{why})", matching.geometry.word())?;
         }
     }
     writeln!(out, "  match ratio  {:.3}", counts.match_ratio())?;

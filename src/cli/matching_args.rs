@@ -2,39 +2,54 @@
 //!
 //! Names and help texts are those of [`crate::matching::params::doc`].
 
-use super::choices::{GEOMETRIES, words};
 use super::failure::Failure;
+use super::param_args::{Given, option};
 use crate::dataset::camera::read_camera;
-use crate::detector::ParamDoc;
 use crate::matching::params::doc;
 use crate::matching::{Camera, Geometry, MatchParams};
-use clap::Args;
+use clap::{ArgMatches, Args, Command, FromArgMatches};
 use std::path::Path;
 
-/// The options of matching as they are written.
-#[derive(Debug, Clone, Default, Args)]
-#[command(next_help_heading = "Matching options")]
-#[allow(missing_docs)] // each is described by its `doc` constant
+/// The options of matching as they are written: one for each record of a parameter.
+#[derive(Debug, Clone, Default)]
 pub struct MatchingArgs {
-    #[arg(long = doc::RATIO.name, value_name = "R", help = short_help(doc::RATIO), long_help = long_help(doc::RATIO))]
-    pub ratio: Option<f32>,
-    #[arg(long = doc::MUTUAL.name, value_name = "BOOL", help = short_help(doc::MUTUAL), long_help = long_help(doc::MUTUAL))]
-    pub mutual: Option<bool>,
-    #[arg(long = doc::GEOMETRY.name, value_name = "WHICH", help = geometry_help(), long_help = long_help(doc::GEOMETRY),
-        value_parser = words::<Geometry>(GEOMETRIES))]
-    pub geometry: Option<Geometry>,
-    #[arg(long = doc::MAX_ERROR_PX.name, value_name = "PX", help = short_help(doc::MAX_ERROR_PX), long_help = long_help(doc::MAX_ERROR_PX))]
-    pub max_error_px: Option<f32>,
-    #[arg(long = doc::MIN_INLIERS.name, value_name = "N", help = short_help(doc::MIN_INLIERS), long_help = long_help(doc::MIN_INLIERS))]
-    pub min_inliers: Option<usize>,
-    #[arg(long = doc::CONFIDENCE.name, value_name = "P", help = short_help(doc::CONFIDENCE), long_help = long_help(doc::CONFIDENCE))]
-    pub confidence: Option<f32>,
-    #[arg(long = doc::MAX_ITERATIONS.name, value_name = "N", help = short_help(doc::MAX_ITERATIONS), long_help = long_help(doc::MAX_ITERATIONS))]
-    pub max_iterations: Option<usize>,
-    #[arg(long = doc::SEED.name, value_name = "N", help = short_help(doc::SEED), long_help = long_help(doc::SEED))]
-    pub seed: Option<u64>,
-    #[arg(long = doc::CAMERA.name, value_name = "CAMERA", help = camera_help(), long_help = long_camera_help(), value_parser = parse_camera)]
-    pub camera: Option<Camera>,
+    given: Given<MatchParams>,
+    /// The camera, which may also come from a file.
+    camera: Option<Camera>,
+}
+
+impl Args for MatchingArgs {
+    fn augment_args(command: Command) -> Command {
+        let options = doc::ALL.map(|record| {
+            let arg = option(record);
+            if record == doc::GEOMETRY {
+                arg.help(format!("{}, or essential with a camera]", record.short_help().trim_end_matches(']')))
+            } else if record == doc::CAMERA {
+                arg.help(format!("{}; or a TOML file", record.meaning.trim_end_matches('.')))
+                    .long_help(format!("{} Or a TOML file with model, width, height and params.", record.help()))
+                    .value_parser(parse_camera)
+            } else {
+                arg
+            }
+        });
+        command.args(options.map(|option| option.help_heading("Matching options")))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for MatchingArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let others: Vec<_> = doc::ALL.into_iter().filter(|record| *record != doc::CAMERA).collect();
+        Ok(Self { given: Given::among(&others, matches), camera: matches.get_one::<Camera>(doc::CAMERA.name).cloned() })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
 }
 
 impl MatchingArgs {
@@ -43,55 +58,16 @@ impl MatchingArgs {
     /// # Errors
     /// When a parameter makes no sense.
     pub fn params(&self) -> Result<MatchParams, Failure> {
-        let default = MatchParams::default();
-        let geometry = if self.camera.is_some() { Geometry::Essential } else { default.geometry };
-        let params = MatchParams {
-            ratio: self.ratio.unwrap_or(default.ratio),
-            mutual: self.mutual.unwrap_or(default.mutual),
-            geometry: self.geometry.unwrap_or(geometry),
-            max_error_px: self.max_error_px.unwrap_or(default.max_error_px),
-            min_inliers: self.min_inliers.unwrap_or(default.min_inliers),
-            confidence: self.confidence.unwrap_or(default.confidence),
-            max_iterations: self.max_iterations.unwrap_or(default.max_iterations),
-            seed: self.seed.unwrap_or(default.seed),
-            camera: self.camera.clone(),
-        };
+        let mut params = MatchParams { camera: self.camera.clone(), ..MatchParams::default() };
+        if params.camera.is_some() {
+            params.geometry = Geometry::Essential;
+        }
+        for (record, text) in self.given.iter() {
+            let unreadable = |problem| Failure::usage(format!("--{}: {problem}", record.name));
+            record.read(&mut params, text).map_err(unreadable)?;
+        }
         params.validate()?;
         Ok(params)
-    }
-}
-
-/// Text of `-h` for a parameter: its meaning and default.
-fn short_help(doc: ParamDoc) -> String {
-    format!("{} [default: {}]", doc.meaning.trim_end_matches('.'), default_of(doc))
-}
-
-/// Text of `--help` for a parameter: all of its description, and its default.
-fn long_help(doc: ParamDoc) -> String {
-    format!("{} [default: {}]", doc.help(), default_of(doc))
-}
-
-fn geometry_help() -> String {
-    format!("{}, or essential with a camera]", short_help(doc::GEOMETRY).trim_end_matches(']'))
-}
-
-fn camera_help() -> String {
-    format!("{}; or a TOML file", doc::CAMERA.meaning.trim_end_matches('.'))
-}
-
-fn long_camera_help() -> String {
-    format!("{} Or a TOML file with model, width, height and params.", doc::CAMERA.help())
-}
-
-/// Default of a parameter, as written on the command line.
-fn default_of(doc: ParamDoc) -> String {
-    let params = serde_json::to_value(MatchParams::default()).ok();
-    match params.as_ref().and_then(|v| v.get(doc.name.replace('-', "_"))) {
-        None => "none".to_owned(),
-        Some(serde_json::Value::String(word)) => word.clone(),
-        // By way of f32, so that 0.8 is not shown with the digits of a double.
-        Some(serde_json::Value::Number(n)) if n.is_f64() => (n.as_f64().unwrap_or_default() as f32).to_string(),
-        Some(value) => value.to_string(),
     }
 }
 
@@ -128,7 +104,7 @@ mod tests {
             let help = arg.get_help().expect("it has help").to_string();
             assert!(help.starts_with(doc.meaning.trim_end_matches('.')), "{help}");
             if doc.name != doc::CAMERA.name {
-                let typed = params(&[&format!("--{}", doc.name), &default_of(doc)]);
+                let typed = params(&[&format!("--{}", doc.name), &doc.default_text()]);
                 assert_eq!(typed, Ok(MatchParams::default()), "{}", doc.name);
             }
         }

@@ -27,6 +27,7 @@ pub mod match_bursts;
 pub mod matching_args;
 #[cfg(feature = "app")]
 mod opening;
+mod param_args;
 pub mod probe;
 #[cfg(feature = "app")]
 pub mod render;

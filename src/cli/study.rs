@@ -52,8 +52,8 @@ pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Resul
 
 fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<Searched, Failure> {
     let SearchParams { detector, slopes } = search.params()?;
-    let asked = [(search.slopes.is_some(), doc::SLOPES), (search.slope_direction.is_some(), doc::SLOPE_DIRECTION)];
-    if let Some((_, doc)) = asked.iter().find(|(given, _)| *given && slopes.is_auto() && !may_find) {
+    let asked = [doc::SLOPES, doc::SLOPE_DIRECTION];
+    if let Some(doc) = asked.iter().find(|record| search.gives(record) && slopes.is_auto() && !may_find) {
         return Err(Failure::usage(format!("--{}: {remedy}", doc.name)));
     }
     let (slopes, direction_deg) = match slopes {
@@ -80,7 +80,7 @@ pub(super) fn chart_study(
     search: &SearchArgs,
     snrs: Vec<f64>,
 ) -> Result<ChartStudy, Failure> {
-    if search.method.is_some() {
+    if search.gives(&crate::detector::params::doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
     let Searched { detector, slopes, direction_deg } = searched_by(search, &compared.methods)?;

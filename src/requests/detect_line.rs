@@ -31,6 +31,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
     let path = |path: &Option<PathBuf>| path.as_ref().map(|path| Some(path.display().to_string()));
     let number = |level: &Option<f32>| level.map(|level| Some(level.to_string()));
     let colour = serde_json::to_value(raw_colour).ok().filter(|_| *raw_colour != RawColour::default());
+    let colour = colour.and_then(|colour| Some(colour.as_str()?.to_owned()));
     let all = [
         ("bias", path(bias)),
         ("flat", path(flat)),
@@ -38,7 +39,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         ("black-level", number(black_level)),
         ("linearise", linearise.then_some(None)),
         ("accept-damaged", accept_damaged.then_some(None)),
-        ("raw-colour", colour.map(|colour| Some(word(&colour)))),
+        ("raw-colour", colour.map(Some)),
     ];
     all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()
 }
@@ -61,26 +62,14 @@ fn options(params: &SearchParams) -> Vec<(&'static str, Option<String>)> {
             }
         }
     }
-    options.extend(params.detector.frames.map(|range| (doc::FRAMES.name, range.to_string())));
-    let said = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION, doc::FRAMES].map(|doc| doc.name);
-    let [own, default] = [&params.detector, &DetectorParams::default()].map(|p| serde_json::to_value(p).ok());
-    for name in doc::ALL.iter().map(|doc| doc.name).filter(|name| !said.contains(name)) {
-        let [own, default] = [&own, &default].map(|p| p.as_ref()?.get(name.replace('-', "_")));
-        if let Some(own) = own.filter(|own| Some(*own) != default) {
-            options.push((name, word(own)));
+    let said = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
+    for record in doc::ALL.iter().filter(|record| !said.contains(record)) {
+        let own = record.text(&params.detector);
+        if own != record.text(&DetectorParams::default()) {
+            options.push((record.name, own));
         }
     }
     options.into_iter().map(|(name, value)| (name, Some(value))).collect()
-}
-
-/// Writes a value as typed on the command line.
-fn word(value: &serde_json::Value) -> String {
-    match value {
-        serde_json::Value::String(word) => word.clone(),
-        // By way of f32, so that 0.001 has not the digits of a double.
-        serde_json::Value::Number(n) if n.is_f64() => (n.as_f64().unwrap_or_default() as f32).to_string(),
-        value => value.to_string(),
-    }
 }
 
 /// Quotes `text` where a shell needs it, so that it is one word.

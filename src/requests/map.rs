@@ -2,6 +2,7 @@
 
 use super::error::JobError;
 use super::open::OpenBurst;
+use super::picture::RangeClass;
 use super::trail::TrailStore;
 use crate::baseline::prepare;
 use crate::detector::view::{coverage_view, gate_noise_map};
@@ -26,48 +27,53 @@ pub enum MapKind {
     Motion,
 }
 
+/// Description of a kind of map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AboutMap {
+    /// Name of the map.
+    pub label: &'static str,
+    /// Explanation of the map.
+    pub help: &'static str,
+    /// Whether it depends on octave and level, and has the octave's pixels.
+    pub of_scale: bool,
+    /// Whether it depends on the slope.
+    pub of_slope: bool,
+    /// Class of its value range.
+    pub range: RangeClass,
+}
+
 impl MapKind {
     /// All kinds, in the order of menus.
     pub const ALL: [Self; 3] = [Self::Noise, Self::Coverage, Self::Motion];
 
-    /// Name of the map.
-    pub fn label(self) -> &'static str {
+    /// Description of the map.
+    pub fn about(self) -> AboutMap {
         match self {
-            Self::Noise => "Local noise",
-            Self::Coverage => "Coverage",
-            Self::Motion => "Winning slope",
+            Self::Noise => AboutMap {
+                label: "Local noise",
+                help: "σ of the noise in the DoG at the slope, octave and level, by place, as the noise gate takes it: \
+                       a candidate must be several times as large",
+                of_scale: true,
+                of_slope: true,
+                range: RangeClass::Noise,
+            },
+            Self::Coverage => AboutMap {
+                label: "Coverage",
+                help: "The share of the frames that see each place at the slope: \
+                       where it is small, fewer frames are averaged and the noise is stronger",
+                of_scale: false,
+                of_slope: true,
+                range: RangeClass::Share,
+            },
+            Self::Motion => AboutMap {
+                label: "Winning slope",
+                help: "The slope that answers most strongly at each place, at the octave and level: its direction is \
+                       the colour, and it is the brighter the further all other slopes stay behind",
+                of_scale: true,
+                of_slope: false,
+                range: RangeClass::Motion,
+            },
         }
-    }
-
-    /// Explanation of the map.
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Noise => {
-                "σ of the noise in the DoG at the slope, octave and level, by place, as the noise gate takes it: \
-                 a candidate must be several times as large"
-            }
-            Self::Coverage => {
-                "The share of the frames that see each place at the slope: \
-                 where it is small, fewer frames are averaged and the noise is stronger"
-            }
-            Self::Motion => {
-                "The slope that answers most strongly at each place, at the octave and level: its direction is the \
-                 colour, and it is the brighter the further all other slopes stay behind"
-            }
-        }
-    }
-
-    /// Whether it depends on octave and level, and has the octave's pixels.
-    pub fn is_of_octave(self) -> bool {
-        match self {
-            Self::Noise | Self::Motion => true,
-            Self::Coverage => false,
-        }
-    }
-
-    /// Whether it depends on the slope.
-    pub fn is_of_slope(self) -> bool {
-        self != Self::Motion
     }
 
     /// Computes the map; for [`Self::Motion`] also the data of its colours.

@@ -3,12 +3,14 @@
 
 use super::map::{MapKind, MotionMap};
 use super::open::{BurstId, OpenBurst};
-use crate::detector::{DetectorParams, Interpolation, Method, Slope};
+use crate::detector::params::Stage;
+use crate::detector::{DetectorParams, FrameRange, Method, Slope};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::difference;
 use image::RgbaImage;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::mem::{Discriminant, discriminant};
 use std::sync::Arc;
 
 /// Kind of a picture, with its parameters.
@@ -45,19 +47,90 @@ pub enum PictureKind {
     },
 }
 
-impl PictureKind {
+/// Description of a kind of picture with its parameters: all that is decided by the kind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AboutPicture {
+    /// Stage of the processing that makes it: it depends on the parameters of this stage and of those before it. `None`
+    /// where it depends on no parameter.
+    pub stage: Option<Stage>,
+    /// Slope that it shows, pixels per frame.
+    pub slope: Option<Slope>,
+    /// Octave and level that it shows; it has the octave's pixels then.
+    pub scale: Option<(i32, i32)>,
+    /// Class of its value range.
+    pub range: RangeClass,
     /// Whether it needs a search of the burst or all of its frames, which takes too long to repeat at every step of a
     /// slider.
-    pub fn is_slow(self) -> bool {
-        matches!(self, Self::Map { .. } | Self::Merge)
+    pub is_slow: bool,
+}
+
+impl PictureKind {
+    /// Description of the kind.
+    pub fn about(self) -> AboutPicture {
+        let frame =
+            AboutPicture { stage: None, slope: None, scale: None, range: RangeClass::Intensity, is_slow: false };
+        match self {
+            Self::Frame(_) => frame,
+            Self::Stack { slope } => AboutPicture { stage: Some(Stage::Stack), slope: Some(slope), ..frame },
+            Self::Dog { octave, level, slope } => AboutPicture {
+                stage: Some(Stage::Response),
+                slope: Some(slope),
+                scale: Some((octave, level)),
+                range: RangeClass::Response,
+                is_slow: false,
+            },
+            Self::Merge => AboutPicture { stage: Some(Stage::Frames), is_slow: true, ..frame },
+            Self::Map { map, octave, level, slope } => {
+                let about = map.about();
+                AboutPicture {
+                    stage: Some(Stage::Search),
+                    slope: about.of_slope.then_some(slope),
+                    scale: about.of_scale.then_some((octave, level)),
+                    range: about.range,
+                    is_slow: true,
+                }
+            }
+        }
     }
 
-    /// Input pixels for one pixel of this picture: 2^octave for a DoG response, else 1.
+    /// Input pixels for one pixel of this picture: 2^octave for a picture of an octave, else 1.
     pub fn input_px_per_pixel(self) -> f32 {
+        self.about().scale.map_or(1.0, |(octave, _)| (octave as f32).exp2())
+    }
+}
+
+/// Classes of picture, each with a shared value range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RangeClass {
+    /// Frames, motion-stack images and merged frames.
+    Intensity,
+    /// DoG responses.
+    Response,
+    /// Differences of two pictures.
+    Difference,
+    /// Maps of the noise.
+    Noise,
+    /// Maps of shares, 0 … 1.
+    Share,
+    /// Maps of winning slopes, which have colours of their own.
+    Motion,
+}
+
+impl RangeClass {
+    /// The class of a picture.
+    pub fn of(request: &PictureRequest) -> Self {
+        if request.minus().is_some() { Self::Difference } else { request.kind.about().range }
+    }
+
+    /// Name of the class within a sentence.
+    pub fn label(self) -> &'static str {
         match self {
-            Self::Dog { octave, .. } => (octave as f32).exp2(),
-            Self::Map { map, octave, .. } if map.is_of_octave() => (octave as f32).exp2(),
-            Self::Frame(_) | Self::Stack { .. } | Self::Merge | Self::Map { .. } => 1.0,
+            Self::Intensity => "frames and motion stacks",
+            Self::Response => "DoG responses",
+            Self::Difference => "differences",
+            Self::Noise => "maps of the noise",
+            Self::Share => "maps of shares",
+            Self::Motion => "maps of winning slopes",
         }
     }
 }
@@ -83,35 +156,14 @@ pub(crate) struct PictureKey {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum KindKey {
-    Frame(usize),
-    Stack(StackKey),
-    Dog {
-        stack: StackKey,
-        octave: i32,
-        level: i32,
-        levels: u32,
-        first_octave: i32,
-        kernel_cut_bits: u32,
-    },
-    Merge {
-        frames: (usize, usize),
-    },
-    /// Nearly all parameters decide a map, those of the noise among them: a hash of their text stands for them.
-    Map {
-        map: MapKind,
-        at: Option<(i32, i32)>,
-        stack: StackKey,
-        params: u64,
-    },
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-struct StackKey {
-    slope_bits: (u32, u32),
-    frames: (usize, usize),
-    interpolation: Interpolation,
-    merged: bool,
+struct KindKey {
+    kind: Discriminant<PictureKind>,
+    frame: Option<usize>,
+    map: Option<MapKind>,
+    slope_bits: Option<(u32, u32)>,
+    scale: Option<(i32, i32)>,
+    /// Hash of the parameters that decide the picture.
+    params: u64,
 }
 
 impl PictureRequest {
@@ -144,44 +196,33 @@ impl PictureRequest {
     }
 
     fn kind_key(&self) -> KindKey {
-        let used = self.params.used_frames(self.burst.burst.len());
-        let stack = |slope: Slope| {
+        let about = self.kind.about();
+        KindKey {
+            kind: discriminant(&self.kind),
+            frame: if let PictureKind::Frame(index) = self.kind { Some(index) } else { None },
+            map: if let PictureKind::Map { map, .. } = self.kind { Some(map) } else { None },
             // Adding 0 makes −0 and 0 one slope.
-            let slope_bits = ((slope.u + 0.0).to_bits(), (slope.v + 0.0).to_bits());
-            StackKey {
-                slope_bits,
-                frames: (used.start, used.end),
-                interpolation: self.params.interpolation,
-                merged: self.params.method == Method::Merge,
-            }
-        };
-        match self.kind {
-            PictureKind::Frame(index) => KindKey::Frame(index),
-            PictureKind::Stack { slope } => KindKey::Stack(stack(slope)),
-            PictureKind::Dog { octave, level, slope } => KindKey::Dog {
-                stack: stack(slope),
-                octave,
-                level,
-                levels: self.params.levels,
-                first_octave: self.params.first_octave,
-                kernel_cut_bits: self.params.kernel_cut.to_bits(),
-            },
-            PictureKind::Merge => KindKey::Merge { frames: (used.start, used.end) },
-            PictureKind::Map { map, octave, level, slope } => KindKey::Map {
-                map,
-                at: map.is_of_octave().then_some((octave, level)),
-                stack: stack(if map.is_of_slope() { slope } else { Slope::default() }),
-                params: hash_of(&self.params),
-            },
+            slope_bits: about.slope.map(|slope| ((slope.u + 0.0).to_bits(), (slope.v + 0.0).to_bits())),
+            scale: about.scale,
+            params: about.stage.map_or(0, |stage| self.hash_of_params(stage)),
         }
     }
-}
 
-/// Hash of the parameters, different for different parameters for all practical purposes.
-fn hash_of(params: &DetectorParams) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    format!("{params:?}").hash(&mut hasher);
-    hasher.finish()
+    /// Hash of the parameters that decide the result of `stage`, different for different parameters for all practical
+    /// purposes. Before the search, methods differ only in their frames and in whether these are merged.
+    fn hash_of_params(&self, stage: Stage) -> u64 {
+        let mut params = self.params.clone();
+        if stage < Stage::Search {
+            let used = params.used_frames(self.burst.burst.len());
+            params.frames = Some(FrameRange { start: used.start, end: used.end });
+            if params.method != Method::Merge || stage == Stage::Frames {
+                params.method = Method::Buff;
+            }
+        }
+        let mut hasher = DefaultHasher::new();
+        params.deciding(stage).hash(&mut hasher);
+        hasher.finish()
+    }
 }
 
 /// Picture with its request. Cheap to clone.

@@ -49,7 +49,7 @@ impl Request for PictureRequest {
     type Told = Infallible;
 
     fn urgency(&self) -> Urgency {
-        let own = if self.kind.is_slow() { Urgency::SlowPicture } else { Urgency::Picture };
+        let own = if self.kind.about().is_slow { Urgency::SlowPicture } else { Urgency::Picture };
         self.minus().map_or(own, |minus| own.max(minus.urgency()))
     }
 

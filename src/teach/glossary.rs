@@ -1,15 +1,17 @@
 //! Glossary: the terms that the window uses, each with an explanation in a sentence or two and the paper's symbol.
 
-use super::part::{field_of, parameters};
+use super::part::parameters;
+use super::state::Shown;
 use super::values::Text;
 use serde::Deserialize;
 use std::sync::OnceLock;
 
 const TEXT: &str = include_str!("../../assets/glossary.toml");
 
-/// Kinds of picture, by their names in the glossary.
-pub const PICTURES: [&str; 9] =
-    ["frame", "stack", "dog", "merge", "noise", "coverage", "motion", "slice", "difference"];
+/// Contents of a pane by their names in the glossary: the kinds of picture, and what is made of several.
+fn pictures() -> impl Iterator<Item = &'static str> {
+    Shown::ALL.into_iter().map(Shown::word).chain(["slice", "difference"])
+}
 
 /// Entry in the glossary's file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -19,8 +21,6 @@ struct WordTable {
     word: Text,
     symbol: Option<Text>,
     text: Text,
-    #[serde(default)]
-    parameters: Vec<String>,
     #[serde(default)]
     pictures: Vec<String>,
 }
@@ -36,9 +36,7 @@ pub struct Word {
     pub symbol: Option<String>,
     /// Explanation, in CommonMark.
     pub text: String,
-    /// Parameters that the entry explains, by their names in files.
-    pub parameters: Vec<String>,
-    /// Kinds of picture that the entry explains; of [`PICTURES`].
+    /// Kinds of picture that the entry explains.
     pub pictures: Vec<String>,
 }
 
@@ -71,15 +69,12 @@ impl Glossary {
         let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
         let mut words = Vec::new();
         for table in file.word {
-            let WordTable { name, word, symbol, text, parameters: explained, pictures } = table;
-            if let Some(name) = explained.iter().find(|name| !parameters().any(|doc| field_of(doc.name) == **name)) {
-                return Err(format!("{}: there is no parameter '{name}'", word.0));
-            }
-            if let Some(name) = pictures.iter().find(|name| !PICTURES.contains(&name.as_str())) {
+            let WordTable { name, word, symbol, text, pictures: explained } = table;
+            if let Some(name) = explained.iter().find(|name| !pictures().any(|picture| picture == **name)) {
                 return Err(format!("{}: there is no kind of picture '{name}'", word.0));
             }
             let symbol = symbol.map(|symbol| symbol.0);
-            words.push(Word { name: name.0, word: word.0, symbol, text: text.0, parameters: explained, pictures });
+            words.push(Word { name: name.0, word: word.0, symbol, text: text.0, pictures: explained });
         }
         words.sort_by_key(|word| word.word.to_lowercase());
         Ok(Self { words })
@@ -97,8 +92,7 @@ impl Glossary {
 
     /// Finds the entry that explains a parameter, by the parameter's name on the command line.
     pub fn of_parameter(&self, name: &str) -> Option<&Word> {
-        let field = field_of(name);
-        self.words.iter().find(|word| word.parameters.contains(&field))
+        self.find(parameters().find(|doc| doc.name == name)?.term)
     }
 
     /// Finds the entry that explains a kind of picture.
@@ -139,14 +133,9 @@ mod tests {
         for doc in parameters() {
             assert!(glossary.of_parameter(doc.name).is_some(), "{} is not explained", doc.name);
         }
-        for picture in PICTURES {
+        for picture in pictures() {
             assert!(glossary.of_picture(picture).is_some(), "the picture {picture} is not explained");
         }
-        let explained: Vec<&String> = glossary.words().iter().flat_map(|word| &word.parameters).collect();
-        let mut once = explained.clone();
-        once.sort();
-        once.dedup();
-        assert_eq!(once.len(), explained.len(), "a parameter has two words");
     }
 
     #[test]

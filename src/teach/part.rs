@@ -97,7 +97,7 @@ impl Part {
 
 /// All parameters that have a row in the window: the detector's, then those of matching.
 pub(super) fn parameters() -> impl Iterator<Item = ParamDoc> {
-    doc::ALL.into_iter().chain(matching_doc::ALL)
+    doc::ALL.into_iter().map(|record| record.doc).chain(matching_doc::ALL.map(|record| record.doc))
 }
 
 /// Name of a parameter in a file.

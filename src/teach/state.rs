@@ -46,6 +46,19 @@ impl Shown {
     /// All of them, in the order of menus.
     pub const ALL: [Self; 7] =
         [Self::Frame, Self::Stack, Self::Dog, Self::Merge, Self::Noise, Self::Coverage, Self::Motion];
+
+    /// Name in the glossary's file.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Frame => "frame",
+            Self::Stack => "stack",
+            Self::Dog => "dog",
+            Self::Merge => "merge",
+            Self::Noise => "noise",
+            Self::Coverage => "coverage",
+            Self::Motion => "motion",
+        }
+    }
 }
 
 /// Layout of the pictures.

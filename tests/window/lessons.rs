@@ -140,8 +140,9 @@ fn set(window: &mut Window, field: egui::accesskit::NodeId, value: f64) {
 
 fn set_parameter(window: &mut Window, name: &str, wanted: &Wanted) {
     let doc = burstscope::detector::params::doc::ALL
+        .map(|record| record.doc)
         .into_iter()
-        .chain(burstscope::matching::params::doc::ALL)
+        .chain(burstscope::matching::params::doc::ALL.map(|record| record.doc))
         .find(|doc| doc.name.replace('-', "_") == name)
         .expect("a parameter");
     match wanted {

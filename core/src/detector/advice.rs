@@ -6,7 +6,7 @@
 //! candidates is compared with its usual one; the test that exceeds it most is to blame.
 
 use super::feature::{Detection, Tally, Test};
-use super::params::{DetectorParams, Method, ParamDoc, doc};
+use super::params::{DetectorParams, Method, Param, Word, doc};
 use crate::detector::params::slope_grid::{SlopeAxis, SlopeGrid};
 
 /// Reason for a poor detection, and a setting to change.
@@ -15,7 +15,7 @@ pub struct Advice {
     /// The reason: a clause without a capital at its start or a full stop at its end.
     pub problem: String,
     /// Parameter to change.
-    pub parameter: ParamDoc,
+    pub parameter: Param<DetectorParams>,
     /// Its new value, as the command line takes it.
     pub value: String,
 }
@@ -134,7 +134,8 @@ fn usual_share(test: Test) -> Option<f64> {
 
 /// Advice where there are few or no features.
 fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate: f32) -> Option<Advice> {
-    let advice = |problem: String, parameter: ParamDoc, value: String| Some(Advice { problem, parameter, value });
+    let advice =
+        |problem: String, parameter: Param<DetectorParams>, value: String| Some(Advice { problem, parameter, value });
     if tally.samples == 0 {
         let problem = format!("{what}, because the image is too small for the octaves that are searched");
         return advice(problem, doc::FIRST_OCTAVE, (params.first_octave - 1).max(-1).to_string());
@@ -157,7 +158,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
         }
         let problem = format!("{} of {gate:.2} σ", took(Test::NoiseGate, above_peak));
         return match params.method {
-            Method::Sift => advice(problem, doc::METHOD, Method::Buff.name().to_owned()),
+            Method::Sift => advice(problem, doc::METHOD, Method::Buff.word().to_owned()),
             Method::Buff | Method::Merge if gate > LOWEST_GATE => {
                 advice(problem, doc::NOISE_GATE, LOWEST_GATE.to_string())
             }
@@ -165,7 +166,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
                 let (parameter, axis) = wider_axis(&params.slopes);
                 advice(problem, parameter, widened(axis, true, true).to_string())
             }
-            Method::Merge => advice(problem, doc::METHOD, Method::Buff.name().to_owned()),
+            Method::Merge => advice(problem, doc::METHOD, Method::Buff.word().to_owned()),
         };
     }
     let (test, reached) = to_blame(tally)?;
@@ -192,7 +193,7 @@ fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
 }
 
 /// Setting to change where `test` rejected too much; `None` where none would help.
-fn remedy(test: Test, params: &DetectorParams) -> Option<(ParamDoc, String)> {
+fn remedy(test: Test, params: &DetectorParams) -> Option<(Param<DetectorParams>, String)> {
     match test {
         Test::PeakThreshold | Test::InterpolatedContrast => {
             (params.peak_threshold > 0.0).then(|| (doc::PEAK_THRESHOLD, "0".to_owned()))
@@ -215,7 +216,7 @@ fn remedy(test: Test, params: &DetectorParams) -> Option<(ParamDoc, String)> {
 }
 
 /// The axis with more slopes, and its parameter.
-fn wider_axis(grid: &SlopeGrid) -> (ParamDoc, SlopeAxis) {
+fn wider_axis(grid: &SlopeGrid) -> (Param<DetectorParams>, SlopeAxis) {
     if grid.v.count > grid.u.count { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) }
 }
 

@@ -7,7 +7,7 @@
 
 use crate::detector::feature::Keypoint;
 use crate::detector::params::doc;
-use crate::detector::{ParamChange, ParamDoc, Sample, Slope, Test};
+use crate::detector::{DetectorParams, Param, ParamChange, Sample, Slope, Test};
 use serde::Serialize;
 
 /// Outcome of a test of a candidate.
@@ -159,7 +159,7 @@ impl Fate {
 }
 
 /// The parameter that a test compares with; `None` for tests without one.
-pub fn parameter_of(test: Test) -> Option<ParamDoc> {
+pub fn parameter_of(test: Test) -> Option<Param<DetectorParams>> {
     match test {
         Test::PeakThreshold | Test::InterpolatedContrast => Some(doc::PEAK_THRESHOLD),
         Test::NoiseGate => Some(doc::NOISE_GATE),

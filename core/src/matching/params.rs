@@ -4,7 +4,8 @@
 //! from [`doc`].
 
 use super::camera::Camera;
-use crate::detector::{ParamDoc, ParamError};
+use crate::detector::ParamError;
+use crate::detector::params::{TextValue, words};
 use serde::{Deserialize, Serialize};
 
 /// Geometry of the two views against which the matches are verified.
@@ -25,17 +26,15 @@ pub enum Geometry {
 impl Geometry {
     /// All geometries, in the order in which they are offered.
     pub const ALL: [Self; 4] = [Self::None, Self::Fundamental, Self::Essential, Self::Homography];
-
-    /// Name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Fundamental => "fundamental",
-            Self::Essential => "essential",
-            Self::Homography => "homography",
-        }
-    }
 }
+
+words!(
+    Geometry,
+    (None, "none", "None"),
+    (Fundamental, "fundamental", "Fundamental"),
+    (Essential, "essential", "Essential"),
+    (Homography, "homography", "Homography")
+);
 
 /// Parameters of matching and verification. The same features and parameters give the same bits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -78,8 +77,19 @@ impl Default for MatchParams {
     }
 }
 
+impl TextValue for Option<Camera> {
+    fn text(&self) -> String {
+        self.as_ref().map_or_else(|| "none".to_owned(), Camera::to_string)
+    }
+
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        *self = Some(text.parse()?);
+        Ok(())
+    }
+}
+
 /// Maximum number of samples that may be requested.
-const MAX_ITERATIONS: usize = 10_000_000;
+const MOST_ITERATIONS: f64 = 10_000_000.0;
 
 impl MatchParams {
     /// Checks the parameters.
@@ -87,124 +97,155 @@ impl MatchParams {
     /// # Errors
     /// The first parameter that makes no sense.
     pub fn validate(&self) -> Result<(), ParamError> {
-        let fail = |parameter: ParamDoc, problem: String, remedy: &str| {
-            Err(ParamError { parameter: parameter.name, problem, remedy: remedy.to_owned() })
-        };
-        if !(self.ratio > 0.0 && self.ratio <= 1.0) {
-            let remedy = "give more than 0 and at most 1 (0.8 is usual, 1 switches the test off)";
-            return fail(doc::RATIO, self.ratio.to_string(), remedy);
-        }
-        if !(self.max_error_px > 0.0 && self.max_error_px.is_finite()) {
-            return fail(doc::MAX_ERROR_PX, self.max_error_px.to_string(), "give more than 0 pixels (4 is usual)");
-        }
-        if !(self.confidence > 0.0 && self.confidence < 1.0) {
-            return fail(
-                doc::CONFIDENCE,
-                self.confidence.to_string(),
-                "give a probability between 0 and 1, such as 0.999",
-            );
-        }
-        if !(1..=MAX_ITERATIONS).contains(&self.max_iterations) {
-            return fail(doc::MAX_ITERATIONS, self.max_iterations.to_string(), "give 1 to 10000000 samples");
-        }
+        doc::ALL.iter().try_for_each(|record| record.check(self))?;
         match &self.camera {
             Some(camera) => camera.validate(doc::CAMERA.name),
-            None if self.geometry == Geometry::Essential => fail(
-                doc::CAMERA,
-                "the essential matrix needs the camera's intrinsics".into(),
-                "give them, such as PINHOLE,640,480,500,500,320,240, or ask for the fundamental matrix",
-            ),
+            None if self.geometry == Geometry::Essential => Err(ParamError {
+                parameter: doc::CAMERA.name,
+                problem: "the essential matrix needs the camera's intrinsics".into(),
+                remedy: "give them, such as PINHOLE,640,480,500,500,320,240, or ask for the fundamental matrix".into(),
+            }),
             None => Ok(()),
         }
     }
 }
 
-/// Descriptions of the parameters of matching, as the window, the command line and files show them.
+/// Records of the parameters of matching.
 pub mod doc {
-    use crate::detector::ParamDoc;
-    use crate::detector::params::doc::param_doc;
+    use super::{Geometry, MOST_ITERATIONS, MatchParams};
+    use crate::detector::params::{Field, Param, ParamDoc, Stage, param};
+    use std::ops::Bound::{Excluded, Included, Unbounded};
 
-    param_doc!(
+    fn verified(p: &MatchParams) -> bool {
+        !matches!(p.geometry, Geometry::None)
+    }
+
+    param!(
         RATIO,
+        MatchParams,
         "ratio",
         "Ratio test",
         "",
+        "ratio-test",
         "The largest ratio of the distances to the nearest and the second nearest descriptor; 1 switches the test off.",
-        "Raise it to keep more matches, of which more are wrong."
+        "Raise it to keep more matches, of which more are wrong.",
+        Param::<MatchParams>::new("R", Stage::Matching, |p| Field::F32(&mut p.ratio))
+            .within(
+                (Excluded(0.0), Included(1.0)),
+                "give more than 0 and at most 1 (0.8 is usual, 1 switches the test off)"
+            )
+            .dragged(0.002, 3)
     );
-    param_doc!(
+    param!(
         MUTUAL,
+        MatchParams,
         "mutual",
         "Mutual check",
         "",
+        "match",
         "Whether two features must be nearest to each other, and pass the ratio test both ways: true or false.",
-        "Switch it off to let several features of A match one of B."
+        "Switch it off to let several features of A match one of B.",
+        Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.mutual))
     );
-    param_doc!(
+    param!(
         GEOMETRY,
+        MatchParams,
         "geometry",
         "Geometry",
         "",
+        "geometry",
         "What the matches are verified against: none, fundamental (any scene), essential (any scene, known camera) or homography (a plane, or a camera that only turns).",
-        "The more a geometry demands, the fewer wrong matches fit it by chance; a homography rejects what is not on one plane."
+        "The more a geometry demands, the fewer wrong matches fit it by chance; a homography rejects what is not on one plane.",
+        Param::<MatchParams>::new("WHICH", Stage::Matching, |p| Field::Word(&mut p.geometry))
     );
-    param_doc!(
+    param!(
         MAX_ERROR_PX,
+        MatchParams,
         "max-error-px",
         "Max error",
         "px",
+        "inlier",
         "The largest error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric transfer error.",
-        "Raise it to keep less exact matches, and more wrong ones that fit by chance."
+        "Raise it to keep less exact matches, and more wrong ones that fit by chance.",
+        Param::<MatchParams>::new("PX", Stage::Matching, |p| Field::F32(&mut p.max_error_px))
+            .within((Excluded(0.0), Unbounded), "give more than 0 pixels (4 is usual)")
+            .dragged(0.02, 2)
+            .used_if(verified)
     );
-    param_doc!(
+    param!(
         MIN_INLIERS,
+        MatchParams,
         "min-inliers",
         "Min inliers",
         "matches",
+        "inlier",
         "The least number of inliers of a geometry; with fewer there is none, and no match is an inlier.",
-        "Raise it to trust only pairs with much in common: seven wrong matches always agree on some fundamental matrix, and others fit by chance."
+        "Raise it to trust only pairs with much in common: seven wrong matches always agree on some fundamental matrix, and others fit by chance.",
+        Param::<MatchParams>::new("N", Stage::Matching, |p| Field::Usize(&mut p.min_inliers))
+            .dragged(0.1, 0)
+            .used_if(verified)
     );
-    param_doc!(
+    param!(
         CONFIDENCE,
+        MatchParams,
         "confidence",
         "Confidence",
         "",
+        "consensus",
         "The probability that no better geometry was missed, at which the search for it stops.",
-        "Raise it towards 1 to search longer."
+        "Raise it towards 1 to search longer.",
+        Param::<MatchParams>::new("P", Stage::Matching, |p| Field::F32(&mut p.confidence))
+            .within((Excluded(0.0), Excluded(1.0)), "give a probability between 0 and 1, such as 0.999")
+            .dragged(0.0005, 6)
+            .used_if(verified)
     );
-    param_doc!(
+    param!(
         MAX_ITERATIONS,
+        MatchParams,
         "max-iterations",
         "Max iterations",
         "samples",
+        "consensus",
         "The most samples of matches that are tried.",
-        "Raise it where most matches are wrong, for more time."
+        "Raise it where most matches are wrong, for more time.",
+        Param::<MatchParams>::new("N", Stage::Matching, |p| Field::Usize(&mut p.max_iterations))
+            .within((Included(1.0), Included(MOST_ITERATIONS)), "give 1 to 10000000 samples")
+            .dragged(50.0, 0)
+            .used_if(verified)
     );
-    param_doc!(
+    param!(
         SEED,
+        MatchParams,
         "seed",
         "Seed",
         "",
+        "consensus",
         "Seed of the samples of matches.",
-        "The same seed gives the same inliers; another one shows how much they depend on luck."
+        "The same seed gives the same inliers; another one shows how much they depend on luck.",
+        Param::<MatchParams>::new("N", Stage::Matching, |p| Field::U64(&mut p.seed)).used_if(verified)
     );
-    param_doc!(
+    param!(
         CAMERA,
+        MatchParams,
         "camera",
         "Camera",
         "",
+        "geometry",
         "Intrinsics of the camera of both images: a model of COLMAP's with width, height and parameters, such as PINHOLE,640,480,500,500,320,240. Models: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, OPENCV.",
-        "Needed for the essential matrix; the centre of the first pixel is at (0.5, 0.5) in it, as in COLMAP."
+        "Needed for the essential matrix; the centre of the first pixel is at (0.5, 0.5) in it, as in COLMAP.",
+        Param::<MatchParams>::new("CAMERA", Stage::Matching, |p| Field::Text(&mut p.camera))
+            .used_if(|p| matches!(p.geometry, Geometry::Essential))
     );
 
-    /// All descriptions, in the order in which they are shown.
-    pub const ALL: [ParamDoc; 9] =
+    /// Records of all parameters, in the order in which they are shown.
+    pub const ALL: [Param<MatchParams>; 9] =
         [RATIO, MUTUAL, GEOMETRY, MAX_ERROR_PX, MIN_INLIERS, CONFIDENCE, MAX_ITERATIONS, SEED, CAMERA];
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detector::params::Word;
 
     #[test]
     fn the_defaults_are_valid_and_survive_a_file() {
@@ -248,7 +289,7 @@ mod tests {
     #[test]
     fn geometries_are_named_as_in_files() {
         for geometry in Geometry::ALL {
-            assert_eq!(serde_json::to_value(geometry).ok(), Some(serde_json::Value::from(geometry.name())));
+            assert_eq!(serde_json::to_value(geometry).ok(), Some(serde_json::Value::from(geometry.word())));
         }
     }
 }

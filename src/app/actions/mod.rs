@@ -10,7 +10,7 @@ pub mod registry;
 mod state_of;
 
 pub use change::{change, probe_here};
-pub use registry::{ACTIONS, Action, ActionId, Menu};
+pub use registry::{ACTIONS, Action, ActionId, Menu, shown_by};
 pub use state_of::{checked, enabled};
 
 use crate::app::pane::KindOfPicture;
@@ -32,19 +32,6 @@ pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> Stri
             format!("{modifiers}{sign}")
         }
         _ => text,
-    }
-}
-
-/// Action that shows a kind of picture.
-pub fn shown_by(shown: Shown) -> ActionId {
-    match shown {
-        Shown::Frame => ActionId::ShowFrame,
-        Shown::Stack => ActionId::ShowStack,
-        Shown::Dog => ActionId::ShowDog,
-        Shown::Merge => ActionId::ShowMerge,
-        Shown::Noise => ActionId::ShowNoise,
-        Shown::Coverage => ActionId::ShowCoverage,
-        Shown::Motion => ActionId::ShowMotion,
     }
 }
 

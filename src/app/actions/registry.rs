@@ -1,5 +1,6 @@
 //! Registry of the actions: one row each.
 
+use crate::teach::Shown;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 /// The menus of the menu bar, from left to right.
@@ -299,6 +300,19 @@ actions! {
 
 /// Second shortcut of the command palette, as in other programs.
 pub const PALETTE_ALSO: KeyboardShortcut = KeyboardShortcut::new(CTRL_SHIFT, Key::P);
+
+/// Action that shows a kind of picture.
+pub fn shown_by(shown: Shown) -> ActionId {
+    match shown {
+        Shown::Frame => ActionId::ShowFrame,
+        Shown::Stack => ActionId::ShowStack,
+        Shown::Dog => ActionId::ShowDog,
+        Shown::Merge => ActionId::ShowMerge,
+        Shown::Noise => ActionId::ShowNoise,
+        Shown::Coverage => ActionId::ShowCoverage,
+        Shown::Motion => ActionId::ShowMotion,
+    }
+}
 
 #[cfg(test)]
 mod tests {

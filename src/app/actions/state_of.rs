@@ -53,7 +53,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::LayoutScales
         | A::LayoutSlice
         | A::LayoutTwoByTwo => has_burst && in_inspect,
-        A::ShowMerge | A::ShowNoise | A::ShowCoverage | A::ShowMotion => has_burst,
+        _ if id.shown().is_some() => has_burst,
         A::CompareAgain => in_methods,
         A::RunStudy => !model.lab.wanted.is_pending() && model.lab_study().is_ok(),
         A::CancelStudy => model.lab.wanted.is_pending(),
@@ -71,9 +71,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Match => in_pair && !model.pair.matching.is_pending() && model.wanted_matches().is_some(),
         A::ProbeExpected => in_pair && model.expected_place().is_some(),
         A::ResetMatching => model.pair.params != MatchParams::default(),
-        A::SaveSession | A::ShowFrame | A::ShowStack | A::ShowDog | A::Fit | A::OneToOne | A::ZoomIn | A::ZoomOut => {
-            has_burst
-        }
+        A::SaveSession | A::Fit | A::OneToOne | A::ZoomIn | A::ZoomOut => has_burst,
         A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => active.found.is_some(),
         A::ExportMatches => model.pair.matches.is_some(),
         A::ExportMatchPicture => model.pair.matches.is_some() && model.picture_of(Side::B).is_some(),

@@ -77,7 +77,7 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
         pane.content = Content::Merge;
     }
     for map in MapKind::ALL {
-        if choice_ui(ui, pane, Content::Map(map), map.label(), map.help()) {
+        if choice_ui(ui, pane, Content::Map(map), map.about().label, map.about().help) {
             pane.content = Content::Map(map);
         }
     }

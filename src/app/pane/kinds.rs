@@ -5,26 +5,18 @@ use crate::app::project::cursor::ViewKind;
 use crate::requests::MapKind;
 use crate::teach::Shown;
 
-/// Description of a kind of picture.
+/// Description of a kind of picture in the window. What its pixels depend on, and the class of its value range, are in
+/// [`PictureKind::about`](crate::requests::PictureKind::about).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KindOfPicture {
     /// Name of its glossary entry.
     pub word: &'static str,
     /// Stem of the names of exported files.
     pub file_name: &'static str,
-}
-
-/// A kind of picture as a pane shows it.
-fn content_of(shown: Shown) -> (Content, Option<ViewKind>) {
-    match shown {
-        Shown::Frame => (Content::Cursor, Some(ViewKind::Frame)),
-        Shown::Stack => (Content::Cursor, Some(ViewKind::Stack)),
-        Shown::Dog => (Content::Cursor, Some(ViewKind::Dog)),
-        Shown::Merge => (Content::Merge, None),
-        Shown::Noise => (Content::Map(MapKind::Noise), None),
-        Shown::Coverage => (Content::Map(MapKind::Coverage), None),
-        Shown::Motion => (Content::Map(MapKind::Motion), None),
-    }
+    /// Content of a pane that shows it.
+    content: Content,
+    /// The cursor's kind, where the content is the picture at the cursor.
+    view: Option<ViewKind>,
 }
 
 impl ViewKind {
@@ -41,21 +33,22 @@ impl ViewKind {
 impl KindOfPicture {
     /// The description of a kind of picture.
     pub fn of(shown: Shown) -> Self {
-        let (word, file_name) = match shown {
-            Shown::Frame => ("frame", "frame"),
-            Shown::Stack => ("stack", "stack"),
-            Shown::Dog => ("dog", "dog"),
-            Shown::Merge => ("merge", "merge"),
-            Shown::Noise => ("noise", "noise"),
-            Shown::Coverage => ("coverage", "coverage"),
-            Shown::Motion => ("motion", "winning-slopes"),
-        };
-        Self { word, file_name }
+        let word = shown.word();
+        let made = |content, view| Self { word, file_name: word, content, view };
+        match shown {
+            Shown::Frame => made(Content::Cursor, Some(ViewKind::Frame)),
+            Shown::Stack => made(Content::Cursor, Some(ViewKind::Stack)),
+            Shown::Dog => made(Content::Cursor, Some(ViewKind::Dog)),
+            Shown::Merge => made(Content::Merge, None),
+            Shown::Noise => made(Content::Map(MapKind::Noise), None),
+            Shown::Coverage => made(Content::Map(MapKind::Coverage), None),
+            Shown::Motion => Self { file_name: "winning-slopes", ..made(Content::Map(MapKind::Motion), None) },
+        }
     }
 
     /// The description of a pane's content, with the cursor's kind.
     pub fn of_content(content: Content, kind: ViewKind) -> Self {
-        let alone = |name| Self { word: name, file_name: name };
+        let alone = |name| Self { word: name, file_name: name, content, view: None };
         match (shown_as(content, kind), content) {
             (Some(shown), _) => Self::of(shown),
             (None, Content::Slice(_)) => alone("slice"),
@@ -67,8 +60,8 @@ impl KindOfPicture {
 /// The kind of picture; `None` for slices and differences, which are made of several.
 fn shown_as(content: Content, kind: ViewKind) -> Option<Shown> {
     let is_it = |shown: &Shown| {
-        let (of, of_kind) = content_of(*shown);
-        of == content && of_kind.is_none_or(|of_kind| of_kind == kind)
+        let of = KindOfPicture::of(*shown);
+        of.content == content && of.view.is_none_or(|view| view == kind)
     };
     Shown::ALL.into_iter().find(is_it)
 }
@@ -81,9 +74,9 @@ impl Pane {
 
     /// Shows a kind of picture.
     pub fn show_kind(&mut self, shown: Shown) {
-        let (content, kind) = content_of(shown);
+        let KindOfPicture { content, view, .. } = KindOfPicture::of(shown);
         self.content = content;
-        self.cursor.kind = kind.unwrap_or(self.cursor.kind);
+        self.cursor.kind = view.unwrap_or(self.cursor.kind);
     }
 }
 

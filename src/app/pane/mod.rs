@@ -212,13 +212,9 @@ impl Pane {
     /// Switches to the motion stack where the content does not depend on the slope, after the slope was moved.
     pub fn show_slope(&mut self) {
         self.slope_chosen = true;
-        let is_seen = match self.content {
-            Content::Cursor => self.cursor.kind != ViewKind::Frame,
-            Content::Map(map) => map.is_of_slope(),
-            // A slice shows the slope as a line.
-            Content::Slice(_) => true,
-            Content::Merge | Content::Difference(..) => false,
-        };
+        // A slice shows the slope as a line.
+        let is_slice = matches!(self.content, Content::Slice(_));
+        let is_seen = is_slice || self.kind_at(&self.cursor).is_some_and(|kind| kind.about().slope.is_some());
         if !is_seen {
             self.show(ViewKind::Stack);
         }
@@ -226,7 +222,7 @@ impl Pane {
 
     /// Switches to the DoG where the content does not depend on octave and level, after one of them was moved.
     pub fn show_scale(&mut self) {
-        if !matches!(self.content, Content::Map(map) if map.is_of_octave()) {
+        if self.kind_at(&self.cursor).is_none_or(|kind| kind.about().scale.is_none()) {
             self.show(ViewKind::Dog);
         }
     }
@@ -239,16 +235,19 @@ impl Pane {
     /// Picture that the pane needs of its own burst; `None` for a difference, which is made of other panes' pictures,
     /// and for a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
-        let kind = match self.content {
-            Content::Cursor => self.seen_by_method(self.cursor_within(burst, params).picture_kind(), burst, params),
-            Content::Merge => PictureKind::Merge,
-            Content::Map(map) => {
-                let Cursor { octave, level, slope, .. } = self.cursor_within(burst, params);
-                PictureKind::Map { map, octave, level, slope }
-            }
-            Content::Difference(..) | Content::Slice(_) => return None,
-        };
+        let kind = self.seen_by_method(self.kind_at(&self.cursor_within(burst, params))?, burst, params);
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
+    }
+
+    /// Kind of the pane's own picture with this cursor; `None` for a difference and for a slice.
+    fn kind_at(&self, cursor: &Cursor) -> Option<PictureKind> {
+        let Cursor { octave, level, slope, .. } = *cursor;
+        match self.content {
+            Content::Cursor => Some(cursor.picture_kind()),
+            Content::Merge => Some(PictureKind::Merge),
+            Content::Map(map) => Some(PictureKind::Map { map, octave, level, slope }),
+            Content::Difference(..) | Content::Slice(_) => None,
+        }
     }
 
     /// Where methods are compared, replaces a motion stack by the method's input: one frame or the merged frames for

@@ -69,7 +69,7 @@ fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
             "The variance of a frame's noise over its brightness I, both of full scale: a is the shot noise of one \
              unit of light, b the variance in the dark",
         );
-        let tip = format!("{} (Shift+N)", MapKind::Noise.help());
+        let tip = format!("{} (Shift+N)", MapKind::Noise.about().help);
         if ui.button("Show σ in the picture").on_hover_text(tip).clicked() {
             model.focused_mut().content = Content::Map(MapKind::Noise);
         }

@@ -1,9 +1,9 @@
-//! Parts of a parameter's row: its name, the editors for each type of value, and the button that resets it to its
-//! default.
+//! Row of a parameter, made from its record: its name, the editor for its type of value, and the button that resets it
+//! to its default.
 
 use crate::app::panel::widgets::hint;
 use crate::app::words::explained;
-use crate::detector::params::{ParamDoc, ParamError};
+use crate::detector::params::{Drag, Field, Param, ParamDoc, ParamError, Word};
 use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis, SlopeChoice};
 use crate::teach::Part;
 use crate::teach::glossary::glossary;
@@ -18,35 +18,83 @@ pub struct ParamTable<'a, P> {
     pub error: Option<&'a ParamError>,
     /// The parameters' defaults.
     pub defaults: P,
+    /// Number of frames of the burst.
+    pub frame_count: usize,
 }
 
 impl<P: Clone> ParamTable<'_, P> {
-    /// Draws one parameter: its name and unit, its editor, a reset button, and its error.
-    pub fn row<T: PartialEq + Clone>(
+    /// Draws the row of one parameter: its name and unit, its editor, a reset button, and its error. Without an effect
+    /// it is greyed out.
+    pub fn row(&self, ui: &mut Ui, record: &Param<P>, params: &mut P) {
+        let default = record.text(&self.defaults);
+        self.row_with(
+            ui,
+            record,
+            params,
+            |ui, params, label| {
+                field_ui(ui, (record.field)(params), &record.drag, label, self.frame_count);
+            },
+            |ui, params| {
+                if reset_ui(ui, record, record.text(params) != default) {
+                    record.read(params, &default).expect("a record reads what it writes");
+                }
+            },
+        );
+    }
+
+    /// Draws the row of one parameter with an editor and a reset button of its own.
+    pub fn row_with<V>(
         &self,
         ui: &mut Ui,
-        doc: &ParamDoc,
-        params: &mut P,
-        field: impl Fn(&mut P) -> &mut T,
-        editor: impl FnOnce(&mut Ui, &mut T, Id),
+        record: &Param<P>,
+        value: &mut V,
+        editor: impl FnOnce(&mut Ui, &mut V, Id),
+        reset: impl FnOnce(&mut Ui, &mut V),
     ) {
-        let mut defaults = self.defaults.clone();
-        let default = field(&mut defaults).clone();
-        let value = field(params);
-        let wrong = self.error.filter(|e| e.parameter == doc.name);
+        let wrong = self.error.filter(|e| e.parameter == record.name);
         let row = ui.horizontal(|ui| {
-            let label = label_ui(ui, doc, wrong.is_some());
+            let label = label_ui(ui, record, wrong.is_some());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                reset_ui(ui, doc, value, default);
+                reset(ui, value);
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| editor(ui, value, label.id));
             });
         });
-        crate::app::parts::mark(ui, Part::parameter(doc), row.response.rect);
+        crate::app::parts::mark(ui, Part::parameter(record), row.response.rect);
         if let Some(error) = wrong {
             let text = format!("{}: {}", error.problem, error.remedy);
             ui.add(egui::Label::new(RichText::new(text).small().color(ui.visuals().error_fg_color)).wrap());
         }
     }
+}
+
+/// Draws the editor of a value, according to its type.
+fn field_ui(ui: &mut Ui, field: Field<'_>, drag: &Drag, label: Id, frame_count: usize) {
+    match field {
+        Field::F32(x) => number_ui(ui, dragged(DragValue::new(x).max_decimals(drag.decimals), drag), label),
+        Field::U32(n) => number_ui(ui, dragged(DragValue::new(n), drag), label),
+        Field::I32(n) => number_ui(ui, dragged(DragValue::new(n), drag), label),
+        Field::Usize(n) => number_ui(ui, dragged(DragValue::new(n), drag), label),
+        Field::U64(n) => number_ui(ui, dragged(DragValue::new(n), drag), label),
+        Field::Flag(flag) => {
+            ui.checkbox(flag, "").labelled_by(label);
+        }
+        Field::Word(word) => word_ui(ui, word, label),
+        Field::Axis(axis) => axis_ui(ui, axis, label),
+        Field::Frames(frames) => frames_ui(ui, frames, label, frame_count),
+        Field::Gate(gate) => gate_ui(ui, gate, drag, label),
+        Field::Distinct(distinct) => distinct_ui(ui, distinct, drag, label),
+        // Whoever shows these has editors of their own.
+        Field::Text(_) | Field::Elsewhere => {}
+    }
+}
+
+/// Field for a number with the record's speed, suffix and word for 0.
+fn dragged<'a>(field: DragValue<'a>, drag: &Drag) -> DragValue<'a> {
+    let field = field.speed(drag.speed).suffix(drag.suffix);
+    let Some(word) = drag.zero else { return field };
+    field
+        .custom_formatter(move |n, _| if n < 0.5 { word.to_owned() } else { format!("{n:.0}") })
+        .custom_parser(move |text| if text.trim() == word { Some(0.0) } else { text.trim().parse().ok() })
 }
 
 /// Draws the parameter's name and unit, with its help as tooltip.
@@ -76,25 +124,23 @@ fn help_text(doc: &ParamDoc) -> String {
     format!("{}\n--{}", doc.help(), doc.name)
 }
 
-/// Draws a button that resets the parameter; it is visible only when the value differs from the default.
-pub fn reset_ui<T: PartialEq>(ui: &mut Ui, doc: &ParamDoc, value: &mut T, default: T) {
-    let differs = *value != default;
+/// Draws a button that resets the parameter, visible only when the value differs from the default; returns whether it
+/// was clicked.
+pub fn reset_ui(ui: &mut Ui, doc: &ParamDoc, differs: bool) -> bool {
     let name = format!("Reset {}", doc.label);
     let button = egui::Button::new(RichText::new("↺").weak()).frame(false).min_size(vec2(14.0, 0.0));
     let response = ui.add_visible(differs, button);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, differs, &name));
-    if response.on_hover_text(format!("{name} to its default")).clicked() {
-        *value = default;
-    }
+    response.on_hover_text(format!("{name} to its default")).clicked()
 }
 
 /// Draws a field for a number.
-pub fn number_ui(ui: &mut Ui, field: DragValue<'_>, label: Id) {
+fn number_ui(ui: &mut Ui, field: DragValue<'_>, label: Id) {
     ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), field).labelled_by(label);
 }
 
 /// Draws a choice between names.
-pub fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, names: &[(T, &str)]) {
+fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, names: &[(T, &str)]) {
     let chosen = names.iter().find(|(v, _)| v == value).map_or("", |(_, name)| name);
     let response = egui::ComboBox::from_id_salt(label)
         .selected_text(chosen)
@@ -108,8 +154,15 @@ pub fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, nam
     response.labelled_by(label);
 }
 
+/// Draws the choice between the named values of a type.
+fn word_ui(ui: &mut Ui, value: &mut dyn Word, label: Id) {
+    let mut chosen = value.word();
+    choice_ui(ui, &mut chosen, label, value.words());
+    value.set_word(chosen);
+}
+
 /// Draws the choice between slopes that are found and those given in the rows below.
-pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice, _: Id) {
+pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice) {
     let mut auto = choice.is_auto();
     if ui.checkbox(&mut auto, "Auto slopes").changed() {
         *choice = if auto { SlopeChoice::AUTO } else { SlopeChoice::Given };
@@ -117,7 +170,7 @@ pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice, _: Id) {
 }
 
 /// Draws the fields for minimum, maximum and number of slopes.
-pub fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
+fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
     ui.spacing_mut().item_spacing.x = 3.0;
     // Three fields and the texts between them share the space.
     let width = ((ui.available_width() - 24.0) / 3.0).clamp(28.0, 46.0);
@@ -134,7 +187,7 @@ pub fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
 }
 
 /// Draws the choice between all frames and a range of them.
-pub fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_count: usize) {
+fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_count: usize) {
     ui.spacing_mut().item_spacing.x = 3.0;
     let mut all = frames.is_none();
     if ui.checkbox(&mut all, "All").changed() {
@@ -153,7 +206,7 @@ pub fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_
 }
 
 /// Draws the choice of the noise gate: automatic, strict, or a factor.
-pub fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, label: Id) {
+fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, drag: &Drag, label: Id) {
     /// First value when switching to a factor: about that of the automatic gate for a small search.
     const FIRST_FACTOR: f32 = 4.5;
     let mut factor = match gate {
@@ -164,21 +217,22 @@ pub fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, label: Id) {
     choice_ui(ui, gate, label, &names);
     if let NoiseGate::Factor(_) = gate {
         let size = vec2(48.0, ui.spacing().interact_size.y);
-        let field = DragValue::new(&mut factor).speed(0.02).max_decimals(2).suffix(" σ");
-        ui.add_sized(size, field).labelled_by(label);
+        let field = DragValue::new(&mut factor).max_decimals(drag.decimals);
+        ui.add_sized(size, dragged(field, drag)).labelled_by(label);
         *gate = NoiseGate::Factor(factor);
     }
 }
 
 /// Draws the choice of distinct keypoints: off, or a radius.
-pub fn distinct_ui(ui: &mut Ui, distinct: &mut Distinct, label: Id) {
+fn distinct_ui(ui: &mut Ui, distinct: &mut Distinct, drag: &Drag, label: Id) {
     let mut on = *distinct != Distinct::Off;
     if ui.checkbox(&mut on, "On").changed() {
         *distinct = if on { Distinct::default() } else { Distinct::Off };
     }
     if let Distinct::Radius(radius) = distinct {
         let size = vec2(48.0, ui.spacing().interact_size.y);
-        ui.add_sized(size, DragValue::new(radius).speed(0.01).max_decimals(2).suffix(" σ")).labelled_by(label);
+        let field = DragValue::new(radius).max_decimals(drag.decimals);
+        ui.add_sized(size, dragged(field, drag)).labelled_by(label);
     }
 }
 

@@ -5,10 +5,7 @@ use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::widgets::section_ui;
 use crate::app::project::Model;
 use crate::detector::params::doc;
-use crate::detector::{
-    DescribeSlope, DetectorParams, Flicker, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
-    SlopeChoice, SlopeExtrema, SlopeFinding, SlopeNeighbours,
-};
+use crate::detector::{DetectorParams, SlopeChoice, SlopeFinding};
 use egui::{Align, Layout, RichText, Ui};
 
 /// Draws the section.
@@ -34,8 +31,16 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             // Found slopes have no other default.
             defaults.slopes = given;
         }
-        let table = rows::ParamTable { error: error.as_ref(), defaults };
-        all_rows_ui(ui, &table, p, choice, finding.as_deref(), frame_count);
+        let table = rows::ParamTable { error: error.as_ref(), defaults, frame_count };
+        for record in &doc::ALL {
+            ui.add_enabled_ui((record.in_use)(p), |ui| {
+                if *record == doc::SLOPES {
+                    slopes_ui(ui, &table, choice, finding.as_deref());
+                } else {
+                    table.row(ui, record, p);
+                }
+            });
+        }
         if p.slopes != given {
             *choice = SlopeChoice::Given;
         }
@@ -49,244 +54,25 @@ fn slopes_found_text(finding: &SlopeFinding) -> String {
     first.to_uppercase() + rest
 }
 
-fn method_label(method: Method) -> &'static str {
-    match method {
-        Method::Buff => "BuFF",
-        Method::Sift => "SIFT",
-        Method::Merge => "Merge + SIFT",
-    }
-}
-
-fn all_rows_ui(
+/// Draws the choice of the slopes, and the slopes found.
+fn slopes_ui(
     ui: &mut Ui,
     table: &rows::ParamTable<'_, DetectorParams>,
-    p: &mut DetectorParams,
     choice: &mut SlopeChoice,
     finding: Option<&str>,
-    frame_count: usize,
 ) {
-    let sift = p.method != Method::Buff;
-    let adjacent = [(SlopeNeighbours::Adjacent, "Adjacent"), (SlopeNeighbours::All, "All")];
-    let interpolation = [
-        (Interpolation::Linear, "Linear"),
-        (Interpolation::Nearest, "Nearest"),
-        (Interpolation::Truncated, "Truncated"),
-    ];
-    table.row(
+    table.row_with(
         ui,
-        &doc::METHOD,
-        p,
-        |p| &mut p.method,
-        |ui, value, label| {
-            let names = Method::ALL.map(|m| (m, method_label(m)));
-            rows::choice_ui(ui, value, label, &names);
+        &doc::SLOPES,
+        choice,
+        |ui, choice, _| rows::slope_choice_ui(ui, choice),
+        |ui, choice| {
+            if rows::reset_ui(ui, &doc::SLOPES, *choice != SlopeChoice::AUTO) {
+                *choice = SlopeChoice::AUTO;
+            }
         },
     );
-    ui.add_enabled_ui(!sift, |ui| {
-        let choices = rows::ParamTable { error: None, defaults: SlopeChoice::AUTO };
-        choices.row(ui, &doc::SLOPES, choice, |choice| choice, rows::slope_choice_ui);
-        if let Some(text) = finding.filter(|_| choice.is_auto()) {
-            ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
-        }
-        table.row(ui, &doc::SLOPES_U, p, |p| &mut p.slopes.u, rows::axis_ui);
-        table.row(ui, &doc::SLOPES_V, p, |p| &mut p.slopes.v, rows::axis_ui);
-        table.row(
-            ui,
-            &doc::SLOPE_DIRECTION,
-            p,
-            |p| &mut p.slopes.direction_deg,
-            |ui, value, label| {
-                rows::number_ui(ui, egui::DragValue::new(value).speed(0.5).suffix("°").max_decimals(1), label);
-            },
-        );
-    });
-    table.row(
-        ui,
-        &doc::FRAMES,
-        p,
-        |p| &mut p.frames,
-        |ui, value, label| {
-            rows::frames_ui(ui, value, label, frame_count);
-        },
-    );
-    table.row(
-        ui,
-        &doc::OCTAVES,
-        p,
-        |p| &mut p.octaves,
-        |ui, value, label| {
-            rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
-        },
-    );
-    table.row(
-        ui,
-        &doc::LEVELS,
-        p,
-        |p| &mut p.levels,
-        |ui, value, label| {
-            rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
-        },
-    );
-    table.row(
-        ui,
-        &doc::FIRST_OCTAVE,
-        p,
-        |p| &mut p.first_octave,
-        |ui, value, label| {
-            rows::number_ui(ui, egui::DragValue::new(value).speed(0.05), label);
-        },
-    );
-    table.row(
-        ui,
-        &doc::PEAK_THRESHOLD,
-        p,
-        |p| &mut p.peak_threshold,
-        |ui, value, label| {
-            rows::number_ui(ui, egui::DragValue::new(value).speed(0.0001).max_decimals(5), label);
-        },
-    );
-    table.row(
-        ui,
-        &doc::NOISE_GATE,
-        p,
-        |p| &mut p.noise_gate,
-        |ui, value: &mut NoiseGate, label| {
-            rows::gate_ui(ui, value, label);
-        },
-    );
-    table.row(
-        ui,
-        &doc::NOISE_MODEL,
-        p,
-        |p| &mut p.noise_model,
-        |ui, value, label| {
-            rows::choice_ui(ui, value, label, &[(NoiseModelKind::Local, "Local"), (NoiseModelKind::White, "White")]);
-        },
-    );
-    table.row(
-        ui,
-        &doc::FLICKER,
-        p,
-        |p| &mut p.flicker,
-        |ui, value, label| {
-            rows::choice_ui(ui, value, label, &[(Flicker::Auto, "Auto"), (Flicker::Off, "Off")]);
-        },
-    );
-    table.row(
-        ui,
-        &doc::EDGE_THRESHOLD,
-        p,
-        |p| &mut p.edge_threshold,
-        |ui, value, label| {
-            rows::number_ui(ui, egui::DragValue::new(value).speed(0.1).max_decimals(2), label);
-        },
-    );
-    ui.add_enabled_ui(!sift, |ui| {
-        let extrema = [(SlopeExtrema::Each, "Each"), (SlopeExtrema::Joint, "Joint")];
-        table.row(
-            ui,
-            &doc::SLOPE_EXTREMA,
-            p,
-            |p| &mut p.slope_extrema,
-            |ui, value, label| {
-                rows::choice_ui(ui, value, label, &extrema);
-            },
-        );
-        let joint = p.slope_extrema == SlopeExtrema::Joint;
-        ui.add_enabled_ui(joint, |ui| {
-            table.row(
-                ui,
-                &doc::SLOPE_NEIGHBOURS,
-                p,
-                |p| &mut p.slope_neighbours,
-                |ui, value, label| {
-                    rows::choice_ui(ui, value, label, &adjacent);
-                },
-            );
-        });
-        table.row(
-            ui,
-            &doc::DISTINCT,
-            p,
-            |p| &mut p.distinct,
-            |ui, value, label| {
-                rows::distinct_ui(ui, value, label);
-            },
-        );
-        table.row(
-            ui,
-            &doc::DISTINCT_SCALE,
-            p,
-            |p| &mut p.distinct_scale,
-            |ui, value, label| {
-                rows::number_ui(ui, egui::DragValue::new(value).speed(0.01).max_decimals(2), label);
-            },
-        );
-        table.row(
-            ui,
-            &doc::INTERPOLATION,
-            p,
-            |p| &mut p.interpolation,
-            |ui, value, label| {
-                rows::choice_ui(ui, value, label, &interpolation);
-            },
-        );
-    });
-    table.row(
-        ui,
-        &doc::KERNEL_CUT,
-        p,
-        |p| &mut p.kernel_cut,
-        |ui, value, label| {
-            rows::number_ui(ui, egui::DragValue::new(value).speed(0.02).max_decimals(2), label);
-        },
-    );
-    table.row(
-        ui,
-        &doc::LOCALISATION,
-        p,
-        |p| &mut p.localisation,
-        |ui, value, label| {
-            let choices = [(Localisation::Continuous, "Continuous"), (Localisation::Quadratic, "Quadratic")];
-            rows::choice_ui(ui, value, label, &choices);
-        },
-    );
-    table.row(
-        ui,
-        &doc::MAX_FEATURES,
-        p,
-        |p| &mut p.max_features,
-        |ui, value, label| {
-            let all = |n: f64, _: std::ops::RangeInclusive<usize>| {
-                if n < 0.5 { "all".to_owned() } else { format!("{n:.0}") }
-            };
-            let parse = |text: &str| if text.trim() == "all" { Some(0.0) } else { text.trim().parse().ok() };
-            rows::number_ui(
-                ui,
-                egui::DragValue::new(value).speed(5.0).custom_formatter(all).custom_parser(parse),
-                label,
-            );
-        },
-    );
-    table.row(
-        ui,
-        &doc::MAX_ORIENTATIONS,
-        p,
-        |p| &mut p.max_orientations,
-        |ui, value, label| {
-            rows::number_ui(ui, egui::DragValue::new(value).speed(0.02), label);
-        },
-    );
-    ui.add_enabled_ui(!sift, |ui| {
-        let slopes = [(DescribeSlope::Refined, "Refined"), (DescribeSlope::Grid, "Grid")];
-        table.row(
-            ui,
-            &doc::DESCRIBE_SLOPE,
-            p,
-            |p| &mut p.describe_slope,
-            |ui, value, label| {
-                rows::choice_ui(ui, value, label, &slopes);
-            },
-        );
-    });
+    if let Some(text) = finding.filter(|_| choice.is_auto()) {
+        ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
+    }
 }

@@ -94,16 +94,9 @@ impl PictureState {
 /// Makes a canvas picture with a fresh id.
 pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
     let (plane, label) = (picture.plane.clone(), describe(picture));
-    match picture.request.kind {
-        PictureKind::Dog { octave, .. } => {
-            canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label)
-        }
-        PictureKind::Map { map, octave, .. } if map.is_of_octave() => {
-            canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label)
-        }
-        PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge | PictureKind::Map { .. } => {
-            canvas::Picture::new(plane, label)
-        }
+    match picture.request.kind.about().scale {
+        Some((octave, _)) => canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label),
+        None => canvas::Picture::new(plane, label),
     }
 }
 
@@ -141,28 +134,29 @@ pub fn describe(picture: &Picture) -> String {
 
 fn describe_request(request: &PictureRequest) -> String {
     let burst = &request.burst.burst;
-    match request.kind {
+    let name = match request.kind {
         PictureKind::Frame(index) => {
             let name = burst.frame_names.get(index).map_or("", String::as_str);
             let place = format!("Frame {index} of {} (0 … {})", burst.len(), burst.len() - 1);
             // Bursts without files name their frames by number, which the text already has.
-            if name.is_empty() || *name == format!("frame {index}") { place } else { format!("{place}  ·  {name}") }
-        }
-        PictureKind::Stack { slope } => format!("Motion stack  ·  slope ({:.2}, {:.2}) px/frame", slope.u, slope.v),
-        PictureKind::Dog { octave, level, slope } => {
-            format!("DoG  ·  octave {octave}, level {level}  ·  slope ({:.2}, {:.2}) px/frame", slope.u, slope.v)
+            return if name.is_empty() || *name == format!("frame {index}") {
+                place
+            } else {
+                format!("{place}  ·  {name}")
+            };
         }
         PictureKind::Merge => {
             let used = request.params.used_frames(burst.len());
-            format!("Merged frames  ·  {} … {}", used.start, used.end - 1)
+            return format!("Merged frames  ·  {} … {}", used.start, used.end - 1);
         }
-        PictureKind::Map { map, octave, level, slope } => {
-            let at = if map.is_of_octave() { format!("  ·  octave {octave}, level {level}") } else { String::new() };
-            let Slope { u, v } = slope;
-            let of = if map.is_of_slope() { format!("  ·  slope ({u:.2}, {v:.2}) px/frame") } else { String::new() };
-            format!("{}{at}{of}", map.label())
-        }
-    }
+        PictureKind::Stack { .. } => "Motion stack",
+        PictureKind::Dog { .. } => "DoG",
+        PictureKind::Map { map, .. } => map.about().label,
+    };
+    let about = request.kind.about();
+    let at = about.scale.map(|(octave, level)| format!("  ·  octave {octave}, level {level}"));
+    let of = about.slope.map(|Slope { u, v }| format!("  ·  slope ({u:.2}, {v:.2}) px/frame"));
+    format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())
 }
 
 /// Draws a warning over a picture whose features belong to other parameters.

@@ -6,55 +6,9 @@
 
 use crate::plane::display::{ColourMap, Display};
 use crate::plane::statistics::{Region, percentiles};
-use crate::requests::{MapKind, Picture, PictureKind, PictureRequest};
+use crate::requests::Picture;
+pub use crate::requests::RangeClass;
 use serde::{Deserialize, Serialize};
-
-/// Classes of picture, each with a shared value range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RangeClass {
-    /// Frames, motion-stack images and merged frames.
-    Intensity,
-    /// DoG responses.
-    Response,
-    /// Differences of two pictures.
-    Difference,
-    /// Maps of the noise.
-    Noise,
-    /// Maps of shares, 0 … 1.
-    Share,
-    /// Maps of winning slopes, which have colours of their own.
-    Motion,
-}
-
-impl RangeClass {
-    /// The class of a picture.
-    pub fn of(request: &PictureRequest) -> Self {
-        if request.minus().is_some() { Self::Difference } else { Self::of_kind(request.kind) }
-    }
-
-    /// The class of a kind of picture, for pictures that are no differences.
-    pub fn of_kind(kind: PictureKind) -> Self {
-        match kind {
-            PictureKind::Frame(_) | PictureKind::Stack { .. } | PictureKind::Merge => Self::Intensity,
-            PictureKind::Dog { .. } => Self::Response,
-            PictureKind::Map { map: MapKind::Noise, .. } => Self::Noise,
-            PictureKind::Map { map: MapKind::Coverage, .. } => Self::Share,
-            PictureKind::Map { map: MapKind::Motion, .. } => Self::Motion,
-        }
-    }
-
-    /// Name of the class within a sentence.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Intensity => "frames and motion stacks",
-            Self::Response => "DoG responses",
-            Self::Difference => "differences",
-            Self::Noise => "maps of the noise",
-            Self::Share => "maps of shares",
-            Self::Motion => "maps of winning slopes",
-        }
-    }
-}
 
 /// A value range and colour map for each class of picture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -170,15 +170,7 @@ impl Model {
     /// Slope by which the frames were shifted for the picture of `id`; `None` for pictures without a single slope.
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
         let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
-        if matches!(picture.request.kind, PictureKind::Map { map, .. } if !map.is_of_slope()) {
-            return None;
-        }
-        match picture.request.kind {
-            PictureKind::Frame(_) | PictureKind::Merge => None,
-            PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } | PictureKind::Map { slope, .. } => {
-                Some(slope)
-            }
-        }
+        picture.request.kind.about().slope
     }
 
     /// Takes the pictures of panes, and that of the selected feature's patch.

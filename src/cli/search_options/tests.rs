@@ -1,6 +1,7 @@
 //! Tests that every parameter is an option, and that every option sets its parameter.
 
 use super::*;
+use crate::detector::{FrameRange, SlopeAxis};
 use clap::{CommandFactory, Parser};
 
 #[derive(Parser)]
@@ -24,9 +25,9 @@ fn every_parameter_is_an_option_with_its_help() {
         assert!(text(arg.get_help()).starts_with(doc.meaning.trim_end_matches('.')));
         assert!(text(arg.get_long_help()).starts_with(&doc.help()));
         // The shown default can be typed, or says how it is chosen.
-        let default = default_of(doc);
+        let default = doc.default_text();
         let option = format!("--{}", doc.name);
-        if doc.name != doc::FRAMES.name && !doc.name.starts_with("slope") || doc.name == doc::SLOPE_NEIGHBOURS.name {
+        if doc.default_words.is_none() {
             assert_eq!(params(&[option.as_str(), &default]), Ok(SearchParams::default()), "{}", doc.name);
         }
     }
@@ -38,83 +39,33 @@ fn nothing_given_is_the_default() {
     assert_eq!(params(&["--slopes", "auto"]), Ok(SearchParams::default()));
 }
 
+/// Every option with a value that is not the default, and the parameters that follow.
+pub(in crate::cli) fn everything() -> (Vec<String>, DetectorParams) {
+    let (mut arguments, mut expected) = (Vec::new(), DetectorParams::default());
+    for record in doc::ALL.into_iter().filter(|record| *record != doc::SLOPES) {
+        let mut sample = DetectorParams::default();
+        let default = record.text(&sample);
+        let words = (record.field)(&mut sample).words().unwrap_or_default().iter().map(|(word, _)| *word);
+        let others = words.chain(["-6:6:25", "2..9", "2.5", "-1", "3", "off"]).filter(|text| *text != default);
+        let valid = |text: &&str| record.read(&mut sample, text).is_ok() && record.check(&sample).is_ok();
+        let text = others.filter(valid).next_back().unwrap_or_else(|| panic!("{}: no other value", record.name));
+        record.read(&mut expected, text).expect("read above");
+        arguments.extend([format!("--{}", record.name), text.to_owned()]);
+    }
+    (arguments, expected)
+}
+
 #[test]
 fn every_option_reaches_its_parameter() {
-    let got = params(&[
-        "--method",
-        "sift",
-        "--slopes-u",
-        "-6:6:25",
-        "--slopes-v",
-        "-1:1:3",
-        "--slope-direction",
-        "-30",
-        "--frames",
-        "2..9",
-        "--octaves",
-        "4",
-        "--levels",
-        "5",
-        "--first-octave",
-        "-1",
-        "--peak-threshold",
-        "0.002",
-        "--noise-gate",
-        "4.5",
-        "--noise-model",
-        "white",
-        "--flicker",
-        "off",
-        "--edge-threshold",
-        "12",
-        "--slope-neighbours",
-        "all",
-        "--slope-extrema",
-        "joint",
-        "--distinct",
-        "off",
-        "--distinct-scale",
-        "2",
-        "--describe-slope",
-        "grid",
-        "--interpolation",
-        "nearest",
-        "--kernel-cut",
-        "3",
-        "--localisation",
-        "quadratic",
-        "--max-features",
-        "100",
-        "--max-orientations",
-        "3",
-    ])
-    .expect("valid");
-    let mut slopes = crate::SlopeGrid::plane(-6.0..=6.0, 25, -1.0..=1.0, 3);
-    slopes.direction_deg = -30.0;
-    let expected = DetectorParams {
-        method: Method::Sift,
-        frames: Some(FrameRange { start: 2, end: 9 }),
-        octaves: 4,
-        levels: 5,
-        first_octave: -1,
-        peak_threshold: 0.002,
-        noise_gate: NoiseGate::Factor(4.5),
-        noise_model: NoiseModelKind::White,
-        flicker: Flicker::Off,
-        edge_threshold: 12.0,
-        slope_extrema: SlopeExtrema::Joint,
-        slope_neighbours: SlopeNeighbours::All,
-        distinct: Distinct::Off,
-        distinct_scale: 2.0,
-        describe_slope: DescribeSlope::Grid,
-        interpolation: Interpolation::Nearest,
-        kernel_cut: 3.0,
-        localisation: Localisation::Quadratic,
-        max_features: 100,
-        max_orientations: 3,
-        slopes,
-    };
+    let (arguments, expected) = everything();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let got = params(&arguments).expect("valid");
     assert_eq!(got, expected.into());
+    assert_eq!(got.detector.frames, Some(FrameRange { start: 2, end: 9 }));
+    for record in doc::ALL.into_iter().filter(|record| *record != doc::SLOPES) {
+        assert_ne!(record.text(&got.detector), record.text(&DetectorParams::default()), "{}", record.name);
+    }
+    assert_eq!(params(&["--frames", "all"]), Ok(SearchParams::default()));
 }
 
 #[test]

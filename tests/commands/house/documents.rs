@@ -1,34 +1,38 @@
 //! Checks that the documents agree with the program, and that their links lead to files.
 
-use burstscope::detector::params::doc;
+use burstscope::detector::params::Param;
+use burstscope::{detector, matching};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 const REFERENCE: &str = "docs/REFERENCE.md";
-const START: &str = "<!-- parameters -->\n";
-const END: &str = "<!-- end of parameters -->";
 
-/// Table of all search parameters, from their descriptions.
-fn table() -> String {
-    let row = |doc: &doc::ParamDoc| {
-        let text = format!("{} {}", doc.meaning, doc.effect).replace('|', "\\|");
-        format!("| `--{}` | {} | {} | {text} |\n", doc.name, doc.label, doc.unit)
-    };
-    let rows: String = doc::ALL.iter().map(row).collect();
-    format!("| option | in the window | unit | meaning |\n| --- | --- | --- | --- |\n{rows}")
+/// Table of parameters, made from their records.
+fn table<P: Default>(records: &[Param<P>]) -> String {
+    let rows: String = records.iter().map(Param::reference_row).collect();
+    format!("| option | in the window | values | default | meaning |\n| --- | --- | --- | --- | --- |\n{rows}")
 }
 
 #[test]
-fn the_reference_has_the_programs_own_words_for_each_parameter() {
+fn the_reference_has_the_records_of_all_parameters() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(REFERENCE);
     let text = fs::read_to_string(&path).expect("the reference");
-    let (before, rest) = text.split_once(START).expect("the start of the table");
-    let (written, after) = rest.split_once(END).expect("the end of the table");
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        fs::write(&path, format!("{before}{START}{}{END}{after}", table())).expect("written");
+    let mut made = text.clone();
+    let parts = [
+        ("parameters", table(&detector::params::doc::ALL)),
+        ("parameters of matching", table(&matching::params::doc::ALL)),
+    ];
+    for (part, table) in parts {
+        let (start, end) = (format!("<!-- {part} -->\n"), format!("<!-- end of {part} -->"));
+        let (before, rest) = made.split_once(&start).unwrap_or_else(|| panic!("no start of the table of {part}"));
+        let (_, after) = rest.split_once(&end).unwrap_or_else(|| panic!("no end of the table of {part}"));
+        made = format!("{before}{start}{table}{end}{after}");
+    }
+    if std::env::var_os("BURSTSCOPE_UPDATE_DOCS").is_some() {
+        fs::write(&path, made).expect("written");
         return;
     }
-    assert!(written == table(), "{REFERENCE} is not what the program says; UPDATE_DOCS=1 writes it anew");
+    assert!(made == text, "{REFERENCE} is not what the program says; BURSTSCOPE_UPDATE_DOCS=1 writes it anew");
 }
 
 /// Targets of links and pictures in a Markdown text that are files.

@@ -2,6 +2,56 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Value with a few names.
+pub trait Word {
+    /// Name on the command line and in files.
+    fn word(&self) -> &'static str;
+    /// Names of all values, in the order in which they are offered: on the command line and in files, and in the window.
+    fn words(&self) -> &'static [(&'static str, &'static str)];
+    /// Takes the value with this name; false where there is none.
+    fn set_word(&mut self, word: &str) -> bool;
+}
+
+/// Gives each variant of a type its name on the command line and its name in the window.
+macro_rules! words {
+    ($type:ty, $(($variant:ident, $word:literal, $label:literal)),+) => {
+        impl $crate::detector::params::Word for $type {
+            fn word(&self) -> &'static str {
+                match self {
+                    $(Self::$variant => $word),+
+                }
+            }
+
+            fn words(&self) -> &'static [(&'static str, &'static str)] {
+                &[$(($word, $label)),+]
+            }
+
+            fn set_word(&mut self, word: &str) -> bool {
+                match word {
+                    $($word => *self = Self::$variant,)+
+                    _ => return false,
+                }
+                true
+            }
+        }
+    };
+}
+pub(crate) use words;
+
+words!(Method, (Buff, "buff", "BuFF"), (Sift, "sift", "SIFT"), (Merge, "merge", "Merge + SIFT"));
+words!(SlopeExtrema, (Each, "each", "Each"), (Joint, "joint", "Joint"));
+words!(DescribeSlope, (Refined, "refined", "Refined"), (Grid, "grid", "Grid"));
+words!(SlopeNeighbours, (Adjacent, "adjacent", "Adjacent"), (All, "all", "All"));
+words!(
+    Interpolation,
+    (Linear, "linear", "Linear"),
+    (Nearest, "nearest", "Nearest"),
+    (Truncated, "truncated", "Truncated")
+);
+words!(Localisation, (Continuous, "continuous", "Continuous"), (Quadratic, "quadratic", "Quadratic"));
+words!(NoiseModelKind, (Local, "local", "Local"), (White, "white", "White"));
+words!(Flicker, (Auto, "auto", "Auto"), (Off, "off", "Off"));
+
 /// Detector to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -20,15 +70,6 @@ pub enum Method {
 impl Method {
     /// All methods, in the order in which they are listed.
     pub const ALL: [Self; 3] = [Self::Buff, Self::Sift, Self::Merge];
-
-    /// Name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Buff => "buff",
-            Self::Sift => "sift",
-            Self::Merge => "merge",
-        }
-    }
 }
 
 /// Rule for candidates: extrema of place and scale at their own slope, or jointly over slopes too.
@@ -246,6 +287,16 @@ pub struct FrameRange {
     pub start: usize,
     /// One past the last frame used.
     pub end: usize,
+}
+
+impl FrameRange {
+    /// Checks that the range holds a frame; otherwise the fault and its remedy.
+    pub(super) fn check(&self) -> Result<(), (String, String)> {
+        if self.start < self.end {
+            return Ok(());
+        }
+        Err((format!("{self} holds no frame"), "give A..B with A below B".to_owned()))
+    }
 }
 
 impl std::fmt::Display for FrameRange {

@@ -1,236 +1,402 @@
-//! Descriptions of all parameters, in the words that help pages, tooltips and error messages show.
+//! The parameters of the detector: their fields, their defaults, and the record of each.
+//!
+//! A new parameter is a field of [`DetectorParams`], its default, its record, and the record's place in [`ALL`]; tests
+//! fail for a field without a record. Options, files, the window, checks and documents follow from these.
 
-/// Description of one parameter, in the words that help pages, tooltips and error messages show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ParamDoc {
-    /// Name on the command line, without dashes in front; the file's field has `_` for `-`.
-    pub name: &'static str,
-    /// Name in the window, in sentence case.
-    pub label: &'static str,
-    /// Unit of its value; empty where it has none.
-    pub unit: &'static str,
-    /// Meaning, as a sentence.
-    pub meaning: &'static str,
-    /// Effect of raising (or changing) it.
-    pub effect: &'static str,
+use super::record::{Field, Param, ParamDoc, Stage, param};
+use super::slope_grid::SlopeGrid;
+use super::{
+    DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
+    SlopeExtrema, SlopeNeighbours,
+};
+use serde::{Deserialize, Serialize};
+use std::ops::Bound::{Excluded, Included, Unbounded};
+
+/// Parameters of the detector. The same burst and the same parameters give bitwise equal results.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DetectorParams {
+    /// See [`METHOD`].
+    pub method: Method,
+    /// See [`FRAMES`]; `None` uses all frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames: Option<FrameRange>,
+    /// See [`OCTAVES`].
+    pub octaves: u32,
+    /// See [`LEVELS`].
+    pub levels: u32,
+    /// See [`FIRST_OCTAVE`].
+    pub first_octave: i32,
+    /// See [`PEAK_THRESHOLD`].
+    pub peak_threshold: f32,
+    /// See [`NOISE_GATE`].
+    pub noise_gate: NoiseGate,
+    /// See [`NOISE_MODEL`].
+    pub noise_model: NoiseModelKind,
+    /// See [`FLICKER`].
+    pub flicker: Flicker,
+    /// See [`EDGE_THRESHOLD`].
+    pub edge_threshold: f32,
+    /// See [`SLOPE_EXTREMA`].
+    pub slope_extrema: SlopeExtrema,
+    /// See [`SLOPE_NEIGHBOURS`].
+    pub slope_neighbours: SlopeNeighbours,
+    /// See [`DISTINCT`].
+    pub distinct: Distinct,
+    /// See [`DISTINCT_SCALE`].
+    pub distinct_scale: f32,
+    /// See [`INTERPOLATION`].
+    pub interpolation: Interpolation,
+    /// See [`KERNEL_CUT`].
+    pub kernel_cut: f32,
+    /// See [`LOCALISATION`].
+    pub localisation: Localisation,
+    /// See [`MAX_FEATURES`]; 0 keeps all.
+    pub max_features: usize,
+    /// See [`MAX_ORIENTATIONS`].
+    pub max_orientations: usize,
+    /// See [`DESCRIBE_SLOPE`].
+    pub describe_slope: DescribeSlope,
+    /// See [`SLOPES_U`], [`SLOPES_V`] and [`SLOPE_DIRECTION`].
+    pub slopes: SlopeGrid,
 }
 
-impl ParamDoc {
-    /// Meaning, unit and effect as running text, for help pages and tooltips.
-    pub fn help(&self) -> String {
-        if self.unit.is_empty() {
-            format!("{} {}", self.meaning, self.effect)
-        } else {
-            format!("{} Unit: {}. {}", self.meaning, self.unit, self.effect)
+impl Default for DetectorParams {
+    fn default() -> Self {
+        Self {
+            method: Method::Buff,
+            frames: None,
+            octaves: 6,
+            // In the dark five levels with an edge threshold of 12 gave 5 to 7 % more inliers than the paper's four
+            // with 10, for 4 % more time; six gave another 3 to 4 % for 7 to 12 % more time (docs/MEASUREMENTS.md).
+            levels: 5,
+            first_octave: 0,
+            // An absolute threshold removes everything in the dark; the noise gate replaces it.
+            peak_threshold: 0.0,
+            noise_gate: NoiseGate::Auto,
+            noise_model: NoiseModelKind::Local,
+            flicker: Flicker::Auto,
+            edge_threshold: 12.0,
+            slope_extrema: SlopeExtrema::Each,
+            slope_neighbours: SlopeNeighbours::Adjacent,
+            distinct: Distinct::default(),
+            distinct_scale: 1.75,
+            interpolation: Interpolation::Linear,
+            kernel_cut: 4.0,
+            localisation: Localisation::Continuous,
+            max_features: 0,
+            max_orientations: 2,
+            describe_slope: DescribeSlope::Refined,
+            slopes: SlopeGrid::default(),
         }
     }
 }
 
-/// Describes one parameter: its constant's name, then the fields of [`ParamDoc`] (which must be in scope) in order.
-macro_rules! param_doc {
-    ($id:ident, $name:literal, $label:literal, $unit:literal, $meaning:literal, $effect:literal) => {
-        #[doc = concat!($meaning, " ", $effect)]
-        pub const $id: ParamDoc =
-            ParamDoc { name: $name, label: $label, unit: $unit, meaning: $meaning, effect: $effect };
-    };
-}
-pub(crate) use param_doc;
-
-param_doc!(
+param!(
     METHOD,
+    DetectorParams,
     "method",
     "Method",
     "",
+    "method",
     "The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame; merge aligns the frames to the middle one, averages them robustly and searches that image.",
-    "Sift and merge are the baselines that the burst search has to beat."
+    "Sift and merge are the baselines that the burst search has to beat.",
+    Param::<DetectorParams>::new("METHOD", Stage::Frames, |p| Field::Word(&mut p.method))
 );
-param_doc!(
+param!(
     SLOPES_U,
+    DetectorParams,
     "slopes-u",
     "Slopes u",
     "px/frame",
+    "slope-grid",
     "The slopes searched along the first axis, to the right unless the direction turns it, as MIN:MAX:COUNT.",
-    "A wider range finds faster motion; a step much above 2σ/(N−1) misses features between slopes, a finer one only costs time."
+    "A wider range finds faster motion; a step much above 2σ/(N−1) misses features between slopes, a finer one only costs time.",
+    Param::<DetectorParams>::new("MIN:MAX:COUNT", Stage::Search, |p| Field::Axis(&mut p.slopes.u))
+        .by_default("found; 0 if only the other one is given")
+        .used_if(|p| p.method == Method::Buff)
 );
-param_doc!(
+param!(
     SLOPES_V,
+    DetectorParams,
     "slopes-v",
     "Slopes v",
     "px/frame",
+    "slope-grid",
     "The slopes searched along the second axis, down unless the direction turns it, as MIN:MAX:COUNT.",
-    "More than one makes the search two-dimensional (BuFF 2D) and multiplies its time."
+    "More than one makes the search two-dimensional (BuFF 2D) and multiplies its time.",
+    Param::<DetectorParams>::new("MIN:MAX:COUNT", Stage::Search, |p| Field::Axis(&mut p.slopes.v))
+        .by_default("found; 0 if only the other one is given")
+        .used_if(|p| p.method == Method::Buff)
 );
-param_doc!(
+param!(
     SLOPE_DIRECTION,
+    DetectorParams,
     "slope-direction",
     "Direction",
     "degrees",
+    "direction",
     "Turns the slope grid from +u towards +v (clockwise on screen), so that a line of slopes can point anywhere.",
-    "Set it to the direction in which the camera moves; 90 searches vertical motion."
+    "Set it to the direction in which the camera moves; 90 searches vertical motion.",
+    Param::<DetectorParams>::new("DEGREES", Stage::Search, |p| Field::F32(&mut p.slopes.direction_deg))
+        .within((Unbounded, Unbounded), "give degrees")
+        .dragged(0.5, 1)
+        .followed_by("°")
+        .by_default("found; 0 if ranges are given")
+        .used_if(|p| p.method == Method::Buff)
 );
-param_doc!(
+param!(
     SLOPES,
+    DetectorParams,
     "slopes",
     "Slopes",
     "",
+    "auto-slopes",
     "auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a direction, on the line in it.",
-    "Give ranges instead to search what you know, or to search the same slopes in every burst."
+    "Give ranges instead to search what you know, or to search the same slopes in every burst.",
+    Param::<DetectorParams>::new("auto", Stage::Search, |_| Field::Elsewhere)
+        .by_default("auto, unless ranges are given")
+        .used_if(|p| p.method == Method::Buff)
 );
-param_doc!(
+param!(
     FRAMES,
+    DetectorParams,
     "frames",
     "Frames used",
     "frames",
+    "frame",
     "The frames A … B−1 that are searched; all of them if absent.",
-    "More frames lower the noise, as long as the motion stays straight; features are reported at the middle of those used."
+    "More frames lower the noise, as long as the motion stays straight; features are reported at the middle of those used.",
+    Param::<DetectorParams>::new("A..B", Stage::Frames, |p| Field::Frames(&mut p.frames))
 );
-param_doc!(
+param!(
     OCTAVES,
+    DetectorParams,
     "octaves",
     "Octaves",
     "",
+    "octave",
     "How many octaves of scale are searched, each twice as coarse as the one before; fewer where the image gets too small.",
-    "More octaves find larger blobs, at little cost."
+    "More octaves find larger blobs, at little cost.",
+    Param::<DetectorParams>::new("N", Stage::Search, |p| Field::U32(&mut p.octaves))
+        .within((Included(1.0), Included(16.0)), "give 1 to 16")
 );
-param_doc!(
+param!(
     LEVELS,
+    DetectorParams,
     "levels",
     "Levels",
     "per octave",
+    "level",
     "Scales per octave.",
-    "More levels sample scale more finely and cost time in proportion."
+    "More levels sample scale more finely and cost time in proportion.",
+    Param::<DetectorParams>::new("N", Stage::Response, |p| Field::U32(&mut p.levels))
+        .within((Included(1.0), Included(10.0)), "give 1 to 10")
 );
-param_doc!(
+param!(
     FIRST_OCTAVE,
+    DetectorParams,
     "first-octave",
     "First octave",
     "",
+    "octave",
     "The finest octave: 0 starts at the image's own resolution, −1 at the doubled image.",
-    "−1 finds smaller features, of which noise has many, for about four times the time; 1 and above skip fine scales."
+    "−1 finds smaller features, of which noise has many, for about four times the time; 1 and above skip fine scales.",
+    Param::<DetectorParams>::new("O", Stage::Response, |p| Field::I32(&mut p.first_octave))
+        .within((Included(-1.0), Included(8.0)), "give -1 to 8")
 );
-param_doc!(
+param!(
     PEAK_THRESHOLD,
+    DetectorParams,
     "peak-threshold",
     "Peak threshold",
     "of full scale",
+    "peak-threshold",
     "The least |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate.",
-    "Raise it to keep only features of higher contrast; it knows nothing of the noise and removes everything in the dark."
+    "Raise it to keep only features of higher contrast; it knows nothing of the noise and removes everything in the dark.",
+    Param::<DetectorParams>::new("T", Stage::Search, |p| Field::F32(&mut p.peak_threshold))
+        .within((Included(0.0), Unbounded), "give 0 or more, as a fraction of full scale")
+        .dragged(0.0001, 5)
 );
-param_doc!(
+param!(
     NOISE_GATE,
+    DetectorParams,
     "noise-gate",
     "Noise gate",
     "σ of the noise in D",
+    "noise-gate",
     "The least |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; strict and auto derive it from the size of the search, 0 switches it off.",
-    "Raise it to eliminate more noise; lower it to see fainter features among more false ones. Strict gives at most one false feature a megapixel on noise alone; auto, for matching, lets through more of both."
+    "Raise it to eliminate more noise; lower it to see fainter features among more false ones. Strict gives at most one false feature a megapixel on noise alone; auto, for matching, lets through more of both.",
+    Param::<DetectorParams>::new("K", Stage::Search, |p| Field::Gate(&mut p.noise_gate))
+        .within((Included(0.0), Unbounded), "give auto, strict, or 0 or more standard deviations")
+        .dragged(0.02, 2)
+        .followed_by(" σ")
 );
-param_doc!(
+param!(
     NOISE_MODEL,
+    DetectorParams,
     "noise-model",
     "Noise model",
     "",
+    "noise",
     "What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and leaves out repeated, black, noisy and blurred frames, hot pixels and stripes; white is one standard deviation for all.",
-    "Local keeps the gate's promise for noise as cameras and files make it; white searches the frames as they are, for comparison."
+    "Local keeps the gate's promise for noise as cameras and files make it; white searches the frames as they are, for comparison.",
+    Param::<DetectorParams>::new("MODEL", Stage::Search, |p| Field::Word(&mut p.noise_model))
 );
-param_doc!(
+param!(
     FLICKER,
+    DetectorParams,
     "flicker",
     "Flicker",
     "",
+    "flicker",
     "Exposures that differ from frame to frame: auto brings the frames to the same brightness where the noise model local finds that they flicker; off takes them as they are.",
-    "Switch it off where the light itself changes and should stay in the pictures."
+    "Switch it off where the light itself changes and should stay in the pictures.",
+    Param::<DetectorParams>::new("WHAT", Stage::Search, |p| Field::Word(&mut p.flicker))
 );
-param_doc!(
+param!(
     EDGE_THRESHOLD,
+    DetectorParams,
     "edge-threshold",
     "Edge threshold",
     "",
+    "edge-threshold",
     "The largest ratio of the principal curvatures of D.",
-    "Raise it to keep more features on edges, which are poorly localised along the edge."
+    "Raise it to keep more features on edges, which are poorly localised along the edge.",
+    Param::<DetectorParams>::new("R", Stage::Search, |p| Field::F32(&mut p.edge_threshold))
+        .within((Included(1.0), Unbounded), "give 1 or more (10 is usual)")
+        .dragged(0.1, 2)
 );
-param_doc!(
+param!(
     SLOPE_EXTREMA,
+    DetectorParams,
     "slope-extrema",
     "Slope extrema",
     "",
+    "joint-extremum",
     "Which samples are candidates: those that stand out in place and scale at each slope for itself, or jointly over the neighbouring slopes too.",
-    "Each finds more in noise and leaves it to distinct keypoints to choose the slope; joint is the rule of the paper and of LiFF."
+    "Each finds more in noise and leaves it to distinct keypoints to choose the slope; joint is the rule of the paper and of LiFF.",
+    Param::<DetectorParams>::new("WHICH", Stage::Search, |p| Field::Word(&mut p.slope_extrema))
+        .used_if(|p| p.method == Method::Buff)
 );
-param_doc!(
+param!(
     DISTINCT,
+    DetectorParams,
     "distinct",
     "Distinct",
     "σ",
+    "distinct",
     "One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the stronger one stays; off keeps all.",
-    "Raise it to thin out keypoints that share a blob, which make matches ambiguous; lower it to keep neighbours in fine texture."
+    "Raise it to thin out keypoints that share a blob, which make matches ambiguous; lower it to keep neighbours in fine texture.",
+    Param::<DetectorParams>::new("RADIUS", Stage::Search, |p| Field::Distinct(&mut p.distinct))
+        .within((Excluded(0.0), Included(10.0)), "give off, or a radius above 0 and up to 10 σ")
+        .dragged(0.01, 2)
+        .followed_by(" σ")
+        .used_if(|p| p.method == Method::Buff)
 );
-param_doc!(
+param!(
     DISTINCT_SCALE,
+    DetectorParams,
     "distinct-scale",
     "Distinct scale",
     "",
+    "distinct",
     "The largest ratio of the scales of two keypoints that are taken for the same blob.",
-    "Raise it to let a keypoint remove others of more different sizes at its place."
+    "Raise it to let a keypoint remove others of more different sizes at its place.",
+    Param::<DetectorParams>::new("RATIO", Stage::Search, |p| Field::F32(&mut p.distinct_scale))
+        .within((Excluded(1.0), Included(8.0)), "give more than 1 and up to 8")
+        .dragged(0.01, 2)
+        .used_if(|p| p.method == Method::Buff)
 );
-param_doc!(
+param!(
     DESCRIBE_SLOPE,
+    DetectorParams,
     "describe-slope",
     "Describe slope",
     "",
+    "descriptor",
     "The slope at which orientation and descriptor are taken: refined, the feature's own, or grid, the nearest one that was searched.",
-    "Refined keeps features between two slopes of the grid sharp, so that they match; grid is what the published codes do."
+    "Refined keeps features between two slopes of the grid sharp, so that they match; grid is what the published codes do.",
+    Param::<DetectorParams>::new("WHICH", Stage::Description, |p| Field::Word(&mut p.describe_slope))
+        .used_if(|p| p.method == Method::Buff)
 );
-param_doc!(
+param!(
     SLOPE_NEIGHBOURS,
+    DetectorParams,
     "slope-neighbours",
     "Slope neighbours",
     "",
+    "joint-extremum",
     "The slopes that a joint extremum must beat: adjacent ones of the grid, or all.",
-    "All keeps at most one slope per place and scale and needs more memory; adjacent lets two motions share a place."
+    "All keeps at most one slope per place and scale and needs more memory; adjacent lets two motions share a place.",
+    Param::<DetectorParams>::new("WHICH", Stage::Search, |p| Field::Word(&mut p.slope_neighbours))
+        .used_if(|p| p.method == Method::Buff && p.slope_extrema == SlopeExtrema::Joint)
 );
-param_doc!(
+param!(
     INTERPOLATION,
+    DetectorParams,
     "interpolation",
     "Interpolation",
     "",
+    "interpolation",
     "How frames are sampled between pixels when they are shifted: linear, nearest or truncated.",
-    "Linear is the most accurate; nearest reproduces the authors' code, and truncated LiFF, which also counts what lies up to 1.5 px before the first column and row."
+    "Linear is the most accurate; nearest reproduces the authors' code, and truncated LiFF, which also counts what lies up to 1.5 px before the first column and row.",
+    Param::<DetectorParams>::new("HOW", Stage::Stack, |p| Field::Word(&mut p.interpolation))
+        .used_if(|p| p.method == Method::Buff)
 );
-param_doc!(
+param!(
     KERNEL_CUT,
+    DetectorParams,
     "kernel-cut",
     "Kernel cut",
     "σ",
+    "gaussian",
     "Where the kernel of each blur from level to level ends, in its standard deviations.",
-    "4 is exact to a thousandth; what a level sums up ends at 4.5 of its own in any case. 2 reproduces the authors' code, which misses some sizes of blobs by it."
+    "4 is exact to a thousandth; what a level sums up ends at 4.5 of its own in any case. 2 reproduces the authors' code, which misses some sizes of blobs by it.",
+    Param::<DetectorParams>::new("N", Stage::Response, |p| Field::F32(&mut p.kernel_cut))
+        .within((Included(1.0), Included(8.0)), "give 1 to 8 standard deviations (4 is usual)")
+        .dragged(0.02, 2)
 );
-param_doc!(
+param!(
     LOCALISATION,
+    DetectorParams,
     "localisation",
     "Localisation",
     "",
+    "refinement",
     "How the place, scale and slope between the samples are found: continuous or quadratic.",
-    "Continuous is several times as exact: a small filter says where and how fast, D between its levels how large; quadratic reproduces VLFeat and LiFF."
+    "Continuous is several times as exact: a small filter says where and how fast, D between its levels how large; quadratic reproduces VLFeat and LiFF.",
+    Param::<DetectorParams>::new("WORD", Stage::Search, |p| Field::Word(&mut p.localisation))
 );
-param_doc!(
+param!(
     MAX_FEATURES,
+    DetectorParams,
     "max-features",
     "Max features",
     "features",
+    "feature",
     "Keep only this many features, the strongest by response times the square root of the signal-to-noise ratio; 0 keeps all.",
-    "Lower it to keep only the most reliable."
+    "Lower it to keep only the most reliable.",
+    Param::<DetectorParams>::new("N", Stage::Description, |p| Field::Usize(&mut p.max_features))
+        .dragged(5.0, 0)
+        .zero_is("all")
 );
-param_doc!(
+param!(
     MAX_ORIENTATIONS,
+    DetectorParams,
     "max-orientations",
     "Max orientations",
     "per keypoint",
+    "orientation",
     "How many orientations a keypoint may have, 1 to 4; each becomes a feature of its own.",
-    "Raise it to match ambiguous places under rotation (VLFeat and LiFF use 4), for more features at one place."
+    "Raise it to match ambiguous places under rotation (VLFeat and LiFF use 4), for more features at one place.",
+    Param::<DetectorParams>::new("N", Stage::Description, |p| Field::Usize(&mut p.max_orientations))
+        .within((Included(1.0), Included(4.0)), "give 1 to 4")
+        .dragged(0.02, 0)
 );
 
-/// All parameters, in the order in which they are shown.
-pub const ALL: [ParamDoc; 24] = [
+/// Records of all parameters, in the order in which they are shown.
+pub const ALL: [Param<DetectorParams>; 24] = [
     METHOD,
     SLOPES,
     SLOPES_U,

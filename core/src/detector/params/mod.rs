@@ -1,106 +1,31 @@
-//! Parameters of the detector, their descriptions and checks.
+//! Parameters of the detector, their records and checks.
 //!
-//! The command line, the window and the parameter file use these names, and their help texts come from [`ParamDoc`].
+//! Each parameter has one record ([`Param`], all of them in [`doc::ALL`]), from which its option, its row in the window,
+//! its checks and its help are made.
 //! A parameter file is TOML with the fields of [`DetectorParams`]; a missing field has its default.
 
 mod change;
 mod choices;
 pub mod doc;
+mod record;
 mod searched;
 pub mod slope_grid;
 mod validate;
 
 pub use change::ParamChange;
+pub(crate) use choices::words;
 pub use choices::{
     DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
-    SlopeExtrema, SlopeNeighbours,
+    SlopeExtrema, SlopeNeighbours, Word,
 };
-pub use doc::ParamDoc;
+pub use doc::DetectorParams;
+pub(crate) use record::param;
+pub use record::{Bounds, Drag, Field, Param, ParamDoc, Stage, TextValue};
 pub use searched::{AUTO, SearchParams, SlopeChoice};
-pub use validate::{MAX_SLOPES, ParamError};
+pub use slope_grid::MAX_SLOPES;
+pub use validate::ParamError;
 
 use crate::detector::params::slope_grid::SlopeGrid;
-use serde::{Deserialize, Serialize};
-
-/// Parameters of the detector. The same burst and the same parameters give bitwise equal results.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct DetectorParams {
-    /// See [`doc::METHOD`].
-    pub method: Method,
-    /// See [`doc::FRAMES`]; `None` uses all frames.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub frames: Option<FrameRange>,
-    /// See [`doc::OCTAVES`].
-    pub octaves: u32,
-    /// See [`doc::LEVELS`].
-    pub levels: u32,
-    /// See [`doc::FIRST_OCTAVE`].
-    pub first_octave: i32,
-    /// See [`doc::PEAK_THRESHOLD`].
-    pub peak_threshold: f32,
-    /// See [`doc::NOISE_GATE`].
-    pub noise_gate: NoiseGate,
-    /// See [`doc::NOISE_MODEL`].
-    pub noise_model: NoiseModelKind,
-    /// See [`doc::FLICKER`].
-    pub flicker: Flicker,
-    /// See [`doc::EDGE_THRESHOLD`].
-    pub edge_threshold: f32,
-    /// See [`doc::SLOPE_EXTREMA`].
-    pub slope_extrema: SlopeExtrema,
-    /// See [`doc::SLOPE_NEIGHBOURS`].
-    pub slope_neighbours: SlopeNeighbours,
-    /// See [`doc::DISTINCT`].
-    pub distinct: Distinct,
-    /// See [`doc::DISTINCT_SCALE`].
-    pub distinct_scale: f32,
-    /// See [`doc::INTERPOLATION`].
-    pub interpolation: Interpolation,
-    /// See [`doc::KERNEL_CUT`].
-    pub kernel_cut: f32,
-    /// See [`doc::LOCALISATION`].
-    pub localisation: Localisation,
-    /// See [`doc::MAX_FEATURES`]; 0 keeps all.
-    pub max_features: usize,
-    /// See [`doc::MAX_ORIENTATIONS`].
-    pub max_orientations: usize,
-    /// See [`doc::DESCRIBE_SLOPE`].
-    pub describe_slope: DescribeSlope,
-    /// See [`doc::SLOPES_U`], [`doc::SLOPES_V`] and [`doc::SLOPE_DIRECTION`].
-    pub slopes: SlopeGrid,
-}
-
-impl Default for DetectorParams {
-    fn default() -> Self {
-        Self {
-            method: Method::Buff,
-            frames: None,
-            octaves: 6,
-            // In the dark five levels with an edge threshold of 12 gave 5 to 7 % more inliers than the paper's four
-            // with 10, for 4 % more time; six gave another 3 to 4 % for 7 to 12 % more time (docs/MEASUREMENTS.md).
-            levels: 5,
-            first_octave: 0,
-            // An absolute threshold removes everything in the dark; the noise gate replaces it.
-            peak_threshold: 0.0,
-            noise_gate: NoiseGate::Auto,
-            noise_model: NoiseModelKind::Local,
-            flicker: Flicker::Auto,
-            edge_threshold: 12.0,
-            slope_extrema: SlopeExtrema::Each,
-            slope_neighbours: SlopeNeighbours::Adjacent,
-            distinct: Distinct::default(),
-            distinct_scale: 1.75,
-            interpolation: Interpolation::Linear,
-            kernel_cut: 4.0,
-            localisation: Localisation::Continuous,
-            max_features: 0,
-            max_orientations: 2,
-            describe_slope: DescribeSlope::Refined,
-            slopes: SlopeGrid::default(),
-        }
-    }
-}
 
 impl DetectorParams {
     /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame
@@ -122,6 +47,11 @@ impl DetectorParams {
             Method::Buff => self.slopes,
             Method::Sift | Method::Merge => SlopeGrid::single(crate::detector::params::slope_grid::Slope::default()),
         }
+    }
+
+    /// Texts of the parameters that decide the result of `stage`: those of this stage and of the ones before it.
+    pub fn deciding(&self, stage: Stage) -> Vec<String> {
+        doc::ALL.iter().filter(|record| record.stage <= stage).map(|record| record.text(self)).collect()
     }
 
     /// Reads a parameter file.
@@ -205,12 +135,41 @@ mod tests {
     }
 
     #[test]
-    fn every_field_has_a_description() {
-        let text =
-            DetectorParams { frames: Some(FrameRange { start: 0, end: 1 }), ..DetectorParams::default() }.to_toml();
-        let table: toml::Table = text.parse().expect("valid");
-        for field in table.keys().filter(|k| *k != "slopes") {
-            assert!(doc::ALL.iter().any(|d| d.name.replace('-', "_") == *field), "{field} has no description");
+    fn every_field_has_a_record_and_every_record_a_field() {
+        // The reader's error names all fields, those that are left out of files too.
+        let error = DetectorParams::from_toml("nonsense = 1").expect_err("no such field");
+        let (_, expected) = error.split_once("expected one of").expect("the names of the fields");
+        let fields: Vec<&str> = expected.split('`').skip(1).step_by(2).collect();
+        assert!(fields.len() > 20 && fields.contains(&"frames"), "{error}");
+        for field in fields.iter().filter(|field| **field != "slopes") {
+            assert!(doc::ALL.iter().any(|d| d.name.replace('-', "_") == *field), "{field} has no record");
         }
+        for record in doc::ALL.iter().filter(|record| !record.name.starts_with("slopes")) {
+            let field = record.name.replace('-', "_");
+            assert!(fields.contains(&field.as_str()) || *record == doc::SLOPE_DIRECTION, "{field} is no field");
+        }
+    }
+
+    #[test]
+    fn words_are_those_of_files_and_defaults_are_within_their_bounds() {
+        for record in doc::ALL {
+            assert_eq!(record.check(&DetectorParams::default()), Ok(()), "{}", record.name);
+            let mut params = DetectorParams::default();
+            for (word, _) in (record.field)(&mut params).words().unwrap_or_default() {
+                record.read(&mut params, word).expect(word);
+                let table = toml::Table::try_from(&params).expect("plain values");
+                assert_eq!(table[&record.name.replace('-', "_")].as_str(), Some(*word));
+            }
+        }
+    }
+
+    #[test]
+    fn a_stage_is_decided_by_its_own_parameters_and_those_of_the_stages_before() {
+        let before = DetectorParams::default();
+        let after = DetectorParams { levels: 3, ..before.clone() };
+        assert_eq!(before.deciding(Stage::Stack), after.deciding(Stage::Stack));
+        assert_ne!(before.deciding(Stage::Response), after.deciding(Stage::Response));
+        assert_ne!(before.deciding(Stage::Search), after.deciding(Stage::Search));
+        assert_eq!(before.deciding(Stage::Matching).len(), doc::ALL.len());
     }
 }

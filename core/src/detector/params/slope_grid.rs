@@ -8,6 +8,9 @@
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
+/// Maximum number of slopes of a grid.
+pub const MAX_SLOPES: usize = 4096;
+
 /// An apparent motion, in pixels of the input image per frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -71,6 +74,29 @@ impl SlopeAxis {
     /// Slope at `index` of the axis; fractional indices are allowed.
     pub fn value(&self, index: f32) -> f32 {
         if self.count > 1 { self.min + index * self.step() } else { 0.5 * (self.min + self.max) }
+    }
+}
+
+impl SlopeAxis {
+    /// Checks the axis by itself; otherwise the fault and its remedy.
+    pub(super) fn check(&self) -> Result<(), (String, String)> {
+        let fail = |problem: String, remedy: &str| Err((problem, remedy.to_owned()));
+        if !(self.min.is_finite() && self.max.is_finite()) {
+            return fail("the range is not finite".into(), "give two numbers of pixels per frame");
+        }
+        if self.count == 0 {
+            return fail("the count is 0".into(), "give at least 1 slope");
+        }
+        if self.min > self.max {
+            return fail(format!("{} is above {}", self.min, self.max), "give the smaller slope first");
+        }
+        if self.count > 1 && self.min == self.max {
+            return fail(format!("{} slopes on an empty range", self.count), "widen the range, or ask for 1 slope");
+        }
+        if self.count > MAX_SLOPES {
+            return fail(format!("{} slopes", self.count), "at most 4096 slopes are searched; use a coarser step");
+        }
+        Ok(())
     }
 }
 

@@ -7,8 +7,8 @@ use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::dataset::CameraChoice;
 use crate::matching::params::doc;
-use crate::matching::{Camera, CameraModel, Geometry, MatchParams};
-use egui::{Align, DragValue, Layout, RichText, Ui};
+use crate::matching::{Camera, CameraModel, MatchParams};
+use egui::{Align, Layout, RichText, Ui};
 
 /// Camera as typed.
 #[derive(Debug, Clone, Default)]
@@ -69,85 +69,16 @@ fn all_rows_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText) {
     let size = model.burst_of(Side::A).map(|open| open.burst.size());
     let error = model.pair.param_error.clone();
     let p = &mut model.pair.params;
-    let table = ParamTable { error: error.as_ref(), defaults: MatchParams::default() };
-    rows_ui(ui, &table, p);
-    camera_ui(ui, &table, p, camera, size);
-}
-
-fn geometry_label(geometry: Geometry) -> &'static str {
-    match geometry {
-        Geometry::None => "None",
-        Geometry::Fundamental => "Fundamental",
-        Geometry::Essential => "Essential",
-        Geometry::Homography => "Homography",
+    let table = ParamTable { error: error.as_ref(), defaults: MatchParams::default(), frame_count: 0 };
+    for record in &doc::ALL {
+        ui.add_enabled_ui((record.in_use)(p), |ui| {
+            if *record == doc::CAMERA {
+                camera_ui(ui, &table, p, camera, size);
+            } else {
+                table.row(ui, record, p);
+            }
+        });
     }
-}
-
-fn rows_ui(ui: &mut Ui, table: &ParamTable<'_, MatchParams>, p: &mut MatchParams) {
-    table.row(
-        ui,
-        &doc::RATIO,
-        p,
-        |p| &mut p.ratio,
-        |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(0.002).max_decimals(3), label),
-    );
-    table.row(
-        ui,
-        &doc::MUTUAL,
-        p,
-        |p| &mut p.mutual,
-        |ui, value, label| {
-            ui.checkbox(value, "").labelled_by(label);
-        },
-    );
-    table.row(
-        ui,
-        &doc::GEOMETRY,
-        p,
-        |p| &mut p.geometry,
-        |ui, value, label| {
-            let names = Geometry::ALL.map(|g| (g, geometry_label(g)));
-            rows::choice_ui(ui, value, label, &names);
-        },
-    );
-    let verified = p.geometry != Geometry::None;
-    ui.add_enabled_ui(verified, |ui| {
-        table.row(
-            ui,
-            &doc::MAX_ERROR_PX,
-            p,
-            |p| &mut p.max_error_px,
-            |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(0.02).max_decimals(2), label),
-        );
-        table.row(
-            ui,
-            &doc::MIN_INLIERS,
-            p,
-            |p| &mut p.min_inliers,
-            |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(0.1), label),
-        );
-        table.row(
-            ui,
-            &doc::CONFIDENCE,
-            p,
-            |p| &mut p.confidence,
-            |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(0.0005).max_decimals(6), label),
-        );
-        table.row(
-            ui,
-            &doc::MAX_ITERATIONS,
-            p,
-            |p| &mut p.max_iterations,
-            |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(50.0), label),
-        );
-        table.row(
-            ui,
-            &doc::SEED,
-            p,
-            |p| &mut p.seed,
-            |ui, value, label| rows::number_ui(ui, DragValue::new(value).speed(0.05), label),
-        );
-    });
 }
 
 fn camera_ui(
@@ -158,35 +89,32 @@ fn camera_ui(
     size: Option<(usize, usize)>,
 ) {
     typed.follow(p.camera.as_ref());
-    ui.add_enabled_ui(p.geometry == Geometry::Essential, |ui| {
-        table.row(
-            ui,
-            &doc::CAMERA,
-            p,
-            |p| &mut p.camera,
-            |ui, camera, _| {
-                let tip = "Take a focal length of 1.2 times the larger side and the centre of the images, as COLMAP does where nothing is known";
-                if ui.add_enabled(size.is_some(), egui::Button::new("Guess")).on_hover_text(tip).clicked() {
-                    let guess = size.and_then(|s| CameraChoice::Guessed(CameraModel::SimplePinhole).for_images(s).ok());
-                    *camera = guess;
-                }
-            },
-        );
-        let hint = "PINHOLE 640 480 500 500 320 240";
-        let field = egui::TextEdit::singleline(&mut typed.text).hint_text(hint).desired_width(f32::INFINITY);
-        let response = ui.add(field).on_hover_text(doc::CAMERA.help());
-        name_field(&response, "Camera", &typed.text);
-        if response.changed() {
-            typed.read();
-            if typed.problem.is_none() {
-                p.camera.clone_from(&typed.camera);
-            }
+    let guess_ui = |ui: &mut Ui, camera: &mut Option<Camera>, _| {
+        let tip = "Take a focal length of 1.2 times the larger side and the centre of the images, as COLMAP does where nothing is known";
+        if ui.add_enabled(size.is_some(), egui::Button::new("Guess")).on_hover_text(tip).clicked() {
+            let guess = size.and_then(|s| CameraChoice::Guessed(CameraModel::SimplePinhole).for_images(s).ok());
+            *camera = guess;
         }
-        if let Some(problem) = &typed.problem {
-            let text = RichText::new(problem).small().color(ui.visuals().error_fg_color);
-            ui.add(egui::Label::new(text).wrap());
+    };
+    table.row_with(ui, &doc::CAMERA, &mut p.camera, guess_ui, |ui, camera| {
+        if rows::reset_ui(ui, &doc::CAMERA, camera.is_some()) {
+            *camera = None;
         }
     });
+    let hint = "PINHOLE 640 480 500 500 320 240";
+    let field = egui::TextEdit::singleline(&mut typed.text).hint_text(hint).desired_width(f32::INFINITY);
+    let response = ui.add(field).on_hover_text(doc::CAMERA.help());
+    name_field(&response, "Camera", &typed.text);
+    if response.changed() {
+        typed.read();
+        if typed.problem.is_none() {
+            p.camera.clone_from(&typed.camera);
+        }
+    }
+    if let Some(problem) = &typed.problem {
+        let text = RichText::new(problem).small().color(ui.visuals().error_fg_color);
+        ui.add(egui::Label::new(text).wrap());
+    }
 }
 
 #[cfg(test)]

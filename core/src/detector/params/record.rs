@@ -1,0 +1,435 @@
+//! Record of one parameter: all that the program knows about it, in one place.
+//!
+//! The option of the commands, the row in the window, the changes that advice suggests, the checks, the help texts and
+//! the page of reference are made from a [`Param`]. Its [`Field`] reads, writes and edits the value; its [`Stage`] says
+//! what it decides. The records of the detector are in [`super::doc`], those of matching in
+//! [`crate::matching::params::doc`].
+
+use super::{Distinct, FrameRange, NoiseGate, ParamError, Word};
+use crate::detector::params::slope_grid::SlopeAxis;
+use std::fmt;
+use std::ops::{Bound, Deref, RangeBounds};
+
+/// Description of one parameter, in the words that help pages, tooltips and error messages show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ParamDoc {
+    /// Name on the command line, without dashes in front; the file's field has `_` for `-`.
+    pub name: &'static str,
+    /// Name in the window, in sentence case.
+    pub label: &'static str,
+    /// Unit of its value; empty where it has none.
+    pub unit: &'static str,
+    /// Name of the entry of the program's glossary that explains it.
+    pub term: &'static str,
+    /// Meaning, as a sentence.
+    pub meaning: &'static str,
+    /// Effect of raising (or changing) it.
+    pub effect: &'static str,
+}
+
+impl ParamDoc {
+    /// Meaning, unit and effect as running text, for help pages and tooltips.
+    pub fn help(&self) -> String {
+        if self.unit.is_empty() {
+            format!("{} {}", self.meaning, self.effect)
+        } else {
+            format!("{} Unit: {}. {}", self.meaning, self.unit, self.effect)
+        }
+    }
+}
+
+/// Stage of the processing, in order. A parameter belongs to the first stage whose result depends on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Choice of the frames: decides merged frames.
+    Frames,
+    /// Motion stack: shifting and averaging of the frames.
+    Stack,
+    /// Scale space and DoG responses of a motion stack.
+    Response,
+    /// Search for extrema over all slopes and scales, with the noise and all tests.
+    Search,
+    /// Choice, orientation and description of the features found.
+    Description,
+    /// Matching of two sets of features.
+    Matching,
+}
+
+/// Value of a parameter, in place.
+pub enum Field<'a> {
+    /// Real number.
+    F32(&'a mut f32),
+    /// Count.
+    U32(&'a mut u32),
+    /// Integer, which may be negative.
+    I32(&'a mut i32),
+    /// Count.
+    Usize(&'a mut usize),
+    /// Count or seed.
+    U64(&'a mut u64),
+    /// Yes or no.
+    Flag(&'a mut bool),
+    /// One of a few named values.
+    Word(&'a mut dyn Word),
+    /// Axis of slopes, MIN:MAX:COUNT.
+    Axis(&'a mut SlopeAxis),
+    /// Frames A..B, or all.
+    Frames(&'a mut Option<FrameRange>),
+    /// Noise gate: a rule's name or a number.
+    Gate(&'a mut NoiseGate),
+    /// Distinct keypoints: off or a radius.
+    Distinct(&'a mut Distinct),
+    /// Value with a syntax of its own.
+    Text(&'a mut dyn TextValue),
+    /// Choice that is made before these parameters are, and is not a part of them.
+    Elsewhere,
+}
+
+/// Value that is written and read in a syntax of its own.
+pub trait TextValue {
+    /// Text of the value.
+    fn text(&self) -> String;
+    /// Reads the value.
+    ///
+    /// # Errors
+    /// The fault in `text`, and an example of what is right.
+    fn read(&mut self, text: &str) -> Result<(), String>;
+}
+
+/// Text that stands for all frames.
+const ALL_FRAMES: &str = "all";
+
+impl Field<'_> {
+    /// Text of the value, as options of the commands and changes have it.
+    pub fn text(&self) -> String {
+        match self {
+            Self::F32(x) => x.to_string(),
+            Self::U32(n) => n.to_string(),
+            Self::I32(n) => n.to_string(),
+            Self::Usize(n) => n.to_string(),
+            Self::U64(n) => n.to_string(),
+            Self::Flag(flag) => flag.to_string(),
+            Self::Word(word) => word.word().to_owned(),
+            Self::Axis(axis) => axis.to_string(),
+            Self::Frames(frames) => frames.map_or_else(|| ALL_FRAMES.to_owned(), |range| range.to_string()),
+            Self::Gate(gate) => gate.to_string(),
+            Self::Distinct(distinct) => distinct.to_string(),
+            Self::Text(value) => value.text(),
+            Self::Elsewhere => String::new(),
+        }
+    }
+
+    /// Reads the value from what [`Self::text`] writes.
+    ///
+    /// # Errors
+    /// The fault in `text`.
+    pub fn read(self, text: &str) -> Result<(), String> {
+        fn number<T: std::str::FromStr>(place: &mut T, text: &str) -> Result<(), String> {
+            *place = text.trim().parse().map_err(|_| format!("'{text}' is not a number that it takes"))?;
+            Ok(())
+        }
+        match self {
+            Self::F32(x) => number(x, text)?,
+            Self::U32(n) => number(n, text)?,
+            Self::I32(n) => number(n, text)?,
+            Self::Usize(n) => number(n, text)?,
+            Self::U64(n) => number(n, text)?,
+            Self::Flag(flag) => *flag = text.trim().parse().map_err(|_| format!("'{text}' is not true or false"))?,
+            Self::Word(word) => word.set_word(text).then_some(()).ok_or_else(|| format!("'{text}' is not known"))?,
+            Self::Axis(axis) => *axis = text.parse()?,
+            Self::Frames(frames) => {
+                *frames = if text.trim() == ALL_FRAMES { None } else { Some(text.parse()?) };
+            }
+            Self::Gate(gate) => *gate = text.parse()?,
+            Self::Distinct(distinct) => *distinct = text.parse()?,
+            Self::Text(value) => value.read(text)?,
+            Self::Elsewhere => return Err("this is chosen before the detector's parameters are".to_owned()),
+        }
+        Ok(())
+    }
+
+    /// Number in the value, if it has one.
+    fn number(&self) -> Option<f64> {
+        match self {
+            Self::F32(x) => Some(f64::from(**x)),
+            Self::U32(n) => Some(f64::from(**n)),
+            Self::I32(n) => Some(f64::from(**n)),
+            Self::Usize(n) => Some(**n as f64),
+            Self::U64(n) => Some(**n as f64),
+            Self::Gate(NoiseGate::Factor(x)) | Self::Distinct(Distinct::Radius(x)) => Some(f64::from(*x)),
+            _ => None,
+        }
+    }
+
+    /// Fault of the value by itself, with its remedy.
+    fn fault(&self, bounds: Option<&Bounds>) -> Result<(), (String, String)> {
+        match (self, self.number(), bounds) {
+            (Self::Axis(axis), ..) => axis.check(),
+            (Self::Frames(Some(range)), ..) => range.check(),
+            (_, Some(number), Some(bounds)) if !bounds.allow(number) => {
+                let problem = if number.is_finite() { self.text() } else { "it is not finite".to_owned() };
+                Err((problem, bounds.remedy.to_owned()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Names of the values among which it is chosen: those of the command line, and those of the window.
+    pub fn words(&self) -> Option<&'static [(&'static str, &'static str)]> {
+        match self {
+            Self::Word(word) => Some(word.words()),
+            _ => None,
+        }
+    }
+}
+
+/// Range of the numbers that a parameter takes; they must be finite too.
+#[derive(Debug, Clone, Copy)]
+pub struct Bounds {
+    /// Least and greatest number.
+    pub range: (Bound<f64>, Bound<f64>),
+    /// Remedy that the error gives for other numbers.
+    pub remedy: &'static str,
+}
+
+impl Bounds {
+    fn allow(&self, number: f64) -> bool {
+        number.is_finite() && self.range.contains(&number)
+    }
+
+    /// Whether negative numbers are allowed.
+    pub fn allow_negative(&self) -> bool {
+        match self.range.0 {
+            Bound::Included(least) | Bound::Excluded(least) => least < 0.0,
+            Bound::Unbounded => true,
+        }
+    }
+}
+
+impl fmt::Display for Bounds {
+    /// Writes the range, such as `1 … 16` or `> 0`; nothing where all numbers are allowed.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        use Bound::{Excluded, Included, Unbounded};
+        match self.range {
+            (Included(least), Included(most)) => write!(f, "{least} … {most}"),
+            (Excluded(least), Included(most)) => write!(f, "> {least}, ≤ {most}"),
+            (Included(least), Excluded(most)) => write!(f, "≥ {least}, < {most}"),
+            (Excluded(least), Excluded(most)) => write!(f, "> {least}, < {most}"),
+            (Included(least), Unbounded) => write!(f, "≥ {least}"),
+            (Excluded(least), Unbounded) => write!(f, "> {least}"),
+            (Unbounded, Included(most)) => write!(f, "≤ {most}"),
+            (Unbounded, Excluded(most)) => write!(f, "< {most}"),
+            (Unbounded, Unbounded) => Ok(()),
+        }
+    }
+}
+
+/// Field of the window for a number, which is dragged or typed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drag {
+    /// Change for one point of dragging, in the parameter's unit.
+    pub speed: f64,
+    /// Largest number of decimals shown; integers have none.
+    pub decimals: usize,
+    /// Text after the number.
+    pub suffix: &'static str,
+    /// Word that stands for 0.
+    pub zero: Option<&'static str>,
+}
+
+/// Record of one parameter of `P`. Two records are equal if they describe the same parameter.
+pub struct Param<P: 'static> {
+    /// Its description.
+    pub doc: ParamDoc,
+    /// Name of the value in help pages, such as N.
+    pub placeholder: &'static str,
+    /// Stage that it first decides.
+    pub stage: Stage,
+    /// Its value in the parameters.
+    pub field: fn(&mut P) -> Field<'_>,
+    /// Default in words, where it depends on what else is given.
+    pub default_words: Option<&'static str>,
+    /// Range of its number.
+    pub bounds: Option<Bounds>,
+    /// Field of the window for its number.
+    pub drag: Drag,
+    /// Whether it has an effect with the other parameters.
+    pub in_use: fn(&P) -> bool,
+}
+
+impl<P> Param<P> {
+    /// Record of a parameter with no bounds, which always has an effect.
+    pub const fn new(placeholder: &'static str, stage: Stage, field: fn(&mut P) -> Field<'_>) -> Self {
+        Self {
+            doc: ParamDoc { name: "", label: "", unit: "", term: "", meaning: "", effect: "" },
+            placeholder,
+            stage,
+            field,
+            default_words: None,
+            bounds: None,
+            drag: Drag { speed: 0.05, decimals: 2, suffix: "", zero: None },
+            in_use: |_| true,
+        }
+    }
+
+    /// Record with a description.
+    #[must_use]
+    pub const fn described(self, doc: ParamDoc) -> Self {
+        Self { doc, ..self }
+    }
+
+    /// Record of a parameter whose number is in `range`; `remedy` is given for others.
+    #[must_use]
+    pub const fn within(self, range: (Bound<f64>, Bound<f64>), remedy: &'static str) -> Self {
+        Self { bounds: Some(Bounds { range, remedy }), ..self }
+    }
+
+    /// Record with a field of the window of this speed and number of decimals.
+    #[must_use]
+    pub const fn dragged(self, speed: f64, decimals: usize) -> Self {
+        Self { drag: Drag { speed, decimals, ..self.drag }, ..self }
+    }
+
+    /// Record with a text after the number in the window.
+    #[must_use]
+    pub const fn followed_by(self, suffix: &'static str) -> Self {
+        Self { drag: Drag { suffix, ..self.drag }, ..self }
+    }
+
+    /// Record with a word that stands for 0 in the window.
+    #[must_use]
+    pub const fn zero_is(self, word: &'static str) -> Self {
+        Self { drag: Drag { zero: Some(word), ..self.drag }, ..self }
+    }
+
+    /// Record whose default is given in words.
+    #[must_use]
+    pub const fn by_default(self, words: &'static str) -> Self {
+        Self { default_words: Some(words), ..self }
+    }
+
+    /// Record of a parameter that has an effect only where `in_use` says so.
+    #[must_use]
+    pub const fn used_if(self, in_use: fn(&P) -> bool) -> Self {
+        Self { in_use, ..self }
+    }
+
+    /// Text of the value in `params`.
+    pub fn text(&self, params: &P) -> String
+    where
+        P: Clone,
+    {
+        (self.field)(&mut params.clone()).text()
+    }
+
+    /// Default, as typed on the command line or in words.
+    pub fn default_text(&self) -> String
+    where
+        P: Default,
+    {
+        self.default_words.map_or_else(|| (self.field)(&mut P::default()).text(), str::to_owned)
+    }
+
+    /// Sets the value in `params` to what `text` says.
+    ///
+    /// # Errors
+    /// The fault in `text`. The value is checked only for whether it can be read.
+    pub fn read(&self, params: &mut P, text: &str) -> Result<(), String> {
+        (self.field)(params).read(text)
+    }
+
+    /// Checks the value in `params` by itself.
+    ///
+    /// # Errors
+    /// Its fault, with a remedy.
+    pub fn check(&self, params: &P) -> Result<(), ParamError>
+    where
+        P: Clone,
+    {
+        let fault = (self.field)(&mut params.clone()).fault(self.bounds.as_ref());
+        fault.map_err(|(problem, remedy)| ParamError { parameter: self.doc.name, problem, remedy })
+    }
+
+    /// Text of `-h`: the meaning and the default.
+    pub fn short_help(&self) -> String
+    where
+        P: Default,
+    {
+        format!("{} [default: {}]", self.meaning.trim_end_matches('.'), self.default_text())
+    }
+
+    /// Text of `--help`: all of the description, and the default.
+    pub fn long_help(&self) -> String
+    where
+        P: Default,
+    {
+        format!("{} [default: {}]", self.help(), self.default_text())
+    }
+
+    /// Row of the table in the page of reference (Markdown): option, label, values and unit, default, help.
+    pub fn reference_row(&self) -> String
+    where
+        P: Default,
+    {
+        let mut params = P::default();
+        let values = match (self.field)(&mut params).words() {
+            Some(words) => words.iter().map(|(word, _)| format!("`{word}`")).collect::<Vec<_>>().join(", "),
+            None => format!("{} {}", self.placeholder, self.bounds.map_or_else(String::new, |b| b.to_string())),
+        };
+        let cells = [
+            format!("`--{}`", self.name),
+            self.label.to_owned(),
+            format!("{} {}", values.trim(), self.unit).trim().to_owned(),
+            self.default_text(),
+            format!("{} {}", self.meaning, self.effect),
+        ];
+        format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
+    }
+}
+
+impl<P> Clone for Param<P> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<P> Copy for Param<P> {}
+
+impl<P> PartialEq for Param<P> {
+    fn eq(&self, other: &Self) -> bool {
+        self.doc == other.doc
+    }
+}
+
+impl<P> Eq for Param<P> {}
+
+impl<P> fmt::Debug for Param<P> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.doc.name)
+    }
+}
+
+impl<P> Deref for Param<P> {
+    type Target = ParamDoc;
+
+    fn deref(&self) -> &ParamDoc {
+        &self.doc
+    }
+}
+
+/// Declares one parameter: its constant's name, the type of the parameters, the fields of [`ParamDoc`] in order, and its
+/// [`Param`].
+macro_rules! param {
+    ($id:ident, $params:ty, $name:literal, $label:literal, $unit:literal, $term:literal, $meaning:literal, $effect:literal, $rest:expr) => {
+        #[doc = concat!($meaning, " ", $effect)]
+        pub const $id: Param<$params> = $rest.described(ParamDoc {
+            name: $name,
+            label: $label,
+            unit: $unit,
+            term: $term,
+            meaning: $meaning,
+            effect: $effect,
+        });
+    };
+}
+pub(crate) use param;
