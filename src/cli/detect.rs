@@ -142,7 +142,7 @@ mod tests {
     use super::*;
     use crate::burst::RawColour;
     use crate::cli::commands::{Cli, Command};
-    use crate::detector::{Distinct, NoiseGate, Slope, SlopeGrid};
+    use crate::detector::{DetectorParams, Distinct, NoiseGate, Slope, SlopeChoice, SlopeGrid};
     use crate::requests::detect_line;
     use clap::Parser;
 

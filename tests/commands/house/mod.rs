@@ -2,6 +2,7 @@
 //! Cargo ensures that the library does not use the program.
 
 mod circles;
+mod counts;
 mod dependencies;
 mod documents;
 mod floors;

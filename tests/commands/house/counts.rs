@@ -1,0 +1,96 @@
+//! Counts that show whether the code is still simple to read and to extend, each with its bound.
+//!
+//! `cargo test --test commands counts -- --nocapture` prints the table.
+
+use super::reading::{code, files};
+use std::path::{Path, PathBuf};
+
+/// One line of the table.
+struct Count {
+    /// Subject that is counted.
+    subject: &'static str,
+    /// Number found on the tree.
+    found: usize,
+    /// Largest number allowed; `None` where the number is only told.
+    bound: Option<usize>,
+    /// Files or lines counted, for the message; empty where they are too many to help.
+    which: Vec<String>,
+}
+
+impl Count {
+    fn of(subject: &'static str, bound: usize, which: Vec<String>) -> Self {
+        Self { subject, found: which.len(), bound: Some(bound), which }
+    }
+
+    fn told(subject: &'static str, found: usize) -> Self {
+        Self { subject, found, bound: None, which: Vec::new() }
+    }
+}
+
+/// A source file: its path below `src`, its text, and its code without comments and tests.
+struct Source {
+    path: PathBuf,
+    text: String,
+    code: String,
+}
+
+fn sources() -> Vec<Source> {
+    let read = |(name, path): (PathBuf, PathBuf)| {
+        let text = std::fs::read_to_string(path).expect("text");
+        let code = code(&text);
+        Source { path: name, text, code }
+    };
+    files().into_iter().map(read).collect()
+}
+
+/// Names of the files for which `is` holds.
+fn which(sources: &[Source], is: impl Fn(&Source) -> bool) -> Vec<String> {
+    sources.iter().filter(|source| is(source)).map(|source| source.path.display().to_string()).collect()
+}
+
+/// Doc comments that begin with words that put off their subject.
+fn late_subjects(source: &Source) -> impl Iterator<Item = String> + '_ {
+    let mut inside = false;
+    source.text.lines().enumerate().filter_map(move |(number, line)| {
+        let comment = ["///", "//!"].into_iter().find_map(|mark| line.trim_start().strip_prefix(mark));
+        let begins = comment.is_some() && !std::mem::replace(&mut inside, comment.is_some());
+        let words = comment.unwrap_or_default().trim_start();
+        let is_late = ["What ", "The one that "].iter().any(|start| words.starts_with(start));
+        (begins && is_late).then(|| format!("{}:{}", source.path.display(), number + 1))
+    })
+}
+
+fn counts() -> Vec<Count> {
+    let sources = sources();
+    let lines = |source: &Source| source.text.lines().count();
+    let is_shell = |source: &Source| source.code.contains("BurstscopeApp") && source.path != Path::new("app/mod.rs");
+    vec![
+        Count::of("files that see the whole window", 4, which(&sources, is_shell)),
+        Count::of("files with methods of the whole window", 4, which(&sources, |s| s.code.contains("impl BurstscopeApp"))),
+        Count::of("doc comments that begin with “What” or “The one that”", 60, sources.iter().flat_map(late_subjects).collect()),
+        Count::of("files above 600 lines", 0, which(&sources, |source| lines(source) > 600)),
+        Count { bound: Some(500), ..Count::told("source files", sources.len()) },
+        Count::told("source files under 80 lines", which(&sources, |source| lines(source) < 80).len()),
+        Count::told("lines of source, tests beside the code included", sources.iter().map(lines).sum()),
+    ]
+}
+
+#[test]
+fn counts_stay_within_their_bounds() {
+    let counts = counts();
+    for Count { subject, found, bound, .. } in &counts {
+        let bound = bound.map(|bound| format!("at most {bound}")).unwrap_or_default();
+        println!("{subject:<60} {found:>7}  {bound}");
+    }
+    for Count { subject, found, bound, which } in counts {
+        assert!(bound.is_none_or(|bound| found <= bound), "{found} {subject}: {}", which.join(", "));
+    }
+    assert!(files().len() > 200, "too few files were read to be all");
+}
+
+#[test]
+fn late_subjects_are_counted_once_a_comment() {
+    let text = "/// What it is.\n/// What it is not.\nfn a() {}\n/// Width, px.\n/// What follows.\nfn b() {}\n//! The one that runs.\n";
+    let source = Source { path: "x.rs".into(), text: text.to_owned(), code: String::new() };
+    assert_eq!(late_subjects(&source).collect::<Vec<_>>(), ["x.rs:1", "x.rs:7"]);
+}
