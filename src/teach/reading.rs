@@ -82,10 +82,10 @@ impl StepTable {
             (Some(Text(text)), Some(goal)) if !goal.is_empty() => Some(Task { text, goal }),
             (None, None) => None,
             (Some(_), _) => {
-                return Err(format!("step '{title}' has something to try, but no goal that says when it is done"));
+                return Err(format!("step '{title}' has 'try' but no 'goal'; add the goal that ends the task"));
             }
             (None, Some(_)) => {
-                return Err(format!("step '{title}' has a goal, but no 'try' that says what to do"));
+                return Err(format!("step '{title}' has 'goal' but no 'try'; add the text of the task"));
             }
         };
         let state = self.set.over(default);
@@ -93,7 +93,7 @@ impl StepTable {
         if state.spot.is_none()
             && let Some(part) = self.highlight.iter().find(|part| in_lesson(part))
         {
-            return Err(format!("step '{title}' points at '{part}', which is there only with a 'spot' to measure"));
+            return Err(format!("step '{title}' highlights '{part}', which needs a 'spot' to measure; set one"));
         }
         Ok(Step { title, caption: self.caption.0, highlight: self.highlight, task, state })
     }
@@ -109,7 +109,7 @@ pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<LessonError>> {
         let mut files = files_of(path).map_err(|error| vec![whole(error.to_string())])?;
         alphanumeric_sort::sort_path_slice(&mut files);
         if files.is_empty() {
-            return Err(vec![whole("the folder has no lesson in it; lessons are files *.toml".to_owned())]);
+            return Err(vec![whole("the folder has no lesson; give a folder with *.toml files".to_owned())]);
         }
         files
     } else {

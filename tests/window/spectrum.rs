@@ -46,8 +46,8 @@ fn open(folder: &Path) -> Window {
 fn look_at_slopes(window: &mut Window) {
     window.app_mut().model.bottom_tab = BottomTab::Slopes;
     window.settle();
-    if window.shows("Look at the slopes") {
-        window.click("Look at the slopes");
+    if window.shows("Analyse slopes") {
+        window.click("Analyse slopes");
         window.settle();
     }
 }

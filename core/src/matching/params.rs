@@ -129,7 +129,7 @@ pub mod doc {
         "ratio",
         "Ratio test",
         "",
-        "The largest ratio of the distances to the nearest and the second nearest descriptor; 1 switches the test off.",
+        "Max ratio of the distances to the nearest and the second nearest descriptor; 1 switches the test off.",
         "Raise it to keep more matches, of which more are wrong."
     );
     param_doc!(
@@ -153,7 +153,7 @@ pub mod doc {
         "max-error-px",
         "Max error",
         "px",
-        "The largest error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric transfer error.",
+        "Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric transfer error.",
         "Raise it to keep less exact matches, and more wrong ones that fit by chance."
     );
     param_doc!(
@@ -161,7 +161,7 @@ pub mod doc {
         "min-inliers",
         "Min inliers",
         "matches",
-        "The least number of inliers of a geometry; with fewer there is none, and no match is an inlier.",
+        "Min number of inliers of a geometry; with fewer there is none, and no match is an inlier.",
         "Raise it to trust only pairs with much in common: seven wrong matches always agree on some fundamental matrix, and others fit by chance."
     );
     param_doc!(
@@ -177,7 +177,7 @@ pub mod doc {
         "max-iterations",
         "Max iterations",
         "samples",
-        "The most samples of matches that are tried.",
+        "Max number of samples of matches that are tried.",
         "Raise it where most matches are wrong, for more time."
     );
     param_doc!(
@@ -186,7 +186,7 @@ pub mod doc {
         "Seed",
         "",
         "Seed of the samples of matches.",
-        "The same seed gives the same inliers; another one shows how much they depend on luck."
+        "The same seed gives the same inliers; another one shows how much they depend on chance."
     );
     param_doc!(
         CAMERA,

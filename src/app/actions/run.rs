@@ -159,7 +159,7 @@ impl BurstscopeApp {
             A::PinResult => {
                 self.model.pin_result();
                 self.model.bottom_tab = BottomTab::Compared;
-                self.model.messages.note("Pinned: later detections are shown against these features");
+                self.model.messages.note("Pinned: later detections are compared with these features");
             }
             A::UnpinResult => self.model.unpin_result(),
             A::OpenFeatures => self.ask(Purpose::OpenFeatures),

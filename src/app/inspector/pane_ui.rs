@@ -46,7 +46,7 @@ pub(super) fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &m
     let mut view = model.panes.get(id).map(|pane| pane.view).unwrap_or_default();
     let output = canvas_of(model, shown, name)
         .picture(state.shown().filter(|_| problem.is_none()))
-        .empty_text(problem.unwrap_or("The picture is being made…"))
+        .empty_text(problem.unwrap_or("Computing the picture…"))
         .primary_pans(model.workspace != Workspace::Inspect || model.measure.tool == Tool::Pan)
         .show(ui, &mut view);
     let state = &mut widgets.of(shown).picture;

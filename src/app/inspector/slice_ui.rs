@@ -28,7 +28,7 @@ pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAx
     ui.painter().rect_filled(whole, 0.0, canvas::backdrop(ui));
     let touched = response.clicked() || response.drag_started();
     let Some(answer) = model.probe.answer.clone() else {
-        let text = if model.probe.question.is_some() { "The place is being probed…" } else { HOW };
+        let text = if model.probe.question.is_some() { "Probing the place…" } else { HOW };
         canvas::message(ui, ui.painter(), whole, text);
         return touched;
     };

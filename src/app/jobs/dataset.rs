@@ -182,9 +182,9 @@ impl BurstscopeApp {
                 self.model.workspace = Workspace::Inspect;
             }
             Some((None, name)) => {
-                self.model.messages.note(format!("{name} has no burst named like the camera {label}"));
+                self.model.messages.note(format!("{name} has no burst with the name of the camera {label}"));
             }
-            None => self.model.messages.note(format!("Open the dataset that {label} is of to look at its burst")),
+            None => self.model.messages.note(format!("Open the dataset of {label} to show its burst")),
         }
     }
 

@@ -189,7 +189,7 @@ impl BurstscopeApp {
         self.swap_sides();
         self.model.workspace = Workspace::Inspect;
         self.model.probe_place(place);
-        self.model.messages.note("B is A now, so that it can be probed; Swap A and B takes that back");
+        self.model.messages.note("B is now A, so that it can be probed; Swap A and B undoes this");
     }
 
     /// Drops the trails of bursts that are not open any more.

@@ -18,7 +18,7 @@ impl BurstscopeApp {
             Ok(recovery) => self.recovery = Some(recovery),
             Err(error) => {
                 let text =
-                    format!("{error}: {}; until it can, nothing is restored after a crash", kept.folder.display());
+                    format!("{error}: {}; until then, nothing can be restored after a crash", kept.folder.display());
                 self.model.messages.error(TITLE, text);
             }
         }

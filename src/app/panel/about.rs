@@ -14,7 +14,7 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool) {
         ui.hyperlink_to("arXiv 2209.09470", "https://arxiv.org/abs/2209.09470");
         if let Some(gpu) = crate::app::gpu::Gpu::of(ui.ctx()) {
             ui.add_space(6.0);
-            ui.weak(format!("Pictures are drawn by {}", gpu.adapter_name));
+            ui.weak(format!("Graphics adapter: {}", gpu.adapter_name));
         }
         ui.add_space(6.0);
         if ui.button("Close").clicked() {

@@ -17,10 +17,10 @@ pub enum CalibrationChoice {
 
 /// Choices of the raw frames' colours, with names and descriptions.
 const COLOURS: [(RawColour, &str, &str); 4] = [
-    (RawColour::Luma, "Luma", "The mean of the four pixels of a square: all the light there is"),
-    (RawColour::Green, "Green", "The mean of the two green pixels"),
-    (RawColour::Red, "Red", "The red pixel alone"),
-    (RawColour::Blue, "Blue", "The blue pixel alone"),
+    (RawColour::Luma, "Luma", "Mean of each 2 × 2 square of pixels: all the light"),
+    (RawColour::Green, "Green", "Mean of the two green pixels of each 2 × 2 square"),
+    (RawColour::Red, "Red", "Red pixel of each 2 × 2 square"),
+    (RawColour::Blue, "Blue", "Blue pixel of each 2 × 2 square"),
 ];
 
 /// Draws the dialog if there is a draft; closing it drops the draft.
@@ -30,11 +30,11 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
     let modal = egui::Modal::new(egui::Id::unique("calibration")).show(ctx, |ui| {
         ui.set_width(460.0);
         ui.heading("Calibration");
-        ui.weak("How the values of files become light. Files may be dropped here.");
+        ui.weak("How values in files become intensities. A calibration frame can be dropped here.");
         ui.add_space(6.0);
         egui::Grid::new("calibration").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
-            let bias = "Subtracted from each frame: taken in the dark, or a stack or folder of such frames";
-            let flat = "Each frame is divided by it: a picture of an even, bright surface";
+            let bias = "Dark frame, or a stack or folder of dark frames, that is subtracted from each frame";
+            let flat = "Picture of an evenly lit bright surface, by which each frame is divided";
             let frames = [
                 ("Bias frame", &mut options.bias, bias, Purpose::OpenBias),
                 ("Flat frame", &mut options.flat, flat, Purpose::OpenFlat),
@@ -46,8 +46,8 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
                 }
                 ui.end_row();
             }
-            let full = "The files' value that becomes 1, such as 4095 for 12 bits in 16-bit files";
-            let black = "The files' value that becomes 0; values below it become negative";
+            let full = "Value in the files that becomes intensity 1, such as 4095 for 12 bits in 16-bit files";
+            let black = "Value in the files that becomes intensity 0; values below it become negative";
             level_ui(ui, "Full scale", &mut options.full_scale, 65535.0, full);
             level_ui(ui, "Black level", &mut options.black_level, 0.0, black);
             let name = ui.label("Raw colour");
@@ -61,20 +61,20 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             ui.end_row();
         });
         ui.checkbox(&mut options.linearise, "Linear light")
-            .on_hover_text("Undo the sRGB encoding of 8 and 16-bit pictures");
+            .on_hover_text("Undo the sRGB encoding of 8-bit and 16-bit pictures");
         ui.checkbox(&mut options.accept_damaged, "Accept damaged JPEG frames")
-            .on_hover_text("Take them as far as they can be decoded; the rest of such a frame is grey");
+            .on_hover_text("Decode them as far as possible; the rest of the frame is grey");
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             if ui
                 .button("Apply")
-                .on_hover_text("Open what is open again, and everything from now on, like this")
+                .on_hover_text("Open the present bursts again with these options, and use them for all later bursts")
                 .clicked()
             {
                 choice = Some(CalibrationChoice::Apply(options.clone()));
                 close = true;
             }
-            if ui.button("Reset").on_hover_text("Take files as they are").clicked() {
+            if ui.button("Reset").on_hover_text("Use the values of the files as they are").clicked() {
                 *options = OpenOptions::default();
             }
             if ui.button("Cancel").clicked() {
@@ -99,7 +99,7 @@ fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>) -> bool {
         });
         match name {
             Some((name, whole)) => {
-                if ui.button(format!("Without {}", label.to_lowercase())).clicked() {
+                if ui.button(format!("Remove {}", label.to_lowercase())).clicked() {
                     *path = None;
                 }
                 ui.add(egui::Label::new(name).truncate()).on_hover_text(whole);
@@ -127,7 +127,7 @@ fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip
             field.on_hover_text(format!("{label}: {tip}"));
         }
         None => {
-            ui.weak("as the files say");
+            ui.weak("from the files");
         }
     }
     ui.end_row();

@@ -28,7 +28,7 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
     let dt = frames_from_middle(pane.picture.as_ref(), &found.detection).unwrap_or(0.0);
     let slopes = found.detection.slopes;
     let Some(survey) = model.survey().cloned() else {
-        note_ui(ui, output, &format!("Looking for the candidates: {}…", test.reason()));
+        note_ui(ui, output, &format!("Finding candidates: {}…", test.reason()));
         return;
     };
     let shown = strongest(&survey);
@@ -43,7 +43,7 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
     let more =
         if survey.marks.len() > shown.len() { format!(" (the {} strongest)", shown.len()) } else { String::new() };
     let min_snr = crate::inspect::candidates::SurveyOptions::default().min_snr;
-    let text = format!("{} candidates{more}: {}; SNR {min_snr} and more", survey.marks.len(), test.reason());
+    let text = format!("{} candidates{more}: {}; SNR ≥ {min_snr}", survey.marks.len(), test.reason());
     note_ui(ui, output, &text);
     let clip = output.painter.clip_rect();
     let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos)) else { return };
@@ -125,7 +125,7 @@ pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
             let mut text = text.chars();
             let text: String = text.next().into_iter().flat_map(char::to_uppercase).chain(text).collect();
             ui.add(Label::new(text).wrap());
-            let tip = "Show the DoG at its slope, octave and level, with it in the middle";
+            let tip = "Show the DoG at its slope, octave and level, centred on it";
             if ui.button("Go to candidate").on_hover_text(tip).clicked() {
                 model.playing = false;
                 let pane = model.focused_mut();
@@ -135,12 +135,15 @@ pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
                 let [u, v] = mark.pos_image;
                 pane.view.look_at(pos2(u, v), 60.0 / mark.sigma.max(1.0));
             }
-            if ui.button("Probe candidate").on_hover_text("Every test of it in order, and what would keep it").clicked()
+            if ui
+                .button("Probe candidate")
+                .on_hover_text("Show its tests in order, and the setting that would keep it")
+                .clicked()
             {
                 let wanted = Wanted::Candidate(mark.of_sample());
                 model.ask_probe(ProbeQuestion::At { place: mark.pos_image, wanted });
             }
-            if ui.button("Clear").on_hover_text("Select no candidate").clicked() {
+            if ui.button("Clear").on_hover_text("Clear the selection").clicked() {
                 model.explained.selected = None;
             }
         });
@@ -162,7 +165,7 @@ fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
     let response = ui.interact(ground, output.response.id.with("candidates"), Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
     response.on_hover_text(
-        "Yellow: nearly passed; dark: far from it. Point at a circle for its numbers, click to keep them",
+        "Yellow: nearly passed; dark: failed by far. Point at a circle to read its numbers; click to keep them on the screen",
     );
 }
 

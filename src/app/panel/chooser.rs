@@ -13,7 +13,7 @@ pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<
     let modal = egui::Modal::new(egui::Id::unique("burst chooser")).show(ctx, |ui| {
         ui.set_width(360.0);
         ui.heading(format!("{} bursts in this folder", bursts.len()));
-        ui.weak("Which one is to be opened?");
+        ui.weak("Choose the burst to open.");
         ui.add_space(6.0);
         ScrollArea::vertical().max_height(320.0).min_scrolled_height(200.0).show(ui, |ui| {
             for burst in bursts.iter() {

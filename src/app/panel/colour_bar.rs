@@ -41,7 +41,7 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     let response = ui.interact(ground, ui.scope_id().with(("colour bar", id)), Sense::hover());
     let text = format!("Colour bar: {title}, from {low} to {high}");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
-    response.on_hover_text(format!("{text}; change it in the display panel"));
+    response.on_hover_text(format!("{text}; change the range in the panel Display"));
 }
 
 /// Draws the key of winning slopes: a wheel of directions.

@@ -28,7 +28,7 @@ fn frame_row(ui: &mut Ui, model: &mut Model) {
     let mut frame = model.cursor().frame as f32;
     let row = CursorRow {
         label: "Frame",
-        help: "The frame on show, counted from 0. Moving it shows the frame.",
+        help: "Index of the shown frame, from 0. Moving it shows the frame.",
         range: 0.0..=last,
         marks: &[],
         whole: true,
@@ -59,7 +59,7 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
     }
     row(
         "Slope u",
-        "Apparent motion to the right, in pixels per frame. The marks are the grid's slopes; any slope between them can be shown.",
+        "Apparent motion to the right, px/frame. Marks: slopes of the grid; any slope between them can be shown.",
         limit,
         &marks_u,
     )
@@ -67,7 +67,7 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
     strip_ui(ui, model, false);
     row(
         "Slope v",
-        "Apparent motion downwards, in pixels per frame. The marks are the grid's slopes; any slope between them can be shown.",
+        "Apparent motion downwards, px/frame. Marks: slopes of the grid; any slope between them can be shown.",
         limit,
         &marks_v,
     )
@@ -106,13 +106,13 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     };
     let a = row(
         "Octave",
-        "Octave of the DoG response: each is twice as coarse as the one before. Moving it shows the DoG, unless a map of it is on show.",
+        "Octave of the DoG: each is twice as coarse as the one before. Moving it shows the DoG, unless the pane shows a map at this octave.",
         octaves,
     )
     .ui(ui, &mut octave);
     let b = row(
         "Level",
-        "Level within the octave. Features come from levels 0 and up; the outermost two only take part in comparisons. Moving it shows the DoG, unless a map of it is on show.",
+        "Level within the octave. Features lie at levels 0 and up; the two outermost levels are only compared with. Moving it shows the DoG, unless the pane shows a map at this level.",
         levels,
     )
     .ui(ui, &mut level);
@@ -125,6 +125,6 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     let sigma = space.sigma_image(model.cursor().octave, f64::from(model.cursor().level));
     let rim = rim_radius(sigma, space.levels);
     ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(format!(
-        "In pixels of the input image. Of all discs one with a radius of {rim:.1} px answers most strongly here."
+        "In pixels of the input image. Discs with a radius of {rim:.1} px respond most strongly at this scale."
     ));
 }

@@ -30,7 +30,7 @@ pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32
     painter.rect_stroke(rect, 2.0, grid, StrokeKind::Inside);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
     response.on_hover_text(
-        "The descriptor: in each of 4×4 cells, how strong the gradients are in eight directions. The feature's orientation points to the right.",
+        "Descriptor: strength of the gradients in 8 directions in each of 4 × 4 cells. The feature's orientation points to the right.",
     );
 }
 

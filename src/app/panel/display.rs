@@ -41,9 +41,9 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     let own = model.focused().own_ranges.is_some();
     let whose = if own { "This pane's range for" } else { "One range for all" };
     ui.weak(format!("{whose} {}", class.label()))
-        .on_hover_text("The range is fixed until you change it, so that pictures can be compared");
+        .on_hover_text("It stays fixed until you change it, so that pictures can be compared");
     if class == RangeClass::Motion {
-        ui.add(egui::Label::new("Colours: the direction of the slope that wins; bright where it is sure").wrap());
+        ui.add(egui::Label::new("Colour: direction of the winning slope; bright where it is certain").wrap());
         return;
     }
     let panel = match class {

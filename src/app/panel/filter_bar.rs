@@ -21,13 +21,13 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         ranges_ui(ui, model);
         ui.separator();
         ui.checkbox(&mut model.filter.hide_slope_limit, "Hide features at the slope limit")
-            .on_hover_text("Their slope is on the rim of the grid, so their true motion may lie outside");
+            .on_hover_text("Their slope is at the end of the searched range, so their true motion may lie beyond it");
         near_slope_ui(ui, model);
         ui.separator();
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
     });
     let mut near = model.filter.near_slope.is_some();
-    let tip = "Show only features whose slope is within half a pixel per frame of the slope on show";
+    let tip = "Show only features within 0.5 px/frame of the shown slope";
     if ui.checkbox(&mut near, "At this slope").on_hover_text(tip).changed() {
         model.filter.near_slope = near.then_some(0.5);
     }
@@ -84,7 +84,7 @@ fn range_ui(
 fn near_slope_ui(ui: &mut Ui, model: &mut Model) {
     let mut near = model.filter.near_slope.is_some();
     ui.horizontal(|ui| {
-        if ui.checkbox(&mut near, "Only near the slope on show, within").changed() {
+        if ui.checkbox(&mut near, "Only near the shown slope, within").changed() {
             model.filter.near_slope = near.then_some(0.5);
         }
         let mut limit = model.filter.near_slope.unwrap_or(0.5);

@@ -19,18 +19,15 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
     let mut choice = None;
     ui.horizontal_wrapped(|ui| {
         let more = if offer.more == 0 { String::new() } else { format!(" ({} more)", offer.more) };
-        let text = format!(
-            "Burstscope did not end in the ordinary way. What was open was saved {}: {}{more}.",
-            ago(offer.age),
-            offer.label
-        );
+        let text =
+            format!("Burstscope ended unexpectedly. Its session was saved {}: {}{more}.", ago(offer.age), offer.label);
         ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
         let restore = ui.add_enabled(!offer.is_restoring, Button::new("Restore"));
-        if restore.on_hover_text("Open the session as it was saved last, in place of what is open now").clicked() {
+        if restore.on_hover_text("Open the saved session in place of what is open now").clicked() {
             choice = Some(RecoveryChoice::Restore);
         }
-        let forget = ui.add_enabled(!offer.is_restoring, Button::new("Forget"));
-        if forget.on_hover_text("Remove the saved session; the files that it speaks of stay").clicked() {
+        let forget = ui.add_enabled(!offer.is_restoring, Button::new("Discard"));
+        if forget.on_hover_text("Delete the saved session; the files that it names stay").clicked() {
             choice = Some(RecoveryChoice::Forget);
         }
     });

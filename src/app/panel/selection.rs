@@ -62,7 +62,7 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
 fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>) {
     egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0).show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
-        row("Rank", "By |D|·√snr", format!("{}", index + 1));
+        row("Rank", "By |D|·√SNR, from 1", format!("{}", index + 1));
         row(
             "Place (u, v)",
             "At mid-burst, pixels; the centre of the first pixel is (0, 0)",
@@ -83,13 +83,21 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>)
         );
         row("SNR", "|response| over the noise in D", format!("{:.1}", f.snr));
         if let Some(coherence) = coherence {
-            row("Coherence", "How evenly the frames answer along its way: 1 when all do alike", coherence);
+            row(
+                "Coherence",
+                "How well the single frames agree along its motion: 1 if all respond alike, less for a ghost",
+                coherence,
+            );
         }
         row("Octave, level", "Where in the scale space it was found", format!("{}, {}", f.octave, f.level));
-        row("Slope index", "Running index of the grid's slope at which it was found", format!("{}", f.slope_index));
+        row(
+            "Slope index",
+            "Index of the slope of the grid at which it was found, from 0",
+            format!("{}", f.slope_index),
+        );
         row(
             "At slope limit",
-            "On the rim of the grid: the true motion may lie outside",
+            "Whether its slope is at the end of the searched range; its true motion may then lie beyond",
             if f.at_slope_limit { "yes" } else { "no" }.to_owned(),
         );
     });

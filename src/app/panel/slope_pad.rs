@@ -50,6 +50,6 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Slope plane"));
     crate::app::panel::widgets::hint(
         response,
-        "The slope plane: to the right is u, downwards v. Dots are the grid's slopes, larger where more features were found. Drag to scrub both.",
+        "Slope plane: u to the right, v downwards. Dots: slopes of the grid, larger where more features were found. Drag to change both.",
     );
 }

@@ -38,14 +38,14 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
                     queue.push(ActionId::Cancel);
                 }
                 let text = format!("Coherence  {}", progress_text(running));
-                ui.label(text).on_hover_text("How evenly the frames answer is computed for each feature");
+                ui.label(text).on_hover_text("Computing how well the single frames agree on each feature");
             }
             if let Some(running) = &model.figures.running() {
                 if ui.small_button("Cancel figures").clicked() {
                     queue.push(ActionId::CancelFigures);
                 }
                 let text = format!("Figures  {}", progress_text(running));
-                ui.label(text).on_hover_text("The figures of the paper are being remade");
+                ui.label(text).on_hover_text("Remaking the figures of the paper");
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 if let Some(note) = model.messages.last_note() {

@@ -92,8 +92,7 @@ fn head_ui(ui: &mut Ui, with_candidates: bool) {
         crate::app::panel::widgets::label_ui(ui, hint, NAME_WIDTH);
         let mut heads = vec![("samples", "Samples of D that fail this test first")];
         if with_candidates {
-            let tip =
-                "Those of them that were extrema in place and scale at their own slope: what might have been features";
+            let tip = "Those of them that were extrema in place and scale at their own slope: possible features";
             heads.push(("candidates", tip));
         }
         for (head, tip) in heads {
@@ -121,7 +120,8 @@ fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
                 let size = vec2(NAME_WIDTH, ui.spacing().interact_size.y);
                 ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
                     ui.set_min_width(NAME_WIDTH);
-                    let tip = "Show in the picture the candidates that fail this test first, coloured by how far";
+                    let tip =
+                        "Show the candidates that fail this test first in the picture, coloured by how far they fail";
                     ui.toggle_value(shown, row.name).on_hover_text(tip);
                 });
             }
@@ -141,7 +141,7 @@ fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
             let colour = if kept { crate::app::style::ACCENT } else { ui.visuals().weak_text_color() };
             ui.painter().rect_filled(rect, 2.0, ui.visuals().faint_bg_color);
             ui.painter().rect_filled(Rect::from_min_size(rect.min, vec2(room * share, 10.0)), 2.0, colour);
-            response.on_hover_text("The bar's length grows with the logarithm of the count of samples");
+            response.on_hover_text("Logarithm of the number of samples");
         }
     });
 }

@@ -50,9 +50,9 @@ impl RangeClass {
             Self::Intensity => "frames and motion stacks",
             Self::Response => "DoG responses",
             Self::Difference => "differences",
-            Self::Noise => "maps of the noise",
-            Self::Share => "maps of shares",
-            Self::Motion => "maps of winning slopes",
+            Self::Noise => "noise maps",
+            Self::Share => "coverage maps",
+            Self::Motion => "winning-slope maps",
         }
     }
 }
@@ -67,7 +67,7 @@ pub struct Ranges {
     pub response: Display,
     /// For differences.
     pub difference: Display,
-    /// For maps of the noise.
+    /// For noise maps.
     pub noise: Display,
     /// For maps of shares; the range 0 … 1 unless the user changes it.
     pub share: Display,

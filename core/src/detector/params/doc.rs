@@ -113,7 +113,7 @@ param_doc!(
     "peak-threshold",
     "Peak threshold",
     "of full scale",
-    "The least |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate.",
+    "Min |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate.",
     "Raise it to keep only features of higher contrast; it knows nothing of the noise and removes everything in the dark."
 );
 param_doc!(
@@ -121,7 +121,7 @@ param_doc!(
     "noise-gate",
     "Noise gate",
     "σ of the noise in D",
-    "The least |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; strict and auto derive it from the size of the search, 0 switches it off.",
+    "Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; strict and auto derive it from the size of the search, 0 switches it off.",
     "Raise it to eliminate more noise; lower it to see fainter features among more false ones. Strict gives at most one false feature a megapixel on noise alone; auto, for matching, lets through more of both."
 );
 param_doc!(
@@ -145,7 +145,7 @@ param_doc!(
     "edge-threshold",
     "Edge threshold",
     "",
-    "The largest ratio of the principal curvatures of D.",
+    "Max ratio of the principal curvatures of D.",
     "Raise it to keep more features on edges, which are poorly localised along the edge."
 );
 param_doc!(
@@ -169,7 +169,7 @@ param_doc!(
     "distinct-scale",
     "Distinct scale",
     "",
-    "The largest ratio of the scales of two keypoints that are taken for the same blob.",
+    "Max ratio of the scales of two keypoints that count as the same blob.",
     "Raise it to let a keypoint remove others of more different sizes at its place."
 );
 param_doc!(

@@ -140,7 +140,7 @@ fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
     heading(
         sheet,
         area,
-        &format!("Each frame's answer at slope {}, σ {} px", slope_text(shares.slope), number(shares.sigma, 1)),
+        &format!("Each frame's response at slope {}, σ {} px", slope_text(shares.slope), number(shares.sigma, 1)),
     );
     let covering: Vec<_> = shares.frames.iter().filter(|f| f.covers).collect();
     let ends = covering.iter().flat_map(|f| [f.value - f.sigma_d, f.value + f.sigma_d]);

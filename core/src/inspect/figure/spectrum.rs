@@ -62,7 +62,7 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     let x_of = |at: i64| upper.x + (at - first) as f64 * cell;
     let max = 1.05 * bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1) as f64;
     let part = bars.iter().map(|bar| bar.evidence).fold(0.0, f32::max).max(1e-6);
-    heading(sheet, upper, "Features whose slope is nearest to each (orange: on the rim)");
+    heading(sheet, upper, "Features whose slope is nearest to each (orange: at the limit)");
     heading(sheet, lower, "Evidence: what the frames have in common at each slope, before any threshold");
     for bar in &bars {
         let x = x_of(place(bar)) + 0.1 * cell;

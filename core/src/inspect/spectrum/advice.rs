@@ -186,10 +186,8 @@ impl Telling<'_> {
         } else {
             "it needs slopes in two directions".to_owned()
         };
-        let sentence = format!(
-            "{:.0} % of what the frames show does not move along the line that is searched: {what}",
-            100.0 * part
-        );
+        let sentence =
+            format!("{:.0} % of what the frames show does not move along the searched line: {what}", 100.0 * part);
         Some(SlopeAdvice { subject: Subject::Direction, number: f64::from(part), sentence, changes })
     }
 
@@ -203,7 +201,7 @@ impl Telling<'_> {
             return None;
         }
         let sentence = format!(
-            "{} were searched, and {} would do: nothing in the frames moves otherwise",
+            "{} were searched, and {} are enough: nothing in the frames has other motions",
             counted(grid.len(), "slope"),
             found.len()
         );

@@ -87,7 +87,7 @@ impl Telling<'_> {
             .map(|axis| ParamChange::new(doc::SLOPES_U, axis))
             .or_else(|| widened(&grid.v, j).map(|axis| ParamChange::new(doc::SLOPES_V, axis)))?;
         let sentence = format!(
-            "{:.0} % of the stronger half of the features lie at the limit of the slopes, most of them at {}: the motion probably lies further out",
+            "{:.0} % of the stronger half of the features lie at the limit of the slopes, most of them at {}: the motion probably lies beyond",
             100.0 * at_limit,
             slope_text(max.slope)
         );
@@ -99,7 +99,7 @@ impl Telling<'_> {
             self.spectrum.aliases.iter().find(|a| a.inside_range > 0 && a.places.len() >= ALIAS_PLACES)?;
         let [u, v] = alias.places[0];
         let sentence = format!(
-            "the texture around ({}, {}) and at {} repeats itself every {} px, so it answers again at slopes {} px/frame apart, {} within the range, with side lobes of {:.0} % between them",
+            "the texture around ({}, {}) and at {} repeats every {} px, so it responds again at slopes {} px/frame apart, {} within the range, with side lobes of {:.0} % between them",
             number(u, 0),
             number(v, 0),
             counted(alias.places.len() - 1, "more place"),

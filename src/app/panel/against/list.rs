@@ -52,7 +52,7 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(&shown.summary).strong());
         if model.shown_comparison().is_none() {
-            ui.weak("(of the features before)");
+            ui.weak("(of the earlier features)");
         }
         if let Some(row) = model.against.selected.and_then(|row| shown.rows.get(row))
             && ui.small_button("Why here?").on_hover_text(PROBE_HELP).clicked()
@@ -89,7 +89,7 @@ fn what_to_do(model: &Model) -> &'static str {
     match model.against.with {
         Some(_) if model.slots.a.found.is_none() => "Press Detect to find features to compare",
         Some(_) => "Comparing…",
-        None => "Pin a result, change a parameter and detect again; or open somebody else's features",
+        None => "Pin a result, change a parameter and detect again; or open features from a file",
     }
 }
 

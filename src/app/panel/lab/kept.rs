@@ -15,7 +15,7 @@ pub fn kept_ui(ui: &mut Ui, lab: &mut Lab) {
             });
             let field = ui.add(TextEdit::singleline(&mut kept.name).desired_width(120.0));
             name_field(&field, "Name of kept curves", &kept.name);
-            if ui.small_button("Forget").on_hover_text("Forget these curves").clicked() {
+            if ui.small_button("Remove").on_hover_text("Remove these curves").clicked() {
                 forgotten = Some(index);
             }
         });

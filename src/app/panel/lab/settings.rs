@@ -33,8 +33,8 @@ pub fn lab_settings_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     ui.add(
         Label::new(
             RichText::new(
-                "All methods search with the detector's parameters of this window. Slopes that are found from each burst \
-                 are those of the method 'slopes found' alone; the others search the range that is given, or ±3 px/frame.",
+                "All methods use the detector's parameters of this window. Only the method 'slopes found' finds the slopes of \
+                 each burst; the others search the given range, or ±3 px/frame.",
             )
             .small()
             .weak(),
@@ -91,14 +91,19 @@ fn charts_ui(ui: &mut Ui, lab: &mut Lab) {
         field!(
             ui,
             "Charts",
-            "How many charts for each ratio; more make the curves smoother and the errors smaller",
+            "Charts per ratio; more give smoother curves and smaller errors",
             DragValue::new(&mut lab.seeds).range(1..=1000).suffix(" each")
         );
-        field!(ui, "First seed", "The first chart's seed; the others count up", DragValue::new(&mut lab.first_seed));
+        field!(
+            ui,
+            "First seed",
+            "Seed of the first chart; those of the others count up from it",
+            DragValue::new(&mut lab.first_seed)
+        );
         let counts_frames = lab.question.counts_frames();
         let chart = &mut lab.chart;
-        field!(ui, "Discs", "How many discs a chart has", DragValue::new(&mut chart.discs).range(1..=2000));
-        let label = ui.label("Radius").on_hover_text("Smallest and largest radius of the discs, pixels");
+        field!(ui, "Discs", "Discs per chart", DragValue::new(&mut chart.discs).range(1..=2000));
+        let label = ui.label("Radius").on_hover_text("Min and max radius of the discs, pixels");
         ui.horizontal(|ui| {
             let (mut least, mut most) = (*chart.radius.start(), *chart.radius.end());
             let field = |value| DragValue::new(value).speed(0.1).max_decimals(1).suffix(" px");
@@ -121,11 +126,11 @@ fn charts_ui(ui: &mut Ui, lab: &mut Lab) {
         }
         field!(
             ui,
-            "Largest slope",
+            "Max slope",
             "Discs move with slopes up to this in both directions, px/frame",
             DragValue::new(&mut chart.max_slope).range(0.0..=30.0).speed(0.05).max_decimals(2).suffix(" px/frame")
         );
-        ui.label("Motion").on_hover_text("Whether discs move to the sides only, or anywhere");
+        ui.label("Motion").on_hover_text("Whether discs move horizontally only, or in any direction");
         ui.horizontal(|ui| {
             ui.selectable_value(&mut chart.motion, Motion::OneD, "1D");
             ui.selectable_value(&mut chart.motion, Motion::TwoD, "2D");
@@ -141,7 +146,7 @@ fn charts_ui(ui: &mut Ui, lab: &mut Lab) {
     });
     if ui
         .button("Published chart")
-        .on_hover_text("The chart that the detector is measured on: 90 discs, 10 frames of 800 × 600")
+        .on_hover_text("Chart of the published measurements: 90 discs, 10 frames of 800 × 600")
         .clicked()
     {
         lab.chart = crate::synth::ChartParams::default();
@@ -180,7 +185,7 @@ fn dark_copy_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         let label = ui.label("SNR of the copy").on_hover_text(help);
         let field = DragValue::new(&mut noise.snr).range(0.05..=50.0).speed(0.01).max_decimals(2);
         ui.add(field).on_hover_text(help).labelled_by(label.id);
-        let label = ui.label("seed").on_hover_text("The seed of its noise");
+        let label = ui.label("seed").on_hover_text("Seed of its noise");
         ui.add(DragValue::new(&mut noise.seed)).labelled_by(label.id);
     });
     button_ui(ui, model, queue, ActionId::OpenDarkCopy, None);

@@ -70,7 +70,7 @@ pub fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &
             response::response_ui(ui, model, &answer, &mut panel.response, &mut panel.plane);
             mark(ui, Part::Response, ui.min_rect());
         });
-        section_ui(ui, "Each frame's share", |ui| {
+        section_ui(ui, "Each frame's response", |ui| {
             shares::shares_ui(ui, model, &answer, &mut panel.patches);
             mark(ui, Part::Shares, ui.min_rect());
         });
@@ -119,7 +119,7 @@ fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 /// Draws a button that changes a parameter and searches again.
 fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Queue) {
     let response = ui.button("Apply").on_hover_text(format!(
-        "Set {} and detect again; Undo takes it back\n{}",
+        "Set {} and detect again; Undo reverts it\n{}",
         change.label(),
         change.option()
     ));

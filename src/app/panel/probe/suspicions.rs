@@ -12,12 +12,12 @@ use egui::{Frame, Label, Margin, RichText, Stroke, Ui};
 
 fn title(kind: Kind) -> (&'static str, &'static str) {
     match kind {
-        Kind::Duplicate => ("A duplicate?", "Another feature shows the same blob"),
-        Kind::Ghost => ("A ghost?", "A blob of another motion shows in this slope's stack"),
+        Kind::Duplicate => ("A duplicate?", "Another feature lies on the same blob"),
+        Kind::Ghost => ("A ghost?", "A blob with another motion shows in this slope's motion stack"),
         Kind::AtLimit => {
-            ("At the limit?", "Its slope lies on the rim of those searched, and its response rises beyond")
+            ("At the limit?", "Its slope is at the end of the searched range, and its response rises beyond")
         }
-        Kind::Alias => ("An alias?", "The texture repeats itself, and another slope shows it as well"),
+        Kind::Alias => ("An alias?", "The texture repeats, and another slope shows it as well"),
     }
 }
 
@@ -48,7 +48,7 @@ fn suspicion_ui(ui: &mut Ui, model: &mut Model, suspicion: &Suspicion, queue: &m
         if let Some(other) = suspicion.other
             && ui
                 .button(format!("Probe feature {}", other + 1))
-                .on_hover_text("Ask why that feature was kept")
+                .on_hover_text("Show why that feature was kept")
                 .clicked()
         {
             model.probe_feature(other);

@@ -58,7 +58,7 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
         response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(value), &name));
         response
             .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal)
-            .on_hover_text("An end of the range of slopes that are searched; drag it, in steps of the range");
+            .on_hover_text("End of the searched range of slopes; drag it by whole steps");
     }
 }
 

@@ -17,7 +17,8 @@ pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<
         if let Some(over) = model.panes.over(model.focus()) {
             two_ui(ui, model, over, queue);
         }
-        ui.checkbox(&mut model.compare.look.features, "Features").on_hover_text("Draw what each method found  (O)");
+        ui.checkbox(&mut model.compare.look.features, "Features")
+            .on_hover_text("Draw the features of each method  (O)");
         gold_ui(ui, model, queue);
         if let Some((method, running)) = model.compare.running() {
             let fraction = running.progress.map_or(0.0, |p| p.fraction);

@@ -17,7 +17,7 @@ const COLUMNS: [(&str, &str); 9] = [
     ("Match ratio", "Putative matches over keypoints, mean of A and B"),
     ("Match score", "Inliers over keypoints, mean of A and B"),
     ("Precision", "Inliers over putative matches"),
-    ("Time", "Of the detection in A, by the wall clock"),
+    ("Time", "Wall-clock time of the detection in A"),
 ];
 
 /// Draws the table.

@@ -24,7 +24,7 @@ pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 2], q
             return;
         };
         let Some(row) = model.pair.focus().and_then(|index| matches.row(index)) else {
-            ui.weak("Point at a line or click it, or a row of the table.");
+            ui.weak("Point at a line or a row of the table; click to keep it.");
             return;
         };
         verdict_ui(ui, &row, model.pair.selected.is_none());
@@ -104,7 +104,7 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
             line("Distance", "Euclidean distance of the two descriptors", format!("{:.1}", row.found.distance));
             line(
                 "Ratio",
-                "That distance over the one to the second nearest descriptor; with the mutual check the larger of both directions",
+                "Distance to the nearest descriptor over that to the second nearest; with the mutual check, the larger of both directions",
                 format!("{:.3}", row.found.ratio),
             );
             let (name, help) = error_words(matches.model());
@@ -124,7 +124,7 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
             line("Slope in B", "Apparent motion", slope(row.b));
             let turn = (row.b.orientation - row.a.orientation).to_degrees();
             let turn = (turn + 180.0).rem_euclid(360.0) - 180.0;
-            line("Turn A to B", "Difference of the orientations", format!("{turn:+.1}°"));
+            line("Rotation A to B", "Difference of the orientations", format!("{turn:+.1}°"));
             line("SNR A, B", "|response| over the noise in D", format!("{:.1}, {:.1}", row.a.snr, row.b.snr));
         },
     );
@@ -135,10 +135,10 @@ fn error_words(model: Option<&TwoViewModel>) -> (&'static str, &'static str) {
     match model {
         Some(TwoViewModel::Homography { .. }) => (
             "Homography error",
-            "Root mean square of the distances between where the homography takes each point and where its partner is",
+            "Root mean square of the distances, in both pictures, between a point and its partner mapped by the homography",
         ),
         Some(_) => {
-            ("Epipolar error", "Sampson distance: about how far both points must move to satisfy the epipolar geometry")
+            ("Epipolar error", "Sampson distance: about how far both points must move to fit the epipolar geometry")
         }
         None => ("Error", "There is no geometry that enough matches agree on"),
     }

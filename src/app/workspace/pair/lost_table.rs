@@ -13,7 +13,7 @@ pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
         ui.selectable_value(&mut model.pair.lost.listed, false, "Matches");
         ui.selectable_value(&mut model.pair.lost.listed, true, "Unmatched features of A")
-            .on_hover_text("Features of A that are no inliers, with where they were lost");
+            .on_hover_text("Features of A that are not inliers, and the step at which each was lost");
         ui.separator();
         if let Some(running) = &model.pair.lost.wanted.running() {
             ui.weak(progress_text(running));
@@ -43,9 +43,9 @@ pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
 fn help(lost: Lost) -> &'static str {
     match lost {
         Lost::Not => "Inliers",
-        Lost::NoKeypoint => "B has no keypoint of its size where the geometry says that it must be",
+        Lost::NoKeypoint => "B has no keypoint of its size where the geometry expects it",
         Lost::RatioTest => "The second nearest descriptor is almost as near as the nearest",
-        Lost::MutualCheck => "The nearest one in B is nearer to another feature of A",
+        Lost::MutualCheck => "The nearest in B is nearer to another feature of A",
         Lost::Geometry => "Matched, but the match does not fit the geometry",
     }
 }

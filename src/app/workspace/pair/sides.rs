@@ -14,7 +14,7 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 label_ui(ui, "Cursor of", 60.0)
-                    .on_hover_text("Whose frame, slope, octave and level the sliders and keys move");
+                    .on_hover_text("Burst whose frame, slope, octave and level the sliders and keys move");
                 let active = model.active_side();
                 for side in Side::BOTH {
                     let tip = format!("Move the frame, slope, octave and level of {}  (T)", side.name());
@@ -44,7 +44,7 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             }
         }
         if let Some(error) = model.slots.b.param_error.as_ref().filter(|_| model.slots.a.param_error.is_none()) {
-            let text = format!("For B the parameters make no sense: {error}");
+            let text = format!("The parameters do not fit B: {error}");
             let text = egui::RichText::new(text).small().color(ui.visuals().error_fg_color);
             ui.add(egui::Label::new(text).wrap());
         }

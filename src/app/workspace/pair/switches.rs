@@ -34,7 +34,7 @@ pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
         });
         let boxes = [
             (&mut look.alone, "Selected alone", "Draw the selected match alone, without the others  (X)"),
-            (&mut look.geometry, "Epipolar lines", "Where in the other picture a match's point can be  (E)"),
+            (&mut look.geometry, "Epipolar lines", "Lines of the other picture on which the partners must lie  (E)"),
             (&mut look.features, "All features", "Draw all features over both pictures  (O)"),
         ];
         for (on, label, tip) in boxes {

@@ -75,7 +75,7 @@ fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchSides<'_>) -> Vec<St
     let best = unmatched.candidates.first();
     if let Some(second) = unmatched.candidates.get(1).filter(|second| second.is_same_blob) {
         notes.push(format!(
-            "The second best, feature #{}, is a duplicate: it lies on the same blob as the best.",
+            "The second nearest, feature #{}, is a duplicate: it lies on the same blob as the nearest.",
             second.feature + 1
         ));
     }
@@ -142,10 +142,10 @@ fn on_ground(ui: &Ui, place: usize) -> Color32 {
 fn candidates_ui(ui: &mut Ui, unmatched: &Unmatched, found: &FoundLosses) {
     Grid::new("candidates").num_columns(5).spacing([8.0, 2.0]).striped(true).show(ui, |ui| {
         let headings = [
-            ("B", "The nearest descriptors of B, nearest first: the feature's rank by strength; = lies on the same blob as the first"),
+            ("B", "Features of B with the nearest descriptors, nearest first, by their rank in strength; = lies on the same blob as the first"),
             ("Dist.", "Euclidean distance of the descriptors"),
-            ("Ratio", "That distance over the one of the next of this list"),
-            ("Error", "Distance from where the geometry says that it must be, pixels"),
+            ("Ratio", "Distance over that of the next row"),
+            ("Error", "Distance from where the geometry expects it, pixels"),
             ("Slope", "Apparent motion, px/frame"),
         ];
         for (heading, help) in headings {
@@ -182,7 +182,7 @@ fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
 fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
     let has_model = found.request.result.verification.as_ref().is_some_and(|v| v.model.is_some());
     if !has_model {
-        return "No geometry is known that would say where it must be.".to_owned();
+        return "No geometry is known, so its place in B is not either.".to_owned();
     }
     let place = match &unmatched.expected[..] {
         [] => return "The geometry puts it outside B.".to_owned(),
@@ -194,7 +194,7 @@ fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
         Some((feature, rank)) => {
             let count = crate::inspect::words::counted(unmatched.there.len(), "keypoint");
             format!(
-                "{place}; {count} of its size there, the most alike #{} (rank {} by descriptor).",
+                "{place}; {count} of its size there, the nearest #{} (rank {} by descriptor).",
                 feature + 1,
                 rank + 1
             )
