@@ -4,8 +4,8 @@ use super::actions::{Queue, palette::Palette, shortcuts_sheet};
 use super::dataset::CutDialog;
 use super::dialogs::{PathField, ReplaceFile};
 use super::window::BurstscopeApp;
-use crate::app::panel::calibration::CalibrationChoice;
 use crate::app::panel::glossary::GlossaryWindow;
+use crate::app::panel::modals::CalibrationChoice;
 use crate::app::project::pair::Side;
 use crate::burst::OpenOptions;
 use crate::requests::{BurstId, BurstSource};
@@ -81,7 +81,7 @@ impl BurstscopeApp {
     pub(super) fn overlays_ui(&mut self, ctx: &egui::Context, queue: &mut Queue) {
         self.overlays.palette.ui(ctx, &self.model, queue);
         shortcuts_sheet::sheet_ui(ctx, &mut self.overlays.sheet_open);
-        crate::app::panel::about::about_ui(ctx, &mut self.overlays.about_open);
+        crate::app::panel::modals::about_ui(ctx, &mut self.overlays.about_open);
         self.overlays.glossary.ui(ctx);
         if let Some(lesson) = super::lesson::list_ui(ctx, &mut self.lessons, queue) {
             self.start_lesson(lesson);
@@ -90,7 +90,7 @@ impl BurstscopeApp {
             super::lesson::highlights_ui(ctx);
         }
         super::figure::figure_dialog_ui(ctx, &mut self.overlays.figure_open, &mut self.model.figure, queue);
-        match crate::app::panel::calibration::calibration_ui(ctx, &mut self.overlays.calibration) {
+        match crate::app::panel::modals::calibration_ui(ctx, &mut self.overlays.calibration) {
             Some(CalibrationChoice::Choose(purpose)) => self.ask(purpose),
             Some(CalibrationChoice::Apply(options)) => self.calibrate(options),
             None => {}
@@ -113,7 +113,7 @@ impl BurstscopeApp {
         {
             self.write(purpose, path);
         }
-        if let Some(burst) = crate::app::panel::chooser::chooser_ui(ctx, &mut self.overlays.choice) {
+        if let Some(burst) = crate::app::panel::modals::chooser_ui(ctx, &mut self.overlays.choice) {
             self.open_for(self.overlays.choice_side, burst);
         }
         if let Some(dialog) = &mut self.overlays.cut {
@@ -128,7 +128,7 @@ impl BurstscopeApp {
         if super::dataset::replace_features_ui(ctx, &mut self.overlays.replace_features, &self.model.datasets) {
             self.detect_all();
         }
-        crate::app::panel::messages::messages_ui(ctx, &mut self.model.messages);
+        crate::app::panel::status::messages_ui(ctx, &mut self.model.messages);
     }
 
     /// Asks the user which of `bursts` is to be opened as `side`.

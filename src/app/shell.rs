@@ -29,7 +29,7 @@ pub fn shell_ui(app: &mut BurstscopeApp, ui: &mut egui::Ui, queue: &mut Queue) -
         .show(ui, |ui| panel::status::status_ui(ui, &app.model, app.readout().as_deref(), queue));
 
     if let Some(offer) = app.offered_session() {
-        let offer_ui = |ui: &mut egui::Ui| panel::recovery::recovery_ui(ui, &offer);
+        let offer_ui = |ui: &mut egui::Ui| panel::status::recovery_ui(ui, &offer);
         let choice = Panel::top("recovery offer").frame(bar(ui)).show(ui, offer_ui).inner;
         choice.into_iter().for_each(|choice| app.settle_offer(choice));
     }

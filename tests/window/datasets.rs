@@ -1,10 +1,13 @@
-//! Many bursts: opening, cutting, detecting all, resuming, choosing two.
+//! Datasets: opening, cutting, detecting all, resuming, choosing two; the filmstrip; the matches of all pairs.
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::Startup;
 use burstscope::app::project::datasets::{BurstState, Dataset};
-use burstscope::dataset::DatasetSource;
+use burstscope::app::project::workspace::Workspace;
+use burstscope::burst::OpenOptions;
+use burstscope::dataset::{DatasetSource, FeatureJob, FeatureStore, ImageKind, match_pairs};
 use burstscope::detector::SlopeGrid;
+use burstscope::matching::{MatchCounts, MatchParams};
 use burstscope::synth::{SceneParams, synth_scene, write_burst};
 use burstscope::{DetectorParams, Monitor};
 use egui::Key;
@@ -294,4 +297,197 @@ fn a_picture_beside_the_bursts_of_a_dataset_is_named() {
     window.wait("the dataset is open", |app| app.model.datasets.open.is_some());
     assert_eq!(dataset(&window).bursts.len(), 2);
     assert!(window.shows("belongs to none") && window.shows("preview.png"));
+}
+
+#[test]
+fn filmstrip() {
+    let home = tempfile::tempdir().unwrap();
+    let source = walk(home.path());
+    std::fs::write(home.path().join("film/frame_012.png"), "broken").unwrap();
+    let mut window = start(source).open();
+    window.click("Detect all");
+    window.settle();
+    click_burst(&mut window, "Use frame_002 as A");
+    click_burst(&mut window, "Use frame_007 as B");
+    let model = &mut window.app_mut().model;
+    let dataset = model.datasets.open.as_mut().unwrap();
+    // Times, and the place of this test's files, differ from run to run.
+    for state in &mut dataset.states {
+        if let BurstState::Done(finished) = state {
+            finished.seconds = Some(0.3);
+        }
+    }
+    dataset.folder = Some("/data/film-burstscope-5".into());
+    model.messages.note("2 bursts done");
+    window.snapshot("filmstrip");
+}
+
+/// Whether the line below the picture of the burst with this label has a green mark.
+fn has_green_mark(window: &mut Window, label: &str) -> bool {
+    let cell = window.harness.get_by_label_contains(label).rect();
+    let image = window.harness.render().expect("a picture");
+    let (columns, rows) =
+        (cell.left() as u32..cell.left() as u32 + 16, cell.bottom() as u32 - 16..cell.bottom() as u32);
+    let is_green = |[r, g, b, _]: [u8; 4]| i32::from(g) > i32::from(r) + 40 && i32::from(g) > i32::from(b) + 20;
+    rows.into_iter().any(|y| columns.clone().any(|x| is_green(image.get_pixel(x, y).0)))
+}
+
+#[test]
+fn a_burst_without_features_is_not_marked_as_good() {
+    let home = tempfile::tempdir().unwrap();
+    let source = walk(home.path());
+    let detected = |start: Start| {
+        let mut window = start.open();
+        window.click("Detect all");
+        window.settle();
+        window
+    };
+    let mut window = detected(start(source));
+    assert!(has_green_mark(&mut window, "Burst frame_002: "), "with features it is");
+    let other = tempfile::tempdir().unwrap();
+    let mut strict = start(walk(other.path()));
+    strict.startup.params.detector.peak_threshold = 0.9;
+    let mut window = detected(strict);
+    assert!(window.shows("Burst frame_002: no features") && window.shows("3 bursts, 3 done"));
+    assert!(!has_green_mark(&mut window, "Burst frame_002: no features"));
+}
+
+/// Window on three bursts whose features are found, in the workspace of their matches.
+fn detected(home: &Path) -> Window {
+    let mut window = start(walk(home)).open();
+    window.click("Detect all");
+    window.settle();
+    window.click("Matches");
+    window
+}
+
+fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
+    let job = FeatureJob { detector: few_slopes().into(), open: OpenOptions::default(), images: ImageKind::default() };
+    let store = FeatureStore::open(&home.join("film-burstscope-5"), &job).unwrap();
+    let features: Vec<_> = walk_again(home).iter().map(|b| store.kept(b, &Monitor::default()).unwrap()).collect();
+    let mut counts = None;
+    let mut on = |_, result: &burstscope::matching::MatchResult| {
+        counts = Some(result.counts);
+        Ok(())
+    };
+    match_pairs(&features, &[pair], &MatchParams::default(), &mut on, &Monitor::default()).unwrap();
+    counts.unwrap()
+}
+
+fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstSource> {
+    let source =
+        burstscope::dataset::DatasetSource { paths: vec![home.join("film")], burst_length: Some(5), burst_step: None };
+    source.bursts().unwrap()
+}
+
+#[test]
+fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = detected(home.path());
+    window.click("Match pairs");
+    window.settle();
+    for pair in [(0, 1), (0, 2), (1, 2)] {
+        assert_eq!(dataset(&window).matches.get(pair), Some(&expected(home.path(), pair)), "{pair:?}");
+    }
+    assert!(window.shows("3 pairs matched"));
+    // The list and the matrix select one common pair, which is A and B of the filmstrip.
+    window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_012").click();
+    window.harness.run_steps(3);
+    assert_eq!(dataset(&window).pair, [Some(0), Some(2)]);
+    let counts = expected(home.path(), (0, 2));
+    assert!(window.shows(&format!("{} putative matches, {} inliers", counts.putative, counts.inliers.unwrap())));
+    let matrix = window.harness.get_by_role_and_label(Role::Image, "Match matrix").rect();
+    // Cells are 64 points large; the first row is 18 points below the top, the first column 96 to the right.
+    window.click_at(matrix.min + egui::vec2(96.0 + 1.5 * 64.0, 18.0 + 2.5 * 64.0));
+    assert_eq!(dataset(&window).pair, [Some(1), Some(2)]);
+    window.key(Key::ArrowUp);
+    assert_eq!(dataset(&window).pair, [Some(0), Some(2)], "arrow keys move through the matrix");
+    window.click("Side by side");
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.workspace, Workspace::Pair);
+    assert_eq!(dataset(&window).place_of(model.slots.a.burst.as_ref()), Some(0));
+    assert_eq!(dataset(&window).place_of(model.slots.b.burst.as_ref()), Some(2));
+    assert_eq!(model.slots.b.burst.as_ref().unwrap().burst.name, "frame_012");
+}
+
+#[test]
+fn neighbours_alone_or_one_pair_can_be_matched() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = detected(home.path());
+    window.harness.get_by_role_and_label(Role::RadioButton, "Each with the next").click();
+    window.harness.run_steps(2);
+    window.app_mut().model.datasets.choice.overlap = 1;
+    window.click("Match pairs");
+    window.settle();
+    let matched = |window: &Window| [(0, 1), (0, 2), (1, 2)].map(|pair| dataset(window).matches.get(pair).is_some());
+    assert_eq!(matched(&window), [true, false, true]);
+    // With other parameters, earlier matches are dropped as soon as pairs are matched again.
+    window.app_mut().model.pair.params.ratio = 0.7;
+    window.harness.run_steps(3);
+    assert!(window.shows("The parameters of matching changed since"));
+    click_burst(&mut window, "Use frame_002 as A");
+    click_burst(&mut window, "Use frame_012 as B");
+    window.click("Match A with B");
+    window.settle();
+    assert_eq!(matched(&window), [false, true, false]);
+    assert_eq!(dataset(&window).matches.params().ratio, 0.7);
+    // A burst without features is left out.
+    std::fs::remove_file(home.path().join("film-burstscope-5/features/frame_012.png.txt")).unwrap();
+    window.harness.get_by_role_and_label(Role::RadioButton, "All pairs").click();
+    window.click("Match pairs");
+    window.settle();
+    assert!(window.shows("2 left out, whose bursts have no features yet"));
+}
+
+#[test]
+fn without_a_dataset_the_room_says_how_to_open_one() {
+    let mut window = crate::support::Start::without_auto_detect().open();
+    window.click("Matches");
+    assert!(window.shows("a folder of bursts, or a long sequence"));
+    window.dialogs.will_choose("/no/such/dataset");
+    window.click("Open dataset…");
+    window.settle();
+    assert!(window.shows("/no/such/dataset") && window.app().model.datasets.open.is_none());
+}
+
+#[test]
+fn trajectory_matrix() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = detected(home.path());
+    window.click("Match pairs");
+    window.settle();
+    window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_007").click();
+    let model = &mut window.app_mut().model;
+    let open = model.datasets.open.as_mut().unwrap();
+    // More bursts than a test has time for: copies of one film, the more matches the nearer they are.
+    let many = 20;
+    let (bursts, states) = (open.bursts.clone(), open.states.clone());
+    open.bursts = std::sync::Arc::new(
+        (0..many)
+            .map(|k| burstscope::burst::BurstSource {
+                name: format!("frame_{:03}", 2 + 5 * k),
+                ..bursts[k % 3].clone()
+            })
+            .collect(),
+    );
+    open.states = (0..many).map(|k| states[k % 3].clone()).collect();
+    for a in 0..many {
+        for b in a + 1..many {
+            let apart = b - a;
+            let putative = 620 / (apart + 1) + 7 * (a % 4);
+            let inliers = if apart > 12 { 0 } else { putative * (40 - apart) / 44 };
+            let counts = MatchCounts { keypoints_a: 900, keypoints_b: 880, putative, inliers: Some(inliers) };
+            open.matches.take((a, b), counts);
+        }
+    }
+    for state in &mut open.states {
+        if let burstscope::app::project::datasets::BurstState::Done(finished) = state {
+            finished.seconds = Some(0.3);
+            finished.features *= 9;
+        }
+    }
+    open.folder = Some("/data/film-burstscope-5".into());
+    model.messages.note("190 pairs matched");
+    window.snapshot("trajectory_matrix");
 }

@@ -1,11 +1,12 @@
-//! Detecting, cancelling, selecting, sorting, filtering.
+//! Detecting, cancelling, selecting, sorting, filtering; undo and redo, the clipboard, context menus.
 
-use crate::support::{Start, noisy_stack};
+use crate::support::{Start, Window, noisy_stack};
+use burstscope::app::project::cursor::ViewKind;
 use burstscope::app::project::filter::Column;
-use burstscope::detector::{Method, SlopeGrid};
+use burstscope::detector::{Method, Slope, SlopeGrid};
 use burstscope::inspect::words::counted;
-use egui::Key;
 use egui::accesskit::Role;
+use egui::{Key, Modifiers, OutputCommand, Pos2, pos2};
 use egui_kittest::kittest::Queryable;
 
 #[test]
@@ -210,4 +211,147 @@ fn a_key_pressed_twice_between_two_pictures_counts_twice() {
     window.harness.key_press(Key::ArrowRight);
     window.harness.step();
     assert_eq!(window.app().model.cursor().slope.u, 2.0);
+}
+
+fn redo(window: &mut Window) {
+    window.harness.key_press_modifiers(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+    window.harness.run_steps(2);
+}
+
+/// Clipboard contents set by the window while `act` runs: texts, and the sizes of pictures.
+fn copied(window: &mut Window, act: impl FnOnce(&mut Window)) -> Vec<String> {
+    act(window);
+    let mut texts = Vec::new();
+    for _ in 0..3 {
+        window.harness.step();
+        for command in &window.harness.output().platform_output.commands {
+            match command {
+                OutputCommand::CopyText(text) => texts.push(text.clone()),
+                OutputCommand::CopyImage(image) => texts.push(format!("{:?}", image.size)),
+                _ => {}
+            }
+        }
+    }
+    texts
+}
+
+fn second_click_at(window: &mut Window, pos: Pos2) {
+    window.harness.hover_at(pos);
+    window.harness.run_steps(1);
+    for pressed in [true, false] {
+        window.harness.event(egui::Event::PointerButton {
+            pos,
+            button: egui::PointerButton::Secondary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+        window.harness.run_steps(1);
+    }
+    window.harness.run_steps(3);
+}
+
+#[test]
+fn parameters_and_slopes_are_taken_back_and_made_again() {
+    let mut window = Start::without_auto_detect().open();
+    window.key(Key::ArrowRight);
+    window.click("SIFT");
+    window.slide("Slope u", 2.5);
+    window.settle();
+    let state = |window: &Window| (window.app().model.params.method, window.app().model.cursor().slope.u);
+    assert_eq!(state(&window), (Method::Sift, 2.5));
+    window.ctrl(Key::Z);
+    assert_eq!(state(&window), (Method::Sift, 1.0));
+    window.ctrl(Key::Z);
+    assert_eq!(state(&window), (Method::Buff, 1.0));
+    window.ctrl(Key::Z);
+    assert_eq!(state(&window), (Method::Buff, 0.0));
+    window.ctrl(Key::Z);
+    assert_eq!(state(&window), (Method::Buff, 0.0), "there is no more");
+    redo(&mut window);
+    redo(&mut window);
+    assert_eq!(state(&window), (Method::Sift, 1.0));
+    window.settle();
+    assert!(window.app().model.picture_is_current());
+}
+
+#[test]
+fn a_strip_goes_back_as_a_strip() {
+    let mut window = Start::without_auto_detect().open();
+    window.key(Key::Num8);
+    window.settle();
+    let slopes = |window: &Window| -> Vec<f32> {
+        let panes = &window.app().model.panes;
+        panes.shown().iter().map(|id| panes.get(*id).unwrap().cursor.slope.u).collect()
+    };
+    let before = slopes(&window);
+    window.key(Key::ArrowRight);
+    assert_eq!(slopes(&window)[0], before[0] + 1.0);
+    window.ctrl(Key::Z);
+    assert_eq!(slopes(&window), before);
+}
+
+#[test]
+fn a_feature_a_value_a_place_and_a_picture_are_copied() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    window.key(Key::Home);
+    let texts = copied(&mut window, |window| window.harness.event(egui::Event::Copy));
+    let first = window.app().model.features()[window.app().model.selected.unwrap()];
+    assert_eq!(texts.len(), 1);
+    assert!(texts[0].starts_with("u\tv\tsigma") && texts[0].contains(&format!("\n{}\t{}", first.u, first.v)));
+    // Without a selection, the value under the pointer is copied.
+    window.key(Key::Escape);
+    let at = window.app().ui_from_image(pos2(300.2, 40.3)).unwrap();
+    window.harness.hover_at(at);
+    window.harness.run_steps(2);
+    let texts = copied(&mut window, |window| window.harness.event(egui::Event::Copy));
+    let plane = window.app().model.picture().unwrap().plane.clone();
+    assert_eq!(texts, [plane.at(300, 40).to_string()]);
+    second_click_at(&mut window, at);
+    let texts = copied(&mut window, |window| window.harness.get_by_label_contains("Copy place (300.").click());
+    assert!(texts[0].starts_with("300."), "{texts:?}");
+    second_click_at(&mut window, at);
+    let texts =
+        copied(&mut window, |window| window.harness.get_by_role_and_label(Role::Button, "Copy picture").click());
+    assert_eq!(texts, ["[480, 360]"]);
+}
+
+#[test]
+fn rows_and_features_have_menus() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    let row = window.harness.get_by_role_and_label(Role::Row, "Feature 3").rect().center();
+    second_click_at(&mut window, row);
+    window.click("Go to feature");
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!((model.selected, model.cursor().slope), (Some(2), model.features()[2].slope));
+    let feature = model.features()[2];
+    let at = window.app().ui_from_image(pos2(feature.u, feature.v)).unwrap();
+    window.key(Key::Escape);
+    second_click_at(&mut window, at);
+    let hovered = window.app().model.hovered.expect("the pointer is on a feature");
+    window.harness.get_all_by_role_and_label(Role::Button, "Select").next().unwrap().click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().model.selected, Some(hovered));
+}
+
+#[test]
+fn keys_are_for_the_dialog_that_is_open_or_being_opened() {
+    let mut window = Start::without_auto_detect().open();
+    let before = *window.app().model.cursor();
+    // The key that opens the dialog, and one after it in the same pass.
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::L);
+    window.harness.key_press(Key::Num3);
+    window.harness.step();
+    window.harness.key_press(Key::ArrowRight);
+    window.harness.run_steps(2);
+    assert_eq!(*window.app().model.cursor(), before);
+    assert!(window.shows("Open a path"));
+    // The palette does not open over it.
+    window.harness.key_press_modifiers(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::P);
+    window.harness.run_steps(2);
+    assert!(!window.shows("Find an action"));
+    window.key(Key::Escape);
+    window.key(Key::Num3);
+    assert_eq!(window.app().model.cursor().kind, ViewKind::Dog);
+    assert_eq!(window.app().model.cursor().slope, Slope::default());
 }

@@ -1,11 +1,19 @@
-//! Pictures of the window. Each was looked at; a changed one has to be looked at again.
+//! Pictures of the window, each compared with a stored one that was looked at; colours by coherence; contents that a
+//! small window still shows.
 
 use crate::support::{Start, Window, given};
+use burstscope::Monitor;
 use burstscope::app::Startup;
 use burstscope::app::project::BottomTab;
+use burstscope::app::project::side::Side;
 use burstscope::app::settings::Settings;
 use burstscope::detector::{Slope, SlopeGrid};
-use egui::Key;
+use burstscope::inspect::ProbeCache;
+use burstscope::inspect::shares::coherences;
+use burstscope::requests::BurstSource;
+use egui::accesskit::Role;
+use egui::{Key, Rect, pos2};
+use egui_kittest::kittest::{NodeT, Queryable};
 
 const PLAIN: [f32; 2] = [1280.0, 800.0];
 
@@ -158,4 +166,123 @@ fn wipe() {
     window.settle();
     window.click("Wipe");
     window.snapshot("wipe");
+}
+
+fn colour_by_coherence(window: &mut Window) {
+    window.harness.get_by_role_and_label(Role::ComboBox, "Colour by").click();
+    window.harness.run_steps(4);
+    window.click("Coherence");
+}
+
+#[test]
+fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
+    window.run_action("detect");
+    window.settle();
+    colour_by_coherence(&mut window);
+    window.settle();
+    // The values are those of the library.
+    let model = &window.app().model;
+    let detection = model.slots.a.found.as_ref().unwrap().detection.clone();
+    let values = model.coherence.of(&detection).unwrap().clone();
+    let cache =
+        ProbeCache::new(&model.slots.a.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default()).unwrap();
+    assert_eq!(*values, coherences(&cache.trail, &Monitor::default()).unwrap());
+    assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not known yet"));
+    assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(Option::is_none));
+    // The selected feature and the one under the pointer show their values.
+    let index = (0..values.len()).find(|&i| values[i].is_some_and(|c| c < 0.995)).expect("one is not quite even");
+    let text = format!("{:.2}", values[index].unwrap());
+    window.app_mut().model.selected = Some(index);
+    window.harness.run_steps(2);
+    window.settle();
+    assert!(window.shows("Coherence") && window.shows(&text));
+    let feature = detection.features[index];
+    let at = window.app().ui_from_image(pos2(feature.u, feature.v)).unwrap();
+    window.harness.hover_at(at);
+    window.harness.run_steps(3);
+    assert!(window.shows("\ncoherence "), "the pointer says it");
+    window.snapshot("coherence");
+    // The figure has these colours too, with a legend.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("coherence.svg");
+    window.app_mut().model.figure.legend = true;
+    window.dialogs.will_choose(&path);
+    window.run_action("figure as svg");
+    window.settle();
+    let svg = std::fs::read_to_string(&path).unwrap();
+    let colours: std::collections::BTreeSet<&str> = svg
+        .lines()
+        .filter(|line| line.contains("<circle"))
+        .filter_map(|line| line.split("stroke=\"").nth(1)?.split('"').next())
+        .collect();
+    assert!(colours.len() > 5 && svg.contains(">0.75"), "{colours:?}");
+    // Another detection has other values; unknown ones are grey, and choosing the quantity again restarts a cancelled
+    // computation.
+    window.app_mut().model.params.octaves = 2;
+    window.run_action("detect");
+    window.settle();
+    let now = window.app().model.slots.a.found.as_ref().unwrap().detection.clone();
+    let model = &mut window.app_mut().model;
+    assert!(model.coherence.of(&detection).is_none() && model.coherence.of(&now).is_some());
+    model.coherence = Default::default();
+    let missing = model.missing_coherence(Side::A).expect("it is shown, and was forgotten");
+    let app = window.app_mut();
+    app.model.coherence.wanted.a.ask(&app.engine, missing);
+    app.model.coherence.wanted.a.cancel();
+    window.settle();
+    assert!(window.shows("Grey: cancelled"));
+    colour_by_coherence(&mut window);
+    window.settle();
+    assert!(window.app().model.coherence.of(&now).is_some() && !window.shows("Grey: cancelled"));
+}
+
+fn rect_of(window: &Window, role: Role, label: &str) -> Rect {
+    window.harness.get_by_role_and_label(role, label).rect()
+}
+
+#[test]
+fn at_1024_by_700_the_picture_and_the_columns_that_matter_are_seen() {
+    let mut window = Start { size: [1024.0, 700.0], ..Start::default() }.open();
+    window.key(Key::Home);
+    window.settle();
+    window.snapshot("small_window");
+    // The panel on the right ends where the table does.
+    let right = rect_of(&window, Role::Button, "Why?").left();
+    for heading in ["#", "u", "v", "σ", "Slope u", "Slope v", "SNR"] {
+        let rect = rect_of(&window, Role::Button, &format!("Sort by {heading}"));
+        assert!(rect.right() < right && rect.bottom() < 700.0, "{heading}: {rect:?}, but {right}");
+    }
+    let visible = window.app().widgets.get(window.app().model.focus()).and_then(|w| w.picture.visible_image).unwrap();
+    let (width, height) = window.app().model.size();
+    assert!(visible.width() >= width as f32 && visible.height() >= height as f32, "the whole picture: {visible:?}");
+}
+
+#[test]
+fn the_numbers_of_two_bursts_fit_at_960_points() {
+    let mut start = Start { size: [960.0, 640.0], ..Start::default() };
+    start.startup.second = Some(BurstSource::DemoLater);
+    let mut window = start.open();
+    assert!(window.app().model.found_of(Side::B).is_some());
+    window.snapshot("two_bursts_narrow");
+    // Between the two panels on the sides.
+    let left = rect_of(&window, Role::Slider, "Slope v").right();
+    let right = window.harness.get_by_label("Selected match").rect().left();
+    let wide = |role: Role, name: &str| {
+        let named = window.harness.query_all_by_label_contains(name);
+        let rects = named.filter(|node| node.accesskit_node().role() == role).map(|node| node.rect());
+        // The numbers' line contains the name alone too, and the name with its value.
+        rects.max_by(|a, b| a.width().total_cmp(&b.width())).unwrap_or_else(|| panic!("{name} is missing"))
+    };
+    let numbers = ["Keypoints", "Putative", "Inliers", "Match ratio", "Match score", "Precision"];
+    let lost = ["no keypoint", "ratio test", "mutual check", "geometry"];
+    let rects: Vec<Rect> = numbers
+        .map(|name| wide(Role::Label, name))
+        .into_iter()
+        .chain(lost.map(|name| wide(Role::CheckBox, name)))
+        .collect();
+    for (index, rect) in rects.iter().enumerate() {
+        assert!(rect.left() > left && rect.right() < right && rect.bottom() < 640.0, "{index}: {rect:?}");
+        assert!(rects[..index].iter().all(|other| !other.shrink(1.0).intersects(*rect)), "{rects:?}");
+    }
 }

@@ -1,4 +1,4 @@
-//! Maps as kinds of picture: the local noise, the coverage.
+//! Maps as kinds of picture: local noise and coverage; the tab of the noise.
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
@@ -7,6 +7,7 @@ use burstscope::app::session::Session;
 use burstscope::detector::view::{coverage_view, gate_noise_map};
 use burstscope::detector::{DetectorParams, SlopeGrid};
 use burstscope::requests::MapKind;
+use burstscope::synth::NoiseCase;
 use burstscope::synth::random::Stream;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
@@ -136,4 +137,55 @@ fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
     };
     assert_eq!(contents(&read), [Content::Cursor, Content::Map(MapKind::Noise)], "{text}");
     assert!(text.contains("map = \"noise\""), "{text}");
+}
+
+fn open_noise(path: &Path) -> Window {
+    let mut start = Start { size: [1280.0, 800.0], ..Start::of(path) };
+    start.startup.params =
+        DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into();
+    let mut window = start.open();
+    window.run_action("detect");
+    window.settle();
+    window.click("Noise");
+    window.settle();
+    window
+}
+
+/// A burst of the case as a `.npy` stack.
+fn open_case(case: NoiseCase, folder: &Path) -> Window {
+    let burst = case.burst((200, 150), 8, 0.02, 3, &Monitor::default()).unwrap();
+    let array = Array3::from_shape_fn((burst.len(), 150, 200), |(t, v, u)| burst.frames[t].at(u, v));
+    let path = folder.join("case.npy");
+    ndarray_npy::write_npy(&path, &array).unwrap();
+    open_noise(&path)
+}
+
+#[test]
+fn the_curve_and_the_map_are_shown_and_opened_in_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open_noise(&lamp(folder.path()));
+    let noise = window.app().model.slots.a.found.as_ref().unwrap().detection.noise.clone();
+    assert!(noise.is_local && noise.transfer.slope > 0.0005, "{:?}", noise.transfer);
+    assert!(window.shows("σ of a frame over brightness") && window.shows("σ² = a·I + b"));
+    window.click("Show σ in the picture");
+    window.settle();
+    assert_eq!(window.app().model.focused().content, Content::Map(MapKind::Noise));
+    window.snapshot("noise_tab");
+}
+
+#[test]
+fn assumptions_that_fail_are_said() {
+    for (case, word) in [(NoiseCase::Doubled, "repeat"), (NoiseCase::HotPixels, "pixels")] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut window = open_case(case, folder.path());
+        let warnings = window.app().model.slots.a.found.as_ref().unwrap().detection.noise.warnings.clone();
+        assert!(!warnings.is_empty(), "{case:?}");
+        for warning in &warnings {
+            assert!(window.shows(&format!("Noise: {}.", warning.text)), "{case:?}: {}", warning.text);
+        }
+        assert!(warnings.iter().any(|w| w.text.contains(word)), "{case:?}: {warnings:?}");
+        if case == NoiseCase::HotPixels {
+            window.snapshot("noise_warnings");
+        }
+    }
 }

@@ -1,15 +1,22 @@
-//! The automatically saved session, and the offer after an unexpected end.
+//! Ends of the window: the session saved for the next start, and files that are being written when it is closed.
 
+use crate::lab::run_small_study;
 use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::Startup;
 use burstscope::app::offscreen::Offscreen;
+use burstscope::app::project::measure::MeasuredLine;
 use burstscope::app::recovery::{KeptIn, Record};
 use burstscope::app::session::Session;
-use burstscope::app::{BurstscopeApp, EndRequest, gpu};
+use burstscope::app::{BurstscopeApp, EndRequest, Startup, gpu};
 use burstscope::detector::Slope;
+use burstscope::engine::Wanted;
+use burstscope::export::is_temporary_name;
+use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
+use burstscope::requests::{BurstSource, JobError, Request, Urgency, Work};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use std::path::Path;
+use std::convert::Infallible;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, mpsc};
 use std::time::{Duration, SystemTime};
 
 const OFFER: &str = "did not end in the ordinary way";
@@ -208,4 +215,195 @@ fn the_window_is_the_same_on_a_new_device() {
     assert_eq!(offscreen.image().unwrap(), before);
     offscreen.frame(Vec::new(), |ui| app.show(ui));
     assert_eq!(offscreen.image().unwrap(), before);
+}
+
+/// All files below `folder`.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { found.extend(files(&path)) } else { found.push(path) }
+    }
+    found.sort();
+    found
+}
+
+fn assert_nothing_half_written(folder: &Path) {
+    for file in files(folder) {
+        assert!(!is_temporary_name(file.file_name().unwrap()), "{}", file.display());
+        let text = || std::fs::read_to_string(&file).unwrap();
+        match file.extension().and_then(|extension| extension.to_str()) {
+            Some("svg") => assert!(text().trim_end().ends_with("</svg>"), "{}", file.display()),
+            Some("png") => assert!(image::open(&file).is_ok(), "{}", file.display()),
+            Some("json") => assert!(serde_json::from_str::<serde_json::Value>(&text()).is_ok(), "{}", file.display()),
+            Some("csv") => assert!(text().ends_with('\n'), "{}", file.display()),
+            _ => {}
+        }
+    }
+}
+
+/// Runs until it is cancelled, and drops its sender then.
+#[derive(Clone)]
+struct UntilCancelled {
+    release: Arc<Mutex<Option<mpsc::Sender<()>>>>,
+}
+
+impl Request for UntilCancelled {
+    type Answer = ();
+    type Told = Infallible;
+
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
+
+    fn is_same(&self, _: &Self) -> bool {
+        true
+    }
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<(), JobError> {
+        while !work.monitor.is_cancelled() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.release.lock().unwrap().take();
+        Ok(work.monitor.check()?)
+    }
+}
+
+/// Holds back the writing of files until the window is being closed: a task before them waits for a search job, which
+/// releases it when it is cancelled.
+fn hold_files_until_closing(window: &Window) -> Wanted<UntilCancelled> {
+    let engine = &window.app().engine;
+    let (release, held) = mpsc::channel::<()>();
+    let mut closing = Wanted::default();
+    closing.ask(engine, UntilCancelled { release: Arc::new(Mutex::new(Some(release))) });
+    engine.task("Hold", move || {
+        // Returns when the sender is dropped.
+        let _ = held.recv();
+        Ok(String::new())
+    });
+    closing
+}
+
+/// Begins these exports, by their actions and files in `folder`; none is written yet.
+fn begin(window: &mut Window, folder: &Path, exports: &[(&str, &str)]) {
+    for (action, name) in exports {
+        window.dialogs.will_choose(folder.join(name));
+        window.run_action(action);
+        window.wait("the file is chosen", |app| !app.is_asking());
+    }
+    assert_eq!(files(folder), Vec::<PathBuf>::new());
+}
+
+/// Checks that all of these files are there, whole, and no others.
+fn assert_written(folder: &Path, exports: &[(&str, &str)]) {
+    let mut wanted: Vec<PathBuf> = exports.iter().map(|(_, name)| folder.join(name)).collect();
+    wanted.sort();
+    assert_eq!(files(folder), wanted);
+    assert_nothing_half_written(folder);
+}
+
+#[test]
+fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Start::without_auto_detect().open();
+    window.click("Detect");
+    window.settle();
+    let count = window.app().model.features().len();
+    let closing = hold_files_until_closing(&window);
+    let exports = [
+        ("features as csv", "f.csv"),
+        ("features for colmap", "f.txt"),
+        ("features as npz", "f.npz"),
+        ("32-bit tiff", "p.tiff"),
+        ("picture as png", "p.png"),
+        ("figure as svg", "p.svg"),
+        ("figure as png", "figure.png"),
+        ("save parameters", "params.toml"),
+        ("save session", "session.toml"),
+    ];
+    begin(&mut window, folder.path(), &exports);
+    drop((window, closing));
+    assert_written(folder.path(), &exports);
+    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_eq!(text("f.csv").lines().count(), count + 1);
+    assert_eq!(text("f.txt").lines().count(), count + 1);
+    ndarray_npy::NpzReader::new(std::fs::File::open(folder.path().join("f.npz")).unwrap()).unwrap();
+    assert_eq!(burstscope::Burst::open(folder.path().join("p.tiff")).unwrap().size(), (480, 360));
+    burstscope::detector::SearchParams::from_toml(&text("params.toml")).unwrap();
+    burstscope::app::session::Session::from_toml(&text("session.toml")).unwrap();
+}
+
+#[test]
+fn what_was_matched_and_measured_is_whole_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut start = Start { size: [1400.0, 900.0], ..Start::default() };
+    start.startup.second = Some(BurstSource::DemoLater);
+    let mut window = start.open();
+    let matches = window.app().model.pair.matches.as_ref().unwrap().result.counts.putative;
+    run_small_study(&mut window);
+    let closing = hold_files_until_closing(&window);
+    let of_lab = [("export curves as csv", "c.csv"), ("export curves as svg", "c.svg")];
+    begin(&mut window, folder.path(), &of_lab);
+    window.ctrl(egui::Key::Num2);
+    let of_pair = [("export matches as csv", "m.csv"), ("export match picture as png", "m.png")];
+    begin(&mut window, folder.path(), &of_pair);
+    window.ctrl(egui::Key::Num1);
+    let pane = window.app().model.focus();
+    let (from_image, to_image) = (egui::pos2(100.0, 80.0), egui::pos2(160.0, 80.0));
+    window.app_mut().model.measure.line = Some(MeasuredLine { pane, from_image, to_image });
+    window.wait("there is something to measure", |app| app.model.picture().is_some());
+    let of_line = [("export line profile as csv", "l.csv")];
+    begin(&mut window, folder.path(), &of_line);
+    drop((window, closing));
+    assert_written(folder.path(), &[&of_lab[..], &of_pair[..], &of_line[..]].concat());
+    let lines = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap().lines().count();
+    assert_eq!(lines("m.csv"), matches + 1);
+    assert!(lines("l.csv") > 60 && lines("c.csv") > 2);
+}
+
+#[test]
+fn figures_that_are_being_made_are_whole_or_not_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("paper");
+    let mut window = Start::nothing_open().open_without_waiting();
+    let only = vec![PaperFigure::Fig9, PaperFigure::Fig5];
+    let app = window.app_mut();
+    let job = FiguresJob { out: out.clone(), only, size: FigureSize::Quick, colmap: None };
+    app.model.figures.ask(&app.engine, job);
+    while files(&out).is_empty() {
+        assert!(!window.app().engine.is_idle(), "it ended without a file");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    drop(window);
+    assert_nothing_half_written(&out);
+}
+
+#[cfg(feature = "colmap")]
+#[test]
+fn a_dataset_that_is_being_exported_leaves_whole_files_and_goes_on_later() {
+    use crate::datasets::{dataset, few_slopes, start, walk};
+    use burstscope::dataset::{CameraChoice, ColmapJob, FeatureJob, ImageKind, export_colmap};
+    use burstscope::matching::{CameraModel, MatchParams, PairSelection};
+    let home = tempfile::tempdir().unwrap();
+    let mut window = start(walk(home.path())).open();
+    let (ours, theirs) = (home.path().join("from-window"), home.path().join("from-command"));
+    let bursts = dataset(&window).bursts.clone();
+    window.dialogs.will_choose(&ours);
+    window.run_action("export colmap database");
+    window.wait("the first features are there", |_| {
+        files(&ours).iter().any(|file| file.starts_with(ours.join("features")))
+    });
+    drop(window);
+    assert_nothing_half_written(&ours);
+    let job = ColmapJob {
+        features: FeatureJob { detector: few_slopes().into(), open: Default::default(), images: ImageKind::default() },
+        matching: MatchParams::default(),
+        pairs: PairSelection::All,
+        camera: CameraChoice::Guessed(CameraModel::SimpleRadial),
+    };
+    for out in [&ours, &theirs] {
+        export_colmap(&bursts, out, &job, &mut |_| {}, &burstscope::Monitor::default()).unwrap();
+    }
+    let database = |folder: &Path| std::fs::read(folder.join("database.db")).unwrap();
+    assert_eq!(database(&ours), database(&theirs));
 }

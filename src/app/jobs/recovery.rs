@@ -1,6 +1,6 @@
 //! Automatic saving of the session, and restoring of the session of a window that did not end normally.
 
-use crate::app::panel::recovery::RecoveryChoice;
+use crate::app::panel::status::RecoveryChoice;
 use crate::app::recovery::{KeptIn, Offer, Recovery, WritingEnded};
 use crate::app::session::Session;
 use crate::app::window::BurstscopeApp;

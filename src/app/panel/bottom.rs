@@ -31,7 +31,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
             .on_hover_text("Features against a pinned result, features from a file, or the truth");
         ui.separator();
         match model.bottom_tab {
-            BottomTab::Table => crate::app::panel::filter_bar::filter_bar_ui(ui, model, queue),
+            BottomTab::Table => crate::app::panel::table::filter_bar_ui(ui, model, queue),
             BottomTab::Tally => {
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                     crate::app::panel::tally::summary_ui(ui, model);
@@ -55,7 +55,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
     mark(ui, Part::Below, ui.available_rect_before_wrap());
     match model.bottom_tab {
         BottomTab::Table => {
-            crate::app::panel::advice::advice_ui(ui, model, queue);
+            crate::app::panel::status::advice_ui(ui, model, queue);
             crate::app::panel::table::table_ui(ui, model, queue);
         }
         BottomTab::Tally => crate::app::panel::tally::tally_ui(ui, model, queue),

@@ -1,9 +1,6 @@
 //! Slopes of the burst: features and evidence at each slope, aliases, and advice.
 
 mod chart;
-mod strip;
-
-pub use strip::strip_ui;
 
 use crate::app::canvas::number;
 use crate::app::project::Model;

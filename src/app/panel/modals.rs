@@ -1,9 +1,10 @@
-//! Dialog of the calibration, from values in files to intensities: bias and flat frame, black level and full scale,
-//! linear light, raw colours.
+//! Small dialogs over the window: the calibration of files (bias and flat frame, black level and full scale, linear
+//! light, raw colours), the choice of one burst in a folder of several, and the box about the program.
 
 use crate::app::dialogs::Purpose;
 use crate::burst::{OpenOptions, RawColour};
-use egui::{DragValue, Ui};
+use crate::requests::BurstSource;
+use egui::{DragValue, RichText, ScrollArea, Ui, vec2};
 use std::path::PathBuf;
 
 /// Request of the calibration dialog.
@@ -131,4 +132,80 @@ fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip
         }
     }
     ui.end_row();
+}
+
+/// Draws the box if it is open.
+pub fn about_ui(ctx: &egui::Context, open: &mut bool) {
+    if !*open {
+        return;
+    }
+    let modal = egui::Modal::new(egui::Id::unique("about")).show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.heading(format!("Burstscope {}", env!("CARGO_PKG_VERSION")));
+        ui.label(env!("CARGO_PKG_DESCRIPTION"));
+        ui.add_space(6.0);
+        ui.label("The method is that of A. Ravendran, M. Bryson and D. G. Dansereau, “BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction”.");
+        ui.hyperlink_to("arXiv 2209.09470", "https://arxiv.org/abs/2209.09470");
+        if let Some(gpu) = crate::app::gpu::Gpu::of(ui.ctx()) {
+            ui.add_space(6.0);
+            ui.weak(format!("Graphics adapter: {}", gpu.adapter_name));
+        }
+        ui.add_space(6.0);
+        if ui.button("Close").clicked() {
+            ui.close();
+        }
+    });
+    if modal.should_close() {
+        *open = false;
+    }
+}
+
+/// Draws the choice among `bursts` if there are any. Returns the chosen one; then, or when the dialog is closed,
+/// `bursts` becomes empty.
+pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<BurstSource> {
+    if bursts.is_empty() {
+        return None;
+    }
+    let mut chosen = None;
+    let modal = egui::Modal::new(egui::Id::unique("burst chooser")).show(ctx, |ui| {
+        ui.set_width(360.0);
+        ui.heading(format!("{} bursts in this folder", bursts.len()));
+        ui.weak("Choose the burst to open.");
+        ui.add_space(6.0);
+        ScrollArea::vertical().max_height(320.0).min_scrolled_height(200.0).show(ui, |ui| {
+            for burst in bursts.iter() {
+                if row_ui(ui, burst).clicked() {
+                    chosen = Some(burst.clone());
+                }
+            }
+        });
+        ui.add_space(6.0);
+        if ui.button("Cancel").clicked() {
+            ui.close();
+        }
+    });
+    if chosen.is_some() || modal.should_close() {
+        bursts.clear();
+    }
+    chosen
+}
+
+fn row_ui(ui: &mut Ui, burst: &BurstSource) -> egui::Response {
+    // Stacks of one name in several folders are distinguished by their folders.
+    let folder = match burst {
+        BurstSource::Paths(paths) => paths.first().and_then(|p| p.parent()?.file_name()),
+        BurstSource::Demo
+        | BurstSource::DemoLater
+        | BurstSource::Example(_)
+        | BurstSource::Chart(_)
+        | BurstSource::DarkCopy { .. } => None,
+    };
+    let folder = folder.map_or_else(String::new, |f| f.to_string_lossy().into_owned());
+    let name = format!("{} in {folder}", burst.label());
+    let button = egui::Button::new(burst.label())
+        .min_size(vec2(ui.available_width(), 24.0))
+        .right_text(RichText::new(format!("in {folder}")).weak());
+    let response = ui.add(button);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    response
 }
