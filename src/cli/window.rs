@@ -17,7 +17,7 @@ use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::export::{OutputRules, safe_file_name};
-use crate::teach::{Lesson, built_in_names, lesson, lessons_at};
+use crate::teach::{Lesson, built_in, built_in_names, lessons_at};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -218,7 +218,6 @@ pub fn built_in_names() -> impl Iterator<Item = &'static str> {
 mod tests {
     use super::*;
     use crate::teach::glossary::glossary;
-    use crate::teach::lesson;
     use proptest::prelude::*;
 
     const GOOD: &str = r#"title = "One"

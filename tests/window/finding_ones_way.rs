@@ -3,7 +3,7 @@
 use crate::support::{Start, Window};
 use burstscope::app::actions::{ACTIONS, ActionId};
 use burstscope::app::project::cursor::ViewKind;
-use burstscope::teach::lesson;
+use burstscope::teach::built_in;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -170,7 +170,7 @@ fn follow_the_tooltip(window: &mut Window, role: Role, label: &str, word: &str) 
 fn a_parameters_tooltip_leads_to_its_word() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
     follow_the_tooltip(&mut window, Role::Label, "Noise gate", "Noise gate");
-    assert!(window.shows("How many standard deviations of the noise in D a response must reach"));
+    assert!(window.shows("Min |response| in standard deviations of the noise in D"));
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn tooltips_of_kinds_of_picture_of_sliders_and_of_columns_lead_to_their_words() 
     let open = || Start { size: [1280.0, 800.0], ..Start::default() }.open();
     let cases = [
         (Role::Button, "DoG", "DoG", "Difference of Gaussians: the image at the next level of blur"),
-        (Role::Button, "Sort by SNR", "Signal-to-noise ratio", "How much something stands out"),
+        (Role::Button, "Sort by SNR", "Signal-to-noise ratio", "A signal over the standard deviation of its noise"),
         (Role::Label, "Octave", "Octave", "of the one before on each side"),
     ];
     for (role, label, word, meaning) in cases {

@@ -8,7 +8,7 @@ use burstscope::app::project::cursor::ViewKind;
 use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;
-use burstscope::teach::{Between, Goal, Layout, Lesson, Near, Place, Shown, Tab, Wanted, lesson};
+use burstscope::teach::{Between, Goal, Layout, Lesson, Near, Place, Shown, Tab, Wanted, built_in};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::{NodeT, Queryable};

@@ -3,7 +3,7 @@
 use super::snr::SnrTrace;
 use crate::app::project::Model;
 use crate::requests::BurstSource;
-use crate::teach::{Lesson, Step, lesson};
+use crate::teach::{Lesson, Step, built_in};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

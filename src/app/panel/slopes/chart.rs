@@ -18,17 +18,17 @@ pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f3
 }
 
 /// Colour of evidence.
-pub(super) fn evidence_colour(ui: &Ui) -> Color32 {
+pub(in crate::app::panel) fn evidence_colour(ui: &Ui) -> Color32 {
     style::good(ui)
 }
 
 /// Colour of the features at a slope: the true slopes of those on the rim may lie beyond it.
-pub(super) fn feature_colour(ui: &Ui, bar: &SlopeBar) -> Color32 {
+pub(in crate::app::panel) fn feature_colour(ui: &Ui, bar: &SlopeBar) -> Color32 {
     if bar.is_on_rim { style::warning(ui) } else { style::ACCENT }
 }
 
 /// Bars on the searched line, each with its place along the line.
-pub(super) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar)> {
+pub(in crate::app::panel) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar)> {
     let second = spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1;
     let place = |bar: &SlopeBar| if second { (bar.at[1], bar.at[0]) } else { (bar.at[0], bar.at[1]) };
     let bars = spectrum.bars.iter().map(|bar| (place(bar), bar));
@@ -36,7 +36,7 @@ pub(super) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar)> {
 }
 
 /// Describes the features and evidence at a slope.
-pub(super) fn bar_text(bar: &SlopeBar) -> String {
+pub(in crate::app::panel) fn bar_text(bar: &SlopeBar) -> String {
     let where_to = if bar.is_on_rim {
         ", at the limit: the motion may lie beyond"
     } else if bar.is_searched {

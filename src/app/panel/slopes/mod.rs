@@ -1,6 +1,6 @@
 //! Slopes of the burst: features and evidence at each slope, aliases, and advice.
 
-mod chart;
+pub(super) mod chart;
 
 use crate::app::canvas::number;
 use crate::app::project::Model;
