@@ -36,7 +36,7 @@ impl Telling<'_> {
                 number(finding.moved_px, 0)
             ),
             _ => format!(
-                "the motion is not uniform: it deviates by up to {} px",
+                "the motion is not straight: it deviates from a uniform one by up to {} px",
                 number(finding.deviation_px.unwrap_or(0.0), 1)
             ),
         };
