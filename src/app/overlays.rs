@@ -6,8 +6,8 @@ use super::dataset::CutDialog;
 use super::dialogs::{PathField, ReplaceFile};
 use super::files;
 use super::lesson::Lessons;
-use crate::app::panel::calibration::CalibrationChoice;
 use crate::app::panel::glossary::GlossaryWindow;
+use crate::app::panel::modals::CalibrationChoice;
 use crate::app::project::Model;
 use crate::app::project::effect::{Effect, Purpose};
 use crate::app::project::side::Side;
@@ -107,20 +107,20 @@ impl Overlays {
         let mut effects = Vec::new();
         self.palette.ui(ctx, model, queue);
         menu::sheet_ui(ctx, &mut self.sheet_open);
-        crate::app::panel::about::about_ui(ctx, &mut self.about_open);
+        crate::app::panel::modals::about_ui(ctx, &mut self.about_open);
         self.glossary.ui(ctx);
         effects.extend(super::lesson::list_ui(ctx, lessons, queue).map(Effect::StartLesson));
         if lessons.open.is_some() && !self.are_modal(lessons) {
             super::lesson::highlights_ui(ctx);
         }
         super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut model.figure, queue);
-        match crate::app::panel::calibration::calibration_ui(ctx, &mut self.calibration) {
+        match crate::app::panel::modals::calibration_ui(ctx, &mut self.calibration) {
             Some(CalibrationChoice::Choose(purpose)) => effects.push(Effect::Ask(purpose)),
             Some(CalibrationChoice::Apply(options)) => effects.push(model.calibrate(options, engine)),
             None => {}
         }
         effects.extend(self.path_ui(ctx, model));
-        if let Some(burst) = crate::app::panel::chooser::chooser_ui(ctx, &mut self.choice) {
+        if let Some(burst) = crate::app::panel::modals::chooser_ui(ctx, &mut self.choice) {
             model.open(self.choice_side, burst, engine);
         }
         if let Some(dialog) = &mut self.cut {
@@ -135,7 +135,7 @@ impl Overlays {
         if super::dataset::replace_features_ui(ctx, &mut self.replace_features, &model.datasets) {
             model.detect_all(engine);
         }
-        crate::app::panel::messages::messages_ui(ctx, &mut model.messages);
+        crate::app::panel::status::messages_ui(ctx, &mut model.messages);
         effects
     }
 

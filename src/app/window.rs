@@ -316,7 +316,7 @@ impl BurstscopeApp {
         if let Some(recovery) = &mut self.recovery
             && let Some(offer) = recovery.offer()
         {
-            let offer_ui = |ui: &mut egui::Ui| panel::recovery::recovery_ui(ui, &offer);
+            let offer_ui = |ui: &mut egui::Ui| panel::status::recovery_ui(ui, &offer);
             if let Some(choice) = Panel::top("recovery offer").frame(bar).show(ui, offer_ui).inner {
                 recovery.settle(choice, &mut self.restoring, &mut self.model, &self.engine);
             }

@@ -165,10 +165,12 @@ pub struct CalibrationArgs {
     /// divided.
     #[arg(long, value_name = "FILE")]
     pub flat: Option<PathBuf>,
-    /// The files' value that becomes 1, such as 4095 for 12 bits in 16-bit files [default: what their type can hold].
+    /// Value in the files that becomes intensity 1, such as 4095 for 12 bits in 16-bit files [default: what their type
+    /// can hold].
     #[arg(long, value_name = "VALUE")]
     pub full_scale: Option<f32>,
-    /// The files' value that becomes 0; values below it become negative [default: 0, or what a raw file says].
+    /// Value in the files that becomes intensity 0; values below it become negative [default: 0, or what a raw file
+    /// says].
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
     pub black_level: Option<f32>,
     /// Undo the sRGB encoding of 8 and 16-bit pictures, so that values are proportional to light.

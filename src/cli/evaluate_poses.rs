@@ -39,10 +39,10 @@ pub struct PosesArgs {
     /// all fit, else order].
     #[arg(long, value_name = "RULE", value_parser = words::<Association>(ASSOCIATIONS))]
     pub associate: Option<Association>,
-    /// Times that differ by more do not belong together; in the files' unit.
+    /// Max difference of the times of a pair, in the files' unit.
     #[arg(long, value_name = "TIME", default_value_t = study().max_time_difference)]
     pub max_time_difference: f64,
-    /// Poses from the start to the end of a motion whose error is relative.
+    /// Poses between the start and the end of each motion of the relative pose error.
     #[arg(long, value_name = "POSES", default_value_t = study().step)]
     pub step: usize,
     /// Number of images that the reconstruction began with [default: the number of true poses].

@@ -109,7 +109,7 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
     let cut =
         SequenceCut::new(length, sequence.burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
     if inputs.iter().any(Input::is_built_in) {
-        return Err(Failure::usage("--burst-length: the demo is a single burst and is not cut; leave the option out"));
+        return Err(Failure::usage("--burst-length: built-in bursts cannot be cut into bursts; leave the option out"));
     }
     let several = inputs.len() > 1;
     let mut bursts = Vec::new();
@@ -210,9 +210,9 @@ pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> R
         ("linearise", options.linearise),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {
-        Some((name, _)) if inputs.iter().any(Input::is_built_in) => Err(Failure::usage(format!(
-            "--{name}: the demo burst was made without a camera and needs no calibration; leave the option out"
-        ))),
+        Some((name, _)) if inputs.iter().any(Input::is_built_in) => {
+            Err(Failure::usage(format!("--{name}: built-in bursts need no calibration; leave the option out")))
+        }
         _ => Ok(options),
     }
 }

@@ -57,7 +57,7 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
         match input.source {
             Ok(source) if source.name().is_some() => {
                 return Err(Failure::usage(
-                    "the demo is a burst alone: open it without a cut, and beside one other burst at most",
+                    "a built-in burst can be opened alone or with one other burst, and cannot be cut; leave the other inputs or --burst-length out",
                 ));
             }
             Ok(_) => {}

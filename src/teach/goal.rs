@@ -68,7 +68,9 @@ impl TryFrom<[f32; 3]> for Near {
         if radius > 0.0 {
             Ok(Self { place: [u, v], radius })
         } else {
-            Err(format!("the third number is how far away is near enough, in pixels, and {radius} is not above 0"))
+            Err(format!(
+                "the third number is the max distance from the place in pixels; it must be above 0, not {radius}"
+            ))
         }
     }
 }
@@ -92,7 +94,7 @@ impl TryFrom<String> for ParamName {
         if parameters().any(|doc| field_of(doc.name) == name) {
             Ok(Self(name))
         } else {
-            Err(format!("there is no parameter '{name}'; parameters have the names that a parameter file has"))
+            Err(format!("there is no parameter '{name}'; use the names of a parameter file"))
         }
     }
 }

@@ -4,19 +4,15 @@
 //! is set up, what is highlighted, what is explained (in CommonMark) and what is to be tried; the [`glossary`] explains
 //! every term of the window in a sentence or two. This module reads and checks them; the window shows them.
 
-mod built_in;
 pub mod glossary;
 mod goal;
 mod lesson;
 mod part;
-mod reading;
 mod state;
 mod values;
 
-pub use built_in::{built_in, built_in_names};
 pub use goal::{Goal, Holds, Near, ParamName, Wanted};
-pub use lesson::{Lesson, Step, Task};
+pub use lesson::{Lesson, LessonError, Step, Task, built_in, built_in_names, lessons_at};
 pub use part::Part;
-pub use reading::{LessonError, lessons_at};
 pub use state::{Layout, Place, Shown, Spot, State, Tab};
 pub use values::Between;

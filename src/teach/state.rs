@@ -213,7 +213,7 @@ fn built_in_burst<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<B
     let name = String::deserialize(deserializer)?;
     BurstSource::named(&name).map(Some).ok_or_else(|| {
         let names: Vec<&str> = BurstSource::built_in().iter().filter_map(BurstSource::name).collect();
-        de::Error::custom(format!("no built-in burst is called '{name}'; give one of {}", names.join(", ")))
+        de::Error::custom(format!("there is no built-in burst '{name}'; give one of {}", names.join(", ")))
     })
 }
 
@@ -231,7 +231,7 @@ fn view<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32; 3]>, 
     if (0.01..=100.0).contains(&zoom) {
         Ok(Some([u, v, zoom]))
     } else {
-        Err(de::Error::custom(format!("a zoom of {zoom} is not from 0.01 to 100 points for a pixel")))
+        Err(de::Error::custom(format!("the zoom {zoom} is out of range; give 0.01 to 100 points per pixel")))
     }
 }
 

@@ -31,7 +31,7 @@ impl TryFrom<[f32; 2]> for Between {
         if min.is_finite() && max.is_finite() && min <= max {
             Ok(Self { min, max })
         } else {
-            Err(format!("[{min}, {max}] is no range; give the least value, then the greatest"))
+            Err(format!("[{min}, {max}] is not a range; give min, then max"))
         }
     }
 }
@@ -56,7 +56,7 @@ impl TryFrom<String> for Text {
 /// When one of them is not finite.
 pub(super) fn finite<const N: usize>(numbers: [f32; N]) -> Result<[f32; N], String> {
     match numbers.iter().find(|x| !x.is_finite()) {
-        Some(x) => Err(format!("{x} is not a number that can be meant here")),
+        Some(x) => Err(format!("{x} is not a finite number; give one")),
         None => Ok(numbers),
     }
 }

@@ -88,7 +88,7 @@ fn a_file_that_holds_no_features_is_refused_with_a_reason() {
     window.dialogs.will_choose(&path);
     window.run_action("open features");
     window.settle();
-    assert!(window.shows("begins neither a table of features"));
+    assert!(window.shows("is neither the header of a feature table"));
 }
 
 #[test]

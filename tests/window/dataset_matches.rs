@@ -86,7 +86,7 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
     // With other parameters, earlier matches are dropped as soon as pairs are matched again.
     window.app_mut().model.pair.params.ratio = 0.7;
     window.harness.run_steps(3);
-    assert!(window.shows("The parameters of matching changed since"));
+    assert!(window.shows("The matching parameters changed; match again"));
     click_burst(&mut window, "Use frame_002 as A");
     click_burst(&mut window, "Use frame_012 as B");
     window.click("Match A with B");

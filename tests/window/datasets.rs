@@ -123,7 +123,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     other.startup.params.detector.edge_threshold *= 1.5;
     let mut other = other.open();
     assert_eq!(features(&other), [None; 3]);
-    assert!(other.shows("The folder has features of other parameters"));
+    assert!(other.shows("The folder has features found with other parameters"));
     other.click("Use those");
     other.settle();
     assert_eq!((features(&other), &other.app().model.params), (found, &params));

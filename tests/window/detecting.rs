@@ -147,7 +147,7 @@ fn a_parameter_that_makes_no_sense_says_so_and_can_be_reset() {
     window.app_mut().model.params.slopes.u.count = 0;
     window.settle();
     assert!(window.shows("the count is 0: give at least 1 slope"));
-    assert!(window.shows("the parameters make no sense"));
+    assert!(window.shows("the parameters are invalid"));
     assert!(window.app().model.picture_is_current(), "pictures go on");
     window.click("Reset Slopes u");
     window.settle();

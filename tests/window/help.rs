@@ -75,7 +75,7 @@ fn the_garlands_open_on_an_alias_with_its_evidence() {
     // The object that really moves there responds more strongly, one period of the texture away.
     let other = alias.other_slope.expect("another slope");
     assert!((other.u - ALIASING_SLOPE).abs() < 0.2 && alias.number > 1.0, "{alias:?}");
-    assert!(window.shows("An alias?") && window.shows("repeats itself every 8 px"), "it is said at once");
+    assert!(window.shows("An alias?") && window.shows("repeats every 8 px"), "it is said at once");
     // The picture is that of a slope at which nothing moves, and yet the garlands are sharp.
     let slope = window.app().model.cursor().slope;
     assert_eq!((slope.u, slope.v), (ALIASING_SLOPE - GARLAND_PERIOD, 0.0));
@@ -128,7 +128,7 @@ fn follow_the_tooltip(window: &mut Window, role: Role, label: &str, word: &str) 
 fn a_parameters_tooltip_leads_to_its_word() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
     follow_the_tooltip(&mut window, Role::Label, "Noise gate", "Noise gate");
-    assert!(window.shows("How many standard deviations of the noise in D a response must reach"));
+    assert!(window.shows("Min |response| in standard deviations of the noise in D"));
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn tooltips_of_kinds_of_picture_of_sliders_and_of_columns_lead_to_their_words() 
     let open = || Start { size: [1280.0, 800.0], ..Start::default() }.open();
     let cases = [
         (Role::Button, "DoG", "DoG", "Difference of Gaussians: the image at the next level of blur"),
-        (Role::Button, "Sort by SNR", "Signal-to-noise ratio", "How much something stands out"),
+        (Role::Button, "Sort by SNR", "Signal-to-noise ratio", "A signal over the standard deviation of its noise"),
         (Role::Label, "Octave", "Octave", "of the one before on each side"),
     ];
     for (role, label, word, meaning) in cases {

@@ -89,11 +89,11 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     // At the threshold of the curves, and for everything detected.
     assert!(window.shows(&format!("{} found", score.true_positives)));
     assert!(window.shows(&format!("{} missed", 12 - score.true_positives)));
-    window.harness.get_by_role_and_label(Role::CheckBox, "All that was detected").click();
+    window.harness.get_by_role_and_label(Role::CheckBox, "All detections").click();
     window.settle();
     assert!(window.shows(&format!("{} found", score.default_true_positives)));
     assert!(window.shows(&format!("{} false", score.default_false_features)));
-    window.harness.get_by_role_and_label(Role::CheckBox, "All that was detected").click();
+    window.harness.get_by_role_and_label(Role::CheckBox, "All detections").click();
     window.settle();
     window.snapshot("lab");
     // The chart opens as a burst with known truth.
@@ -121,7 +121,7 @@ fn kept_curves_stay_beside_those_of_other_parameters() {
     let both = "Plot: ROC at SNR 0.5, 4 curves";
     assert!(window.harness.query_by_role_and_label(Role::Image, both).is_some());
     window.snapshot("lab_kept_curves");
-    window.click("Forget");
+    window.click("Remove");
     assert!(window.app().model.lab.kept.is_empty());
 }
 

@@ -52,7 +52,7 @@ fn a_feature_says_why_it_was_kept() {
     // The window counts features from 1.
     let verdict = burstscope::inspect::words::counted_from_one(&fate.verdict);
     assert!(verdict.contains("feature 1") && window.shows(&verdict["kept as".len()..]), "{verdict}");
-    for image in ["Response over slope and scale", "Patch of each frame", "Answer of each frame"] {
+    for image in ["Response over slope and scale", "Patch of each frame", "Response of each frame"] {
         rect_of(&window, image);
     }
     let traced = answer(&window).request.traced.cache.clone();

@@ -108,7 +108,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let cache =
         ProbeCache::new(&model.slots.a.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default()).unwrap();
     assert_eq!(*values, coherences(&cache.trail, &Monitor::default()).unwrap());
-    assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not known yet"));
+    assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not computed yet"));
     assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(Option::is_none));
     // The selected feature and the one under the pointer show their values.
     let index = (0..values.len()).find(|&i| values[i].is_some_and(|c| c < 0.995)).expect("one is not quite even");
@@ -193,8 +193,8 @@ fn open(folder: &Path) -> Window {
 fn look_at_slopes(window: &mut Window) {
     window.app_mut().model.bottom_tab = BottomTab::Slopes;
     window.settle();
-    if window.shows("Look at the slopes") {
-        window.click("Look at the slopes");
+    if window.shows("Analyse slopes") {
+        window.click("Analyse slopes");
         window.settle();
     }
 }

@@ -131,7 +131,7 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     window.settle();
     let at = row(&window, "Camera burst_02.png");
     window.double_click_at(at);
-    assert!(window.shows("nights has no burst named like the camera burst_02.png"));
+    assert!(window.shows("nights has no burst with the name of the camera burst_02.png"));
 }
 
 #[test]

@@ -137,7 +137,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
     let advice =
         |problem: String, parameter: Param<DetectorParams>, value: String| Some(Advice { problem, parameter, value });
     if tally.samples == 0 {
-        let problem = format!("{what}, because the image is too small for the octaves that are searched");
+        let problem = format!("{what}, because the image is too small for the searched octaves");
         return advice(problem, doc::FIRST_OCTAVE, (params.first_octave - 1).max(-1).to_string());
     }
     let took = |test: Test, reached: u64| {

@@ -280,7 +280,7 @@ fn kind(path: &Path) -> Result<Kind, ExportError> {
         path: path.into(),
         line: 1,
         problem: format!(
-            "'{first:.40}' begins neither a table of features ({header}) nor COLMAP's text (a count and 128)"
+            "the first line '{first:.40}' is neither the header of a feature table ({header}) nor that of COLMAP's text (a count and 128)"
         ),
     })
 }

@@ -143,7 +143,7 @@ fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
     heading(
         sheet,
         area,
-        &format!("Each frame's answer at slope {}, σ {} px", slope_text(shares.slope), number(shares.sigma, 1)),
+        &format!("Each frame's response at slope {}, σ {} px", slope_text(shares.slope), number(shares.sigma, 1)),
     );
     let covering: Vec<_> = shares.frames.iter().filter(|f| f.covers).collect();
     let ends = covering.iter().flat_map(|f| [f.value - f.sigma_d, f.value + f.sigma_d]);
@@ -316,7 +316,7 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     let x_of = |at: i64| upper.x + (at - first) as f64 * cell;
     let max = 1.05 * bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1) as f64;
     let part = bars.iter().map(|bar| bar.evidence).fold(0.0, f32::max).max(1e-6);
-    small_heading(sheet, upper, "Features whose slope is nearest to each (orange: on the rim)");
+    small_heading(sheet, upper, "Features whose slope is nearest to each (orange: at the limit)");
     small_heading(sheet, lower, "Evidence: what the frames have in common at each slope, before any threshold");
     for bar in &bars {
         let x = x_of(place(bar)) + 0.1 * cell;

@@ -339,8 +339,8 @@ fn summary_of(fates: &[Fate], response: &ResponseMap) -> String {
         let covered = fates.iter().filter(|f| f.first_failed == Some(Test::Duplicate)).count();
         let also = match covered {
             0 => String::new(),
-            1 => "; 1 weaker keypoint was taken for the same blob".to_owned(),
-            n => format!("; {n} weaker keypoints were taken for the same blob"),
+            1 => "; 1 weaker keypoint lies on the same blob".to_owned(),
+            n => format!("; {n} weaker keypoints lie on the same blob"),
         };
         return match kept {
             1 => format!("One candidate here was kept{also}."),
@@ -361,7 +361,7 @@ fn summary_of(fates: &[Fate], response: &ResponseMap) -> String {
     let strength = if response.is_noiseless {
         format!("The strongest candidate here has |D| {:.2e}", best.value.abs())
     } else if best.snr.is_finite() {
-        format!("The strongest candidate here has {:.1} σ (the gate asks for {:.2})", best.snr, response.gate)
+        format!("The strongest candidate here has {:.1} σ (the gate requires {:.2})", best.snr, response.gate)
     } else {
         format!("The strongest response here is {strongest:.1} σ")
     };

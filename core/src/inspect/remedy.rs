@@ -44,7 +44,7 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
     let rival = report.rival;
     match test {
         Test::PeakThreshold => format!(
-            "below the peak threshold: |D| is {}, and 0.8 of {} is asked for",
+            "below the peak threshold: |D| is {}, at least 0.8 of {} is required",
             scientific(value),
             trail.params().peak_threshold
         ),
@@ -66,7 +66,7 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
                     },
                     number((limit / value) as f32, 2),
                     if rises_past_the_rim(trail, fate, rival.slope) {
-                        "the motion lies further out"
+                        "the motion lies beyond"
                     } else {
                         "the same blob"
                     },
@@ -74,7 +74,7 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
             },
         ),
         Test::Refinement => match report.value {
-            Some(_) => format!("the fit did not settle: it wants to move on by {} samples", number(value as f32, 1)),
+            Some(_) => format!("the fit did not settle: its peak is {} samples away", number(value as f32, 1)),
             None => "the fit has no peak".to_owned(),
         },
         Test::InterpolatedContrast => format!(
@@ -151,7 +151,7 @@ fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, 
             if rises_past_the_rim(trail, fate, rival.slope) {
                 let change = widened_towards(&params.used_slopes(), fate)?;
                 return Some((
-                    format!("it rises towards the rim of the slopes: widen them to {}", change.value),
+                    format!("it rises towards the limit of the slopes: widen them to {}", change.value),
                     change,
                 ));
             }
@@ -182,7 +182,7 @@ fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, 
         Test::Duplicate => None,
         Test::MaxFeatures => {
             let change = ParamChange::new(doc::MAX_FEATURES, report.value? as u64);
-            Some((instead("room for", &change, params.max_features.to_string()), change))
+            Some((instead("max features", &change, params.max_features.to_string()), change))
         }
         Test::SpaceExtremum | Test::ScaleExtremum | Test::Refinement => None,
     }

@@ -166,7 +166,7 @@ fn report_line(report: &TestReport, is_first_failed: bool) -> String {
         Outcome::Passes => "passes",
         Outcome::Fails if is_first_failed => "FAILS",
         Outcome::Fails => "would fail too",
-        Outcome::Unknown => "cannot be said",
+        Outcome::Unknown => "cannot be decided",
         Outcome::NotAsked => "",
     };
     format!("{:<32}{value:>9} {limit:<11}{margin:>8}  {outcome}", test_name(report.test))
@@ -175,7 +175,7 @@ fn report_line(report: &TestReport, is_first_failed: bool) -> String {
 fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
     writeln!(
         out,
-        "  each frame's answer along slope {} (σ {} px): {}",
+        "  each frame's response along slope {} (σ {} px): {}",
         slope_text(shares.slope),
         number(shares.sigma, 1),
         shares.meaning
@@ -237,7 +237,7 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
     for bar in &shown {
         let place = match bar {
             _ if !bar.is_searched => " beyond",
-            _ if bar.is_on_rim => " rim",
+            _ if bar.is_on_rim => " limit",
             _ => "",
         };
         writeln!(

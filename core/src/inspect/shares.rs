@@ -270,8 +270,8 @@ fn meaning(frames: &[FrameShare], shape: Shape, coherence: Option<f32>) -> Strin
     let number = coherence.map_or_else(String::new, |c| format!("coherence {c:.2}: "));
     let covering: Vec<&FrameShare> = frames.iter().filter(|f| f.covers).collect();
     match shape {
-        Shape::Level => format!("{number}every frame answers alike, as a thing that moves this way does"),
-        Shape::Uneven => format!("{number}the frames differ more than their noise, but no part of them answers alone"),
+        Shape::Level => format!("{number}all frames respond alike, as for an object with this motion"),
+        Shape::Uneven => format!("{number}the frames differ by more than their noise, but no part of them stands out"),
         Shape::Bump => {
             let answers: Vec<(f32, f32)> = covering.iter().map(|f| (f.value, f.sigma_d)).collect();
             let smooth = answering(&answers);
@@ -280,11 +280,11 @@ fn meaning(frames: &[FrameShare], shape: Shape, coherence: Option<f32>) -> Strin
                 (0..smooth.len()).filter(|&i| smooth[i] >= ANSWERS * max).map(|i| covering[i].frame).collect();
             let (first, last) = (on.first().copied().unwrap_or(0), on.last().copied().unwrap_or(0));
             let which = if first == last {
-                format!("frame {first} answers")
+                format!("frame {first} responds")
             } else {
-                format!("frames {first} to {last} answer")
+                format!("frames {first} to {last} respond")
             };
-            format!("{number}only {which}, as a ghost does: something of another motion crosses this way")
+            format!("{number}only {which}, as for a ghost: an object with another motion crosses here")
         }
         Shape::Unclear if covering.len() < 3 => "too few frames show the place to compare them".to_owned(),
         Shape::Unclear => "a single frame is too noisy here to compare the frames".to_owned(),

@@ -18,7 +18,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// Another feature shows the same blob, just beyond the radius of distinct keypoints.
+    /// Another feature lies on the same blob, just beyond the radius of distinct keypoints.
     Duplicate,
     /// A blob of another motion that shows in this slope's stack.
     Ghost,
@@ -140,11 +140,11 @@ fn ghost(trail: &Trail, index: usize, feature: &Feature, shares: &Shares) -> Opt
     });
     let coherence = shares.coherence.unwrap_or(0.0);
     let of_what = of.map_or_else(
-        || "nothing stronger that was kept crosses its way".to_owned(),
+        || "no stronger feature crosses its path".to_owned(),
         |other| {
             let f = &features[other];
             format!(
-                "feature {other} at ({}, {}) with slope {} crosses its way",
+                "feature {other} at ({}, {}) with slope {} crosses its path",
                 number(f.u, 1),
                 number(f.v, 1),
                 slope_text(f.slope)
@@ -153,7 +153,7 @@ fn ghost(trail: &Trail, index: usize, feature: &Feature, shares: &Shares) -> Opt
     );
     Some(Suspicion {
         kind: Kind::Ghost,
-        evidence: format!("only a part of the frames answers (coherence {coherence:.2}); {of_what}"),
+        evidence: format!("only some of the frames respond (coherence {coherence:.2}); {of_what}"),
         number: coherence,
         other: of,
         other_slope: of.map(|other| features[other].slope),
@@ -171,7 +171,7 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
     (rise > RISES).then(|| Suspicion {
         kind: Kind::AtLimit,
         evidence: format!(
-            "it lies on the rim of the slopes, and beyond the rim the response is {} times as large: widen them to {}",
+            "it lies at the limit of the slopes, and beyond it the response is {} times as strong: widen them to {}",
             number(rise, 2),
             change.value
         ),
@@ -217,7 +217,7 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
     Ok(Some(Suspicion {
         kind: Kind::Alias,
         evidence: format!(
-            "the texture repeats itself every {} px (correlation {:.2}), so slopes {} px/frame apart look alike: slope {} answers {} times as strongly, and the side lobes between reach {:.0} %",
+            "the texture repeats every {} px (correlation {:.2}), so slopes {} px/frame apart look alike: slope {} responds {} times as strongly, and the side lobes between reach {:.0} %",
             number(period.px, 1),
             period.correlation,
             number(period.px, 1),

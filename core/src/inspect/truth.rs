@@ -28,7 +28,7 @@ pub enum TruthError {
         reason: String,
     },
     /// The file is not a truth.
-    #[error("{}: is no truth of a synthetic burst: {reason}; give the truth.json that 'burstscope synth' writes", path.display())]
+    #[error("{}: not the truth of a synthetic burst: {reason}; give a truth.json written by 'burstscope synth'", path.display())]
     Json {
         /// The file.
         path: PathBuf,
@@ -36,7 +36,7 @@ pub enum TruthError {
         reason: String,
     },
     /// The truth belongs to another burst.
-    #[error("{}: is of {truth:?} pixels, but the burst has {burst:?}", path.display())]
+    #[error("{}: made for {truth:?} pixels, but the burst has {burst:?}; give the truth of this burst", path.display())]
     Size {
         /// The file.
         path: PathBuf,

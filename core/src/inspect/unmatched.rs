@@ -290,13 +290,11 @@ fn sentence(
                 best.ratio
             )
         }
-        Lost::NoKeypoint => {
-            "the other picture has no keypoint of its size where the geometry says that it must be".to_owned()
-        }
+        Lost::NoKeypoint => "the other picture has no keypoint of its size where the geometry expects it".to_owned(),
         Lost::RatioTest => {
             let second = candidates.get(1);
             let twin = match second {
-                Some(second) if second.is_same_blob => ", which lies on the same blob: of the two one is too many",
+                Some(second) if second.is_same_blob => ", a duplicate on the same blob",
                 _ => "",
             };
             let who = second.map_or_else(String::new, |second| format!(" to {}{twin}", rank_name(second.feature)));
@@ -315,7 +313,7 @@ fn sentence(
         ),
         Lost::Geometry => {
             let error =
-                best.error_px.map_or_else(String::new, |error| format!(": {error:.1} px from where it must be"));
+                best.error_px.map_or_else(String::new, |error| format!(": {error:.1} px from the place it expects"));
             format!("geometry: its match, {}, does not fit{error}", rank_name(best.feature))
         }
     }

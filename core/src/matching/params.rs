@@ -127,7 +127,7 @@ pub mod doc {
         "Ratio test",
         "",
         "ratio-test",
-        "The largest ratio of the distances to the nearest and the second nearest descriptor; 1 switches the test off.",
+        "Max ratio of the distances to the nearest and the second nearest descriptor; 1 switches the test off.",
         "Raise it to keep more matches, of which more are wrong.",
         Param::<MatchParams>::new("R", Stage::Matching, |p| Field::F32(&mut p.ratio))
             .within(
@@ -165,7 +165,7 @@ pub mod doc {
         "Max error",
         "px",
         "inlier",
-        "The largest error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric transfer error.",
+        "Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric transfer error.",
         "Raise it to keep less exact matches, and more wrong ones that fit by chance.",
         Param::<MatchParams>::new("PX", Stage::Matching, |p| Field::F32(&mut p.max_error_px))
             .within((Excluded(0.0), Unbounded), "give more than 0 pixels (4 is usual)")
@@ -179,7 +179,7 @@ pub mod doc {
         "Min inliers",
         "matches",
         "inlier",
-        "The least number of inliers of a geometry; with fewer there is none, and no match is an inlier.",
+        "Min number of inliers of a geometry; with fewer there is none, and no match is an inlier.",
         "Raise it to trust only pairs with much in common: seven wrong matches always agree on some fundamental matrix, and others fit by chance.",
         Param::<MatchParams>::new("N", Stage::Matching, |p| Field::Usize(&mut p.min_inliers))
             .dragged(0.1, 0)
@@ -206,7 +206,7 @@ pub mod doc {
         "Max iterations",
         "samples",
         "consensus",
-        "The most samples of matches that are tried.",
+        "Max number of samples of matches that are tried.",
         "Raise it where most matches are wrong, for more time.",
         Param::<MatchParams>::new("N", Stage::Matching, |p| Field::Usize(&mut p.max_iterations))
             .within((Included(1.0), Included(MOST_ITERATIONS)), "give 1 to 10000000 samples")
@@ -221,7 +221,7 @@ pub mod doc {
         "",
         "consensus",
         "Seed of the samples of matches.",
-        "The same seed gives the same inliers; another one shows how much they depend on luck.",
+        "The same seed gives the same inliers; another one shows how much they depend on chance.",
         Param::<MatchParams>::new("N", Stage::Matching, |p| Field::U64(&mut p.seed)).used_if(verified)
     );
     param!(

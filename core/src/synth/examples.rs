@@ -100,15 +100,13 @@ impl Example {
             Self::Aliasing => {
                 "Garlands repeat themselves every 8 px, so slopes 8 px/frame apart look alike: features at −7 px/frame, though nothing moves so."
             }
-            Self::LowContrast => {
-                "Discs of falling contrast: the noise gate takes those that the noise could have made."
-            }
+            Self::LowContrast => "Discs of falling contrast: the noise gate rejects those that noise could have made.",
             Self::Depths => {
                 "Lamps at nine depths, from slope 0 on the left to 2.4 px/frame on the right: each is sharp at its own slope, and slants of its own in the slice."
             }
             Self::Tripod => "A still camera before a still scene: more light, but slope 0 everywhere, and so no depth.",
             Self::HotPixels => {
-                "Lamps that move by 1 px/frame, and sixty pixels of the sensor that stay bright at their places: at slope 0 they look like things."
+                "Lamps that move by 1 px/frame, and sixty pixels of the sensor that stay bright at their places: at slope 0 they look like objects."
             }
             Self::Street => "Textured walls at two depths, too dark for one frame: match it with the later one.",
             Self::StreetLater => "The textured walls a little later: the second burst to match with.",

@@ -197,7 +197,7 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::PinResult => {
             model.pin_result(model.active_side());
             model.bottom_tab = BottomTab::Compared;
-            model.messages.note("Pinned: later detections are shown against these features");
+            model.messages.note("Pinned: later detections are compared with these features");
         }
         A::UnpinResult => model.unpin_result(model.active_side()),
         A::CloseFeatures => model.forget_foreign(model.active_side()),

@@ -130,7 +130,7 @@ impl Palette {
         let modal = egui::Modal::new(egui::Id::unique("palette")).area(area).show(ctx, |ui| {
             ui.set_width(440.0);
             let edit = egui::TextEdit::singleline(&mut self.text)
-                .hint_text("Type what you want to do")
+                .hint_text("Type part of an action's name")
                 .desired_width(f32::INFINITY);
             let edit = ui.add(edit);
             crate::app::panel::widgets::name_field(&edit, "Find an action", &self.text);
@@ -160,7 +160,7 @@ impl Palette {
                     }
                 }
                 if found.is_empty() {
-                    ui.weak("No action is called so.");
+                    ui.weak("No action matches.");
                 }
             });
         });

@@ -149,8 +149,8 @@ pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Data
         ui.add_space(4.0);
         let bursts = counted(dataset.bursts.len(), "burst");
         ui.label(format!(
-            "Detect all finds the features of {bursts} again with the parameters as they are now, and writes them in \
-             place of those, burst by burst. Cancelled, it keeps the new features of the bursts that are finished. The bursts \
+            "Detect all finds the features of {bursts} again with the parameters as they are now, and replaces \
+             the old ones, burst by burst. Cancelled, it keeps the new features of the bursts that are finished. The bursts \
              themselves are not touched. To keep the old features, cancel and choose another folder."
         ));
         ui.add_space(6.0);

@@ -56,7 +56,7 @@ fn study_ui(ui: &mut Ui, trajectories: &mut Trajectories) -> bool {
             .response
             .labelled_by(label.id);
         ui.end_row();
-        let label = ui.label("Paired").on_hover_text("What makes an estimated and a true camera belong together");
+        let label = ui.label("Paired").on_hover_text("How estimated and true cameras are paired");
         let name = |by: Option<Association>| by.map_or("as it fits", Association::phrase);
         let study = &mut trajectories.study;
         ComboBox::from_id_salt("associate")
@@ -70,14 +70,14 @@ fn study_ui(ui: &mut Ui, trajectories: &mut Trajectories) -> bool {
             .response
             .labelled_by(label.id);
         ui.end_row();
-        let label = ui
-            .label("Time difference")
-            .on_hover_text("Times that differ by more do not belong together; in the files' unit");
+        let label =
+            ui.label("Time difference").on_hover_text("Max difference of the times of a pair, in the files' unit");
         let field = DragValue::new(&mut study.max_time_difference).range(0.0..=f64::MAX).speed(0.01);
         ui.add(field).labelled_by(label.id);
         ui.end_row();
-        let label =
-            ui.label("Step").on_hover_text("Poses from the start to the end of a motion whose error is relative");
+        let label = ui
+            .label("Step")
+            .on_hover_text("Poses between the start and the end of each motion of the relative pose error");
         ui.add(DragValue::new(&mut study.step).range(1..=10_000).suffix(" poses")).labelled_by(label.id);
         ui.end_row();
     });
@@ -87,7 +87,7 @@ fn study_ui(ui: &mut Ui, trajectories: &mut Trajectories) -> bool {
 fn errors_ui(ui: &mut Ui, report: &PoseReport) {
     let paired =
         format!("{} poses paired {}, scale {:.5}", report.absolute.count, report.associated.phrase(), report.scale);
-    ui.weak(paired).on_hover_text("The estimate is laid on the truth by the similarity with the least squared distances of the camera centres (Umeyama 1991)");
+    ui.weak(paired).on_hover_text("The estimate is aligned with the truth by the similarity that minimises the squared distances of the camera centres (Umeyama 1991)");
     if report.straight {
         ui.weak("The cameras stand on a line; their directions fixed the rotation about it.");
     }
@@ -118,13 +118,13 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
         );
         row(
             "RPE",
-            "Relative pose error: what motions lack of the true ones, in the truth's unit",
+            "Relative pose error: difference between estimated and true motions, in the truth's unit",
             &report.relative.translation,
             4,
         );
         row(
             "RPE °",
-            "Relative pose error: what motions lack of the true ones, degrees",
+            "Relative pose error: difference between estimated and true motions, degrees",
             &report.relative.rotation_deg,
             3,
         );
@@ -150,7 +150,7 @@ fn reconstruction_ui(ui: &mut Ui, model: &Model) {
             (None, Some(s)) => s.registered_images.to_string(),
             _ => none(),
         };
-        number_row_ui(ui, "Registered images", "Images whose camera was found, of those that were to be", &registered);
+        number_row_ui(ui, "Registered images", "Images whose camera was found, of all images", &registered);
         let matched = model.datasets.open.as_ref().and_then(Dataset::image_counts);
         let of_matches = |text: &dyn Fn(&ImageCounts) -> String| matched.as_ref().map_or_else(none, text);
         let rows: [(&str, &str, String); 6] = [

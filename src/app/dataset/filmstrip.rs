@@ -144,12 +144,11 @@ fn notice_ui(ui: &mut Ui, model: &Model, dataset: &Dataset, queue: &mut Queue) {
     } else if dataset.folder.is_none() {
         ui.label(warning("Choose a folder for the features"));
     } else if dataset.params != model.asked() {
-        ui.label(warning("The parameters changed")).on_hover_text(
-            "What is shown here was found with the parameters as they were. Detect all finds all features again.",
-        );
+        ui.label(warning("The parameters changed"))
+            .on_hover_text("These features were found with earlier parameters. Detect all finds all features again.");
     } else if dataset.other_params.is_some() {
-        ui.label(warning("The folder has features of other parameters"))
-            .on_hover_text("Detect all finds them again with the present parameters, in place of those.");
+        ui.label(warning("The folder has features found with other parameters"))
+            .on_hover_text("Detect all replaces them by features found with the present parameters.");
         button_ui(ui, model, queue, ActionId::UseFolderParams, Some("Use those"));
     }
 }

@@ -107,9 +107,9 @@ impl ReplaceFile {
     pub fn new(purpose: Purpose, path: PathBuf) -> Self {
         let is_link = std::fs::symlink_metadata(&path).is_ok_and(|file| file.is_symlink());
         let about = match (is_link, is_ours(&path)) {
-            (true, _) => "It is a link. The link is replaced by the file, and what it leads to stays as it is.",
-            (false, true) => "Burstscope wrote it. What it holds is lost.",
-            (false, false) => "Burstscope did not write it. What it holds is lost.",
+            (true, _) => "It is a link. The link is replaced by the file; its target stays as it is.",
+            (false, true) => "Burstscope wrote it. Its content will be lost.",
+            (false, false) => "Burstscope did not write it. Its content will be lost.",
         };
         Self { purpose, path, about }
     }

@@ -56,7 +56,7 @@ pub(super) fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &m
     let mut view = model.panes.get(id).map(|pane| pane.view).unwrap_or_default();
     let output = canvas_of(model, shown, name)
         .picture(state.shown().filter(|_| problem.is_none()))
-        .empty_text(problem.unwrap_or("The picture is being made…"))
+        .empty_text(problem.unwrap_or("Computing the picture…"))
         .primary_pans(model.workspace != Workspace::Inspect || model.measure.tool == Tool::Pan)
         .show(ui, &mut view);
     let state = &mut widgets.of(shown).picture;
@@ -194,7 +194,7 @@ pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAx
     let touched = response.clicked() || response.drag_started();
     let is_probed = model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);
     let Some(answer) = model.probe.answer.clone().filter(|_| is_probed) else {
-        let text = if is_probed && model.probe.question.is_some() { "The place is being probed…" } else { HOW };
+        let text = if is_probed && model.probe.question.is_some() { "Probing the place…" } else { HOW };
         canvas::message(ui, ui.painter(), whole, text);
         return touched;
     };

@@ -221,7 +221,7 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
     let modal = egui::Modal::new(egui::Id::unique("lessons")).show(ctx, |ui| {
         ui.set_width(520.0);
         ui.heading("Lessons");
-        ui.weak("Each takes a few minutes, over the live window. What is open now comes back afterwards.");
+        ui.weak("Each takes a few minutes and runs in this window. What is open now comes back afterwards.");
         ui.add_space(8.0);
         ScrollArea::vertical().max_height(480.0).min_scrolled_height(300.0).show(ui, |ui| {
             chosen = rows_ui(ui, lessons);
@@ -231,8 +231,7 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
             if ui.button("Close").clicked() {
                 ui.close();
             }
-            let own =
-                ui.button("Open lessons…").on_hover_text("A folder of lessons, such as a teacher's own (TOML files)");
+            let own = ui.button("Open lessons…").on_hover_text("A folder of your own lessons (TOML files)");
             if own.clicked() {
                 queue.push(ActionId::OpenLessons);
                 ui.close();

@@ -87,7 +87,7 @@ pub(super) fn snr_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace, spot:
         })
         .response
         .on_hover_text(format!(
-            "The spot is {:.4} of full scale above the ground around it; a pixel's noise is {:.4}",
+            "The spot is {:.4} of full scale above the background; the noise of a pixel is {:.4}",
             snr.signal, snr.noise
         ));
     } else {
@@ -186,7 +186,7 @@ fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
             plot.points(Points::new("measured", PlotPoints::from(points)).color(crate::app::style::ACCENT).radius(4.0));
             plot.points(Points::new("now", PlotPoints::from(here)).color(Color32::from_rgb(255, 200, 60)).radius(5.5));
         });
-    ui.weak("dots: measured    line: a law c·√N");
+    ui.weak("dots: measured    line: c·√N");
 }
 
 #[cfg(test)]

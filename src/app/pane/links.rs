@@ -42,7 +42,7 @@ impl Link {
     /// Description.
     pub fn help(self) -> &'static str {
         match self {
-            Self::View => "Zoom and pan together with the other panes that are linked so",
+            Self::View => "Zoom and pan together with the other panes that have this link",
             Self::Display => "Share the value range and the colour map; without it this pane has its own",
             Self::Cursor => {
                 "Move frame, slope, octave and level together, by the same steps; other bursts and methods also change the kind of picture"

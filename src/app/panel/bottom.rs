@@ -22,16 +22,16 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Tally, "Tally");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Noise, "Noise");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Slopes, "Slopes")
-            .on_hover_text("Which slopes the burst needs: features and evidence at each slope, and advice");
+            .on_hover_text("Features and evidence at each slope, and advice on range, step and direction");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Profile, "Profile")
-            .on_hover_text("The values along a line: draw one with Q");
+            .on_hover_text("Values along a line; draw one with Q");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Region, "Region")
-            .on_hover_text("The values in a rectangle: draw one with Shift+Q");
+            .on_hover_text("Statistics of a rectangle; draw one with Shift+Q");
         ui.selectable_value(&mut model.bottom_tab, BottomTab::Compared, "Compared")
-            .on_hover_text("What changed since a pinned result, what others found, what is really there");
+            .on_hover_text("Features against a pinned result, features from a file, or the truth");
         ui.separator();
         match model.bottom_tab {
-            BottomTab::Table => crate::app::panel::filter_bar::filter_bar_ui(ui, model, queue),
+            BottomTab::Table => crate::app::panel::table::filter_bar_ui(ui, model, queue),
             BottomTab::Tally => {
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                     crate::app::panel::tally::summary_ui(ui, model);
@@ -55,7 +55,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
     mark(ui, Part::Below, ui.available_rect_before_wrap());
     match model.bottom_tab {
         BottomTab::Table => {
-            crate::app::panel::advice::advice_ui(ui, model, queue);
+            crate::app::panel::status::advice_ui(ui, model, queue);
             crate::app::panel::table::table_ui(ui, model, queue);
         }
         BottomTab::Tally => crate::app::panel::tally::tally_ui(ui, model, queue),

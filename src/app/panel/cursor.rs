@@ -1,14 +1,16 @@
-//! Cursor: frame, slope, octave and level, with the grid's slopes marked, and the buttons that move it.
+//! Cursor of the focused pane: sliders of frame, slope, octave and level, with the grid's slopes marked, and the buttons
+//! that move it. Below a slope slider lie bars of features and evidence, with the ends of the searched range, which can
+//! be dragged; a plane of slopes has a pad that moves both components at once.
 
+use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panel::slope_pad::slope_pad_ui;
-use crate::app::panel::slopes::strip_ui;
-use crate::app::panel::widgets::{CursorRow, section_ui};
+use crate::app::panel::widgets::{CursorRow, section_ui, slider_track};
 use crate::app::project::Model;
 use crate::app::project::cursor::{ViewKind, level_range, octave_range, slope_limit};
 use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
-use egui::Ui;
+use crate::detector::{Slope, SlopeAxis, SlopeChoice};
+use egui::{CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
 /// Draws the section.
 pub fn cursor_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
@@ -28,7 +30,7 @@ fn frame_row(ui: &mut Ui, model: &mut Model) {
     let mut frame = model.cursor().frame as f32;
     let row = CursorRow {
         label: "Frame",
-        help: "The frame on show, counted from 0. Moving it shows the frame.",
+        help: "Index of the shown frame, from 0. Moving it shows the frame.",
         range: 0.0..=last,
         marks: &[],
         whole: true,
@@ -59,7 +61,7 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
     }
     row(
         "Slope u",
-        "Apparent motion to the right, in pixels per frame. The marks are the grid's slopes; any slope between them can be shown.",
+        "Apparent motion to the right, px/frame. Marks: slopes of the grid; any slope between them can be shown.",
         limit,
         &marks_u,
     )
@@ -67,7 +69,7 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
     strip_ui(ui, model, false);
     row(
         "Slope v",
-        "Apparent motion downwards, in pixels per frame. The marks are the grid's slopes; any slope between them can be shown.",
+        "Apparent motion downwards, px/frame. Marks: slopes of the grid; any slope between them can be shown.",
         limit,
         &marks_v,
     )
@@ -106,13 +108,13 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     };
     let a = row(
         "Octave",
-        "Octave of the DoG response: each is twice as coarse as the one before. Moving it shows the DoG, unless a map of it is on show.",
+        "Octave of the DoG: each is twice as coarse as the one before. Moving it shows the DoG, unless the pane shows a map at this octave.",
         octaves,
     )
     .ui(ui, &mut octave);
     let b = row(
         "Level",
-        "Level within the octave. Features come from levels 0 and up; the outermost two only take part in comparisons. Moving it shows the DoG, unless a map of it is on show.",
+        "Level within the octave. Features lie at levels 0 and up; the two outermost levels are only compared with. Moving it shows the DoG, unless the pane shows a map at this level.",
         levels,
     )
     .ui(ui, &mut level);
@@ -125,6 +127,194 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     let sigma = space.sigma_image(model.cursor().octave, f64::from(model.cursor().level));
     let rim = rim_radius(sigma, space.levels);
     ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(format!(
-        "In pixels of the input image. Of all discs one with a radius of {rim:.1} px answers most strongly here."
+        "In pixels of the input image. Discs with a radius of {rim:.1} px respond most strongly at this scale."
     ));
+}
+
+/// Draws the pad.
+pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
+    let side = ui.available_width().min(170.0);
+    let (full, _) = ui.allocate_exact_size(vec2(ui.available_width(), side), Sense::hover());
+    let rect = egui::Rect::from_center_size(full.center(), vec2(side, side));
+    let response = ui.interact(rect, ui.scope_id().with("slope pad"), Sense::click_and_drag());
+    let grid = model.cursor_params().slopes;
+    let limit = slope_limit(&grid);
+    let scale = (0.5 * side - 8.0) / limit;
+    let ui_from_slope = |s: Slope| rect.center() + scale * vec2(s.u, s.v);
+    if let Some(pos) = response.interact_pointer_pos() {
+        let at = (pos - rect.center()) / scale;
+        model.playing = false;
+        let pane = model.focused_mut();
+        pane.cursor.slope = Slope::new(at.x.clamp(-limit, limit), at.y.clamp(-limit, limit));
+        pane.show_slope();
+    }
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+    painter.rect_stroke(rect, 4.0, ui.visuals().widgets.noninteractive.bg_stroke, StrokeKind::Inside);
+    let axis = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
+    painter.line_segment([pos2(rect.left(), rect.center().y), pos2(rect.right(), rect.center().y)], axis);
+    painter.line_segment([pos2(rect.center().x, rect.top()), pos2(rect.center().x, rect.bottom())], axis);
+    let mut counts = vec![0usize; grid.len()];
+    let found = model.found_of(model.focused().side).filter(|f| f.detection.slopes == grid);
+    if let Some(found) = found {
+        for feature in &found.detection.features {
+            if let Some(count) = counts.get_mut(feature.slope_index) {
+                *count += 1;
+            }
+        }
+    }
+    let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
+    let largest = (0.45 * grid.u.step().min(grid.v.step()) * scale).clamp(2.0, 8.0);
+    for (slope, &count) in grid.slopes().zip(&counts) {
+        let colour = if count > 0 { ui.visuals().hyperlink_color } else { ui.visuals().weak_text_color() };
+        let radius = 1.2 + (largest - 1.2) * (count as f32 / most).sqrt();
+        painter.circle_filled(ui_from_slope(slope), radius, colour);
+    }
+    let here = ui_from_slope(model.cursor().slope);
+    painter.circle_stroke(here, 5.5, Stroke::new(2.0, ui.visuals().strong_text_color()));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Slope plane"));
+    crate::app::panel::widgets::hint(
+        response,
+        "Slope plane: u to the right, v downwards. Dots: slopes of the grid, larger where more features were found. Drag to change both.",
+    );
+}
+
+/// Height of the strip, points.
+const HEIGHT: f32 = 30.0;
+/// Maximum distance of the pointer from an end of the range, points.
+const REACH: f32 = 5.0;
+
+/// Draws the strip below the slider of the first (`second` false) or second axis, if only that axis is searched: a
+/// plane of slopes has its own picture.
+pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
+    let grid = model.cursor_params().slopes;
+    let axis = if second { grid.v } else { grid.u };
+    let other = if second { grid.u } else { grid.v };
+    if axis.count < 2 || other.count > 1 || grid.direction_deg != 0.0 {
+        return;
+    }
+    let (track, width) = slider_track(ui);
+    let (row, _) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::hover());
+    let rect = Rect::from_x_y_ranges(track, row.y_range());
+    let ends_id = ui.scope_id().with(("range ends", second));
+    // While an end is dragged the slider keeps its scale, or the end would move away from the pointer.
+    let dragged: Option<Drag> = ui.data(|data| data.get_temp(ends_id));
+    let limit = dragged.map_or_else(|| slope_limit(&grid), |drag| drag.limit);
+    let x_of = |slope: f32| egui::remap(slope, -limit..=limit, rect.x_range());
+    bars_ui(ui, model, second, rect, &x_of);
+    let ends = [(axis.min, "Range start"), (axis.max, "Range end")];
+    let name_of = |name: &str| format!("{name} {}", if second { "v" } else { "u" });
+    for (index, (value, name)) in ends.into_iter().enumerate() {
+        let x = x_of(value).clamp(rect.left() - 2.0, rect.right() + 2.0);
+        let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(2.0 * REACH, rect.height()));
+        let response = ui.interact(grip, ends_id.with(index), Sense::drag());
+        if response.drag_started() {
+            ui.data_mut(|data| data.insert_temp(ends_id, Drag { limit, axis, pulled: 0.0 }));
+        }
+        if response.dragged()
+            && let Some(mut drag) = ui.data(|data| data.get_temp::<Drag>(ends_id))
+        {
+            drag.pulled += response.drag_delta().x * 2.0 * limit / rect.width();
+            ui.data_mut(|data| data.insert_temp(ends_id, drag));
+            set_axis(model, second, moved(drag.axis, index == 1, drag.pulled));
+        }
+        if response.drag_stopped() {
+            ui.data_mut(|data| data.remove::<Drag>(ends_id));
+        }
+        let lit = response.hovered() || response.dragged();
+        let colour = if lit { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
+        ui.painter().vline(x, rect.y_range(), Stroke::new(if lit { 2.5 } else { 1.5 }, colour));
+        let knob = Rect::from_center_size(pos2(x, rect.top() + 3.0), vec2(6.0, 6.0));
+        ui.painter().rect_filled(knob, 1.0, colour);
+        let name = name_of(name);
+        response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(value), &name));
+        response
+            .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal)
+            .on_hover_text("End of the searched range of slopes; drag it by whole steps");
+    }
+}
+
+/// Drag of an end of the range.
+#[derive(Clone, Copy)]
+struct Drag {
+    limit: f32,
+    /// Range when the drag began.
+    axis: SlopeAxis,
+    /// Distance of the drag, px/frame.
+    pulled: f32,
+}
+
+/// Moves the axis's lower or `upper` end by about `pulled`, by whole steps, so that the other slopes stay.
+fn moved(axis: SlopeAxis, upper: bool, pulled: f32) -> SlopeAxis {
+    let outwards = (pulled / axis.step()).round() as i64 * if upper { 1 } else { -1 };
+    let outwards = outwards.max(2 - axis.count as i64);
+    let more = outwards.max(0) as usize;
+    let wider = if upper { axis.with_more(0, more) } else { axis.with_more(more, 0) };
+    let fewer = (-outwards).max(0) as f32;
+    let count = wider.count - fewer as usize;
+    if upper {
+        SlopeAxis { max: wider.max - fewer * axis.step(), count, ..wider }
+    } else {
+        SlopeAxis { min: wider.min + fewer * axis.step(), count, ..wider }
+    }
+}
+
+fn set_axis(model: &mut Model, second: bool, axis: SlopeAxis) {
+    let grid = &mut model.params.slopes;
+    let own = if second { &mut grid.v } else { &mut grid.u };
+    if *own != axis {
+        *own = axis;
+        model.slopes = SlopeChoice::Given;
+    }
+}
+
+/// Draws features upwards, and evidence as a thin bar in front of them.
+fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) -> f32) {
+    let painter = ui.painter_at(rect.expand2(vec2(3.0, 0.0)));
+    painter.rect_filled(rect.expand2(vec2(3.0, 0.0)), 2.0, ui.visuals().extreme_bg_color);
+    let response = ui.interact(rect, ui.scope_id().with(("slope strip", second)), Sense::hover());
+    response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Features and evidence below the slider"));
+    let Some(spectrum) = model.spectrum().filter(|spectrum| !spectrum.grid.is_plane()) else { return };
+    let component = |slope: Slope| if second { slope.v } else { slope.u };
+    let bars: Vec<_> = on_line(spectrum).into_iter().map(|(_, bar)| bar).collect();
+    let most = bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1) as f32;
+    let part = bars.iter().map(|bar| bar.evidence).fold(1e-6, f32::max);
+    let axis = if second { spectrum.grid.v } else { spectrum.grid.u };
+    let half = (0.38 * (x_of(axis.step()) - x_of(0.0))).clamp(0.8, 9.0);
+    let height = rect.height() - 3.0;
+    for bar in &bars {
+        let x = x_of(component(bar.slope));
+        let top = |share: f32| rect.bottom() - share * height;
+        let features =
+            Rect::from_min_max(pos2(x - half, top(bar.features as f32 / most)), pos2(x + half, rect.bottom()));
+        painter.rect_filled(features, 0.0, feature_colour(ui, bar));
+        if bar.evidence > 0.0 {
+            let thin = (0.4 * half).max(0.8);
+            let evidence = Rect::from_min_max(pos2(x - thin, top(bar.evidence / part)), pos2(x + thin, rect.bottom()));
+            painter.rect_filled(evidence, 0.0, evidence_colour(ui));
+        }
+    }
+    let nearest = response.hover_pos().and_then(|pos| {
+        let distance = |bar: &&&crate::inspect::spectrum::SlopeBar| (x_of(component(bar.slope)) - pos.x).abs();
+        bars.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    });
+    if let Some(bar) = nearest {
+        response.on_hover_text_at_pointer(bar_text(bar));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_end_moves_by_whole_steps_and_keeps_the_other_slopes() {
+        let axis = SlopeAxis { min: -1.0, max: 1.0, count: 5 };
+        assert_eq!(moved(axis, true, 0.9), SlopeAxis { min: -1.0, max: 2.0, count: 7 });
+        assert_eq!(moved(axis, false, -0.6), SlopeAxis { min: -1.5, max: 1.0, count: 6 });
+        assert_eq!(moved(axis, true, -0.5), SlopeAxis { min: -1.0, max: 0.5, count: 4 });
+        assert_eq!(moved(axis, false, 9.0), SlopeAxis { min: 0.5, max: 1.0, count: 2 }, "two slopes are left");
+        assert_eq!(moved(axis, true, 0.1), axis);
+    }
 }

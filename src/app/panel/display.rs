@@ -1,12 +1,15 @@
-//! Display of the pictures: histogram, range, gamma, colour map, and overlays.
+//! Display of the pictures: histogram, range, gamma, colour map and overlays; and the colour bar in the corner of a map.
 
-use crate::app::canvas::overlay::ColourBy;
+use crate::app::canvas::number;
+use crate::app::canvas::overlay::{ColourBy, ColourScale};
 use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
+use crate::app::pane::PaneId;
 use crate::app::panel::widgets::section_ui;
 use crate::app::project::Model;
 use crate::app::project::look::RangeClass;
-use egui::Ui;
+use crate::plane::display::Display;
+use egui::{Align2, Color32, Mesh, Rect, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2};
 
 /// State of the panel, kept between passes: a histogram for each class of picture.
 #[derive(Default)]
@@ -41,9 +44,9 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     let own = model.focused().own_ranges.is_some();
     let whose = if own { "This pane's range for" } else { "One range for all" };
     ui.weak(format!("{whose} {}", class.label()))
-        .on_hover_text("The range is fixed until you change it, so that pictures can be compared");
+        .on_hover_text("It stays fixed until you change it, so that pictures can be compared");
     if class == RangeClass::Motion {
-        ui.add(egui::Label::new("Colours: the direction of the slope that wins; bright where it is sure").wrap());
+        ui.add(egui::Label::new("Colour: direction of the winning slope; bright where it is certain").wrap());
         return;
     }
     let panel = match class {
@@ -92,4 +95,69 @@ fn colouring_ui(ui: &mut Ui, model: &mut Model) {
             .response
             .labelled_by(label.id);
     });
+}
+
+/// Size of the key with its background, points.
+const SIZE: egui::Vec2 = vec2(196.0, 50.0);
+/// Minimum size of a picture with a colour bar, in points.
+const ROOM: egui::Vec2 = vec2(430.0, 150.0);
+
+/// Draws the colour bar of pane `id` over its picture in `rect`, if the picture is a map.
+pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
+    let title = match model.range_class(id) {
+        RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => return,
+        RangeClass::Noise => "σ of the noise in D, of full scale",
+        RangeClass::Share => "Share of the frames",
+        RangeClass::Motion => return motion_key_ui(ui, model, id, rect),
+    };
+    let has_picture = model.panes.get(id).is_some_and(|pane| pane.picture.is_some());
+    if !has_picture || rect.width() < ROOM.x || rect.height() < ROOM.y {
+        return;
+    }
+    let display = model.display_of(id);
+    let background = Rect::from_min_size(rect.right_bottom() - SIZE - vec2(10.0, 10.0), SIZE);
+    let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
+    ui.painter().rect_filled(background, 5.0, fill);
+    let inner = background.shrink2(vec2(8.0, 5.0));
+    let font = TextStyle::Small.resolve(ui.style());
+    let (strong, weak) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
+    ui.painter().text(inner.left_top(), Align2::LEFT_TOP, title, font.clone(), strong);
+    let bar = Rect::from_min_max(pos2(inner.left(), inner.top() + 14.0), pos2(inner.right(), inner.top() + 25.0));
+    bar_ui(ui, bar, &display);
+    let (low, high) = (number(display.min, 3), number(display.max, 3));
+    ui.painter().text(inner.left_bottom(), Align2::LEFT_BOTTOM, &low, font.clone(), weak);
+    ui.painter().text(inner.right_bottom(), Align2::RIGHT_BOTTOM, &high, font, weak);
+    let response = ui.interact(background, ui.scope_id().with(("colour bar", id)), Sense::hover());
+    let text = format!("Colour bar: {title}, from {low} to {high}");
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+    response.on_hover_text(format!("{text}; change the range in the panel Display"));
+}
+
+/// Draws the key of winning slopes: a wheel of directions.
+fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
+    let motion = model.panes.get(id).and_then(|pane| pane.picture.as_ref()?.motion.as_ref());
+    let Some(motion) = motion.filter(|_| rect.width() >= ROOM.x && rect.height() >= ROOM.y) else { return };
+    let scale = ColourScale::with_range(ColourBy::SlopeDirection, 0.0, motion.grid.max_magnitude());
+    let size = vec2(140.0, 66.0);
+    let background = Rect::from_min_size(rect.right_bottom() - size - vec2(10.0, 10.0), size);
+    let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
+    ui.painter().rect_filled(background, 5.0, fill);
+    ui.scope_builder(UiBuilder::new().max_rect(background.shrink2(vec2(8.0, 6.0))), |ui| {
+        scale.legend_ui(ui);
+    });
+}
+
+/// Draws the colours of a display from its lowest to its highest value.
+pub fn bar_ui(ui: &Ui, bar: Rect, display: &Display) {
+    const STEPS: usize = 96;
+    let colours = display.colours();
+    let mut mesh = Mesh::default();
+    for i in 0..STEPS {
+        let x = |i: usize| bar.left() + bar.width() * i as f32 / STEPS as f32;
+        let value = display.min + (display.max - display.min) * (i as f32 + 0.5) / STEPS as f32;
+        let [r, g, b] = colours.colour(value);
+        mesh.add_colored_rect(Rect::from_x_y_ranges(x(i)..=x(i + 1), bar.y_range()), Color32::from_rgb(r, g, b));
+    }
+    ui.painter().add(Shape::mesh(mesh));
+    ui.painter().rect_stroke(bar, 1.0, Stroke::new(1.0, ui.visuals().weak_text_color()), StrokeKind::Outside);
 }

@@ -232,10 +232,10 @@ fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) 
     let why = match (model.coherence.of(&layer.detection), model.coherence.failure_of(&layer.detection)) {
         (Some(_), _) => "too noisy to tell".to_owned(),
         (None, Some(why)) => why.to_string(),
-        (None, None) if layer.method.is_some() => "not known of methods; see Inspect".to_owned(),
+        (None, None) if layer.method.is_some() => "not computed for methods; see One burst".to_owned(),
         (None, None) => match model.coherence.running().and_then(|running| running.progress) {
-            Some(progress) => format!("not known yet, {:.0} %", 100.0 * progress.fraction),
-            None => "not known yet".to_owned(),
+            Some(progress) => format!("being computed, {:.0} %", 100.0 * progress.fraction),
+            None => "not computed yet".to_owned(),
         },
     };
     scale.has_unknown().then(|| format!("Grey: {why}"))

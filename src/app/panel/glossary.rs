@@ -61,7 +61,7 @@ impl GlossaryWindow {
         ui.add_space(4.0);
         let found = glossary().search(&self.text);
         if found.is_empty() {
-            ui.weak("No word is called so, nor explained with it.");
+            ui.weak("No entry matches.");
         }
         let mut clicked = None;
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -94,7 +94,7 @@ fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool, captions: &mut Captions) -
         }
         ui.label(title);
         if let Some(symbol) = &word.symbol {
-            ui.label(RichText::new(symbol).monospace().weak()).on_hover_text("The paper's symbol");
+            ui.label(RichText::new(symbol).monospace().weak()).on_hover_text("Symbol in the paper");
         }
     });
     let clicked = ui.push_id(&word.name, |ui| captions.ui(ui, &word.text)).inner;

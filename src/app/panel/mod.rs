@@ -1,32 +1,20 @@
 //! Panels of the window. Each draws from the model, changes the model, and puts requested actions into a queue.
 
-pub mod about;
-pub mod advice;
 pub mod against;
 pub mod bottom;
-pub mod calibration;
-pub mod candidates;
-pub mod chooser;
-pub mod colour_bar;
 pub mod cursor;
-pub mod descriptor;
 pub mod display;
 pub mod features;
-pub mod filter_bar;
 pub mod glossary;
 pub mod lab;
-pub mod messages;
+pub mod modals;
 pub mod noise;
 pub mod parameter_rows;
 pub mod parameters;
-pub mod patch;
 pub mod picture;
 pub mod probe;
-pub mod recovery;
 pub mod selection;
-pub mod slope_pad;
 pub mod slopes;
-pub mod sorted_table;
 pub mod status;
 pub mod table;
 pub mod tally;

@@ -42,7 +42,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 /// Draws the warnings, the curve and the map.
 pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
     let Some(found) = model.slots.a.found.clone() else {
-        ui.centered_and_justified(|ui| ui.weak("Press Detect to see what is known of the noise"));
+        ui.centered_and_justified(|ui| ui.weak("Press Detect to measure the noise"));
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -55,7 +55,7 @@ pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
                 map_ui(ui, model, &found.detection.noise);
             });
         } else {
-            ui.weak("The noise model is white, or there is too little to tell noise from texture: two frames of 20 pixels a side are needed.");
+            ui.weak("The noise was not measured by place: the noise model is white, or the burst is too small. At least two frames of 20 × 20 pixels are needed.");
         }
     });
 }
@@ -66,8 +66,8 @@ fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
     ui.horizontal(|ui| {
         let text = format!("σ² = a·I + b:  a = {}, b = {}", number(curve.slope), number(curve.dark));
         ui.label(text).on_hover_text(
-            "The variance of a frame's noise over its brightness I, both of full scale: a is the shot noise of one \
-             unit of light, b the variance in the dark",
+            "Variance of a frame's noise at intensity I, both as fractions of full scale: a is the shot noise per unit \
+             of intensity, b the variance in the dark",
         );
         let tip = format!("{} (Shift+N)", MapKind::Noise.about().help);
         if ui.button("Show σ in the picture").on_hover_text(tip).clicked() {
@@ -99,7 +99,7 @@ fn plot_frame(ui: &mut Ui, heading: &str, hover: &str) -> (Rect, Painter) {
 
 /// Draws σ of a frame over brightness: the fitted curve, and a point for each group of places.
 fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
-    let hover = "The variance of a frame's noise grows with its brightness; each point is a group of places of about the same brightness";
+    let hover = "Standard deviation of a frame's noise, which grows with brightness; each point is a group of places of similar brightness";
     let (rect, painter) = plot_frame(ui, "σ of a frame over brightness (of full scale)", hover);
     let points = &noise.transfer.points;
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
@@ -134,7 +134,7 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
 fn map_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel) {
     let Some(burst) = &model.slots.a.burst else { return };
     let (width, height) = burst.burst.size();
-    let hover = "σ of a frame's noise by place, at the finest octave: dark is least, bright is most";
+    let hover = "σ of a frame's noise by place, at the finest octave: bright is more";
     let (rect, painter) = plot_frame(ui, "σ of a frame by place", hover);
     let cell_px = (width.max(height) as f32 / MAP_CELLS as f32).max(1.0);
     let map = noise.sigma_map((width, height), cell_px);

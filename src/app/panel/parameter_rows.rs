@@ -179,9 +179,9 @@ fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
     let step = axis.step();
     let tip = if step > 0.0 { format!("A step of {step:.3} px/frame") } else { "A single slope".to_owned() };
     let number = |value| DragValue::new(value).speed(0.05).max_decimals(2);
-    hint(ui.add_sized(size, number(&mut axis.min)).labelled_by(label), format!("Least slope. {tip}"));
+    hint(ui.add_sized(size, number(&mut axis.min)).labelled_by(label), format!("Min. {tip}"));
     ui.weak("…");
-    hint(ui.add_sized(size, number(&mut axis.max)).labelled_by(label), format!("Greatest slope. {tip}"));
+    hint(ui.add_sized(size, number(&mut axis.max)).labelled_by(label), format!("Max. {tip}"));
     let count = DragValue::new(&mut axis.count).speed(0.05).prefix("× ");
     hint(ui.add_sized(size, count).labelled_by(label), format!("Number of slopes. {tip}"));
 }

@@ -167,7 +167,7 @@ pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     }
     let text = match stale {
         Stale::Parameters => "Stale features: the parameters changed",
-        Stale::InvalidParameters => "Stale features: the parameters make no sense",
+        Stale::InvalidParameters => "Stale features: the parameters are invalid",
     };
     let room = Rect::from_min_max(rect.left_top() + vec2(10.0, 10.0), rect.right_top() + vec2(-10.0, 44.0));
     ui.scope_builder(UiBuilder::new().max_rect(room).layout(Layout::left_to_right(Align::Min)), |ui| {

@@ -1,15 +1,19 @@
-//! Selected feature: all its numbers, its patch in the motion stack at its slope and in one frame, its descriptor.
+//! Selected feature: its numbers, its patch in the motion stack at its slope and in one frame, and its descriptor as
+//! 4 × 4 roses of eight directions. The patch and the descriptor are also drawn for matches.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::canvas::overlay::circle_radius_image;
 use crate::app::canvas::signed_number;
-use crate::app::panel::descriptor::descriptor_ui;
-use crate::app::panel::patch::{PatchTexture, PatchView};
 use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
-use crate::detector::Feature;
+use crate::detector::{Descriptor, Feature};
+use crate::plane::Plane;
+use crate::plane::display::{Display, to_rgba8};
+use crate::plane::sample::sample_patch_turned;
 use crate::requests::PictureKind;
-use egui::{RichText, Sense, Ui, Vec2};
+use egui::{Color32, Rect, RichText, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2};
+use std::sync::Arc;
 
 /// State of the panel, kept between passes: the two patches.
 #[derive(Default)]
@@ -62,7 +66,7 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
 fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>) {
     egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0).show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
-        row("Rank", "By |D|·√snr", format!("{}", index + 1));
+        row("Rank", "By |D|·√SNR, from 1", format!("{}", index + 1));
         row(
             "Place (u, v)",
             "At mid-burst, pixels; the centre of the first pixel is (0, 0)",
@@ -83,13 +87,21 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>)
         );
         row("SNR", "|response| over the noise in D", format!("{:.1}", f.snr));
         if let Some(coherence) = coherence {
-            row("Coherence", "How evenly the frames answer along its way: 1 when all do alike", coherence);
+            row(
+                "Coherence",
+                "How well the single frames agree along its motion: 1 if all respond alike, less for a ghost",
+                coherence,
+            );
         }
         row("Octave, level", "Where in the scale space it was found", format!("{}, {}", f.octave, f.level));
-        row("Slope index", "Running index of the grid's slope at which it was found", format!("{}", f.slope_index));
+        row(
+            "Slope index",
+            "Index of the slope of the grid at which it was found, from 0",
+            format!("{}", f.slope_index),
+        );
         row(
             "At slope limit",
-            "On the rim of the grid: the true motion may lie outside",
+            "Whether its slope is at the end of the searched range; its true motion may then lie beyond",
             if f.at_slope_limit { "yes" } else { "no" }.to_owned(),
         );
     });
@@ -132,4 +144,139 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
             ui.label(RichText::new(format!("Frame {t}")).small().weak());
         });
     });
+}
+
+/// Number of cells on a side, and of directions in a cell.
+const CELLS: usize = 4;
+const DIRECTIONS: usize = 8;
+
+/// Draws the roses in a square of `side` points, in the feature's own frame: its orientation points to the right.
+/// `name` is for screen readers.
+pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32, colour: Color32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
+    let painter = ui.painter_at(rect.expand(1.0));
+    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    let cell = side / CELLS as f32;
+    let grid = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
+    let longest = f32::from(descriptor.iter().copied().max().unwrap_or(0).max(1));
+    for row in 0..CELLS {
+        for column in 0..CELLS {
+            let square = Rect::from_min_size(rect.min + cell * vec2(column as f32, row as f32), Vec2::splat(cell));
+            painter.rect_stroke(square, 0.0, grid, StrokeKind::Middle);
+            for direction in 0..DIRECTIONS {
+                let value = f32::from(descriptor[(row * CELLS + column) * DIRECTIONS + direction]) / longest;
+                let tip = 0.46 * cell * value * Vec2::angled(angle_of(direction));
+                painter.line_segment([square.center(), square.center() + tip], Stroke::new(1.5, colour));
+            }
+        }
+    }
+    painter.rect_stroke(rect, 2.0, grid, StrokeKind::Inside);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
+    response.on_hover_text(
+        "Descriptor: strength of the gradients in 8 directions in each of 4 × 4 cells. The feature's orientation points to the right.",
+    );
+}
+
+/// Direction of a descriptor's element within its cell, radians from +u towards +v of the feature's own frame. In UBC's
+/// layout the directions run the other way round; the first one stays.
+fn angle_of(direction: usize) -> f32 {
+    -std::f32::consts::TAU * direction as f32 / DIRECTIONS as f32
+}
+
+/// Number of samples on a side of a patch.
+const SAMPLES: usize = 72;
+/// Half width of a patch, in σ: the reach of the descriptor's 4×4 cells of 3 σ.
+const SIGMAS: f32 = 6.0;
+
+/// Last drawn patch, kept as a texture until another one is drawn.
+#[derive(Default)]
+pub struct PatchTexture(Option<(PatchKey, TextureHandle)>);
+
+#[derive(Clone, Copy, PartialEq)]
+struct PatchKey {
+    plane: usize,
+    centre: (f32, f32),
+    half_width_px: f32,
+    angle_rad: f32,
+    display: Display,
+    dark: bool,
+}
+
+/// Content of a patch.
+pub struct PatchView<'a> {
+    /// Name of the patch, for screen readers and tests.
+    pub name: &'a str,
+    /// Picture that the patch is cut from, on the input image's pixels.
+    pub plane: &'a Arc<Plane>,
+    /// Feature, at its place in that picture.
+    pub feature: Feature,
+    /// Whether the patch is rotated so that the feature's orientation points to the right, as its descriptor sees it.
+    pub turned: bool,
+    /// Range and colours.
+    pub display: Display,
+}
+
+impl PatchView<'_> {
+    /// Half width of the patch, pixels.
+    fn half_width_px(&self) -> f32 {
+        (SIGMAS * self.feature.sigma).max(4.0)
+    }
+
+    /// Draws the patch into a square of `side` points.
+    pub fn ui(&self, ui: &mut Ui, texture: &mut PatchTexture, side: f32) -> egui::Response {
+        let half_width_px = self.half_width_px();
+        let angle_rad = if self.turned { self.feature.orientation } else { 0.0 };
+        let key = PatchKey {
+            plane: Arc::as_ptr(self.plane) as usize,
+            centre: (self.feature.u, self.feature.v),
+            half_width_px,
+            angle_rad,
+            display: self.display,
+            dark: ui.visuals().dark_mode,
+        };
+        if texture.0.as_ref().is_none_or(|(k, _)| *k != key) {
+            texture.0 = Some((key, self.load(ui, &key)));
+        }
+        let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
+        if let Some((_, texture)) = &texture.0 {
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
+        }
+        let radius = circle_radius_image(&self.feature) * 0.5 * side / half_width_px;
+        let tip = rect.center() + radius * Vec2::angled(self.feature.orientation - angle_rad);
+        for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.4, Color32::from_rgb(255, 214, 90))] {
+            ui.painter().circle_stroke(rect.center(), radius, Stroke::new(width, colour));
+            ui.painter().line_segment([rect.center(), tip], Stroke::new(width, colour));
+        }
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, self.name));
+        let turned = if self.turned { ", turned so that the orientation points to the right" } else { "" };
+        response.on_hover_text(format!("{}: {half_width_px:.0} px to each side{turned}", self.name))
+    }
+
+    fn load(&self, ui: &Ui, key: &PatchKey) -> TextureHandle {
+        let patch = sample_patch_turned(self.plane, key.centre, key.half_width_px, key.angle_rad, SAMPLES);
+        let mut rgba = to_rgba8(&patch, &key.display);
+        let beside = if key.dark { 20 } else { 206 };
+        for (pixel, value) in rgba.pixels_mut().zip(patch.data()) {
+            if value.is_nan() {
+                // Outside the picture: the neutral grey that surrounds pictures.
+                pixel.0 = [beside, beside, beside, 255];
+            }
+        }
+        let image = egui::ColorImage::from_rgba_unmultiplied([SAMPLES; 2], rgba.as_raw());
+        ui.ctx().load_texture(self.name, image, TextureOptions::NEAREST)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_roses_turn_against_the_order_of_the_elements() {
+        assert_eq!(angle_of(0), 0.0);
+        for (direction, tip) in [(2, vec2(0.0, -1.0)), (4, vec2(-1.0, 0.0)), (6, vec2(0.0, 1.0))] {
+            assert!((Vec2::angled(angle_of(direction)) - tip).length() < 1e-6, "element {direction}");
+        }
+    }
 }

@@ -1,10 +1,15 @@
-//! Status bar: the value under the pointer, the last note, the open burst.
+//! Status bar with the value under the pointer, the last note and the open burst; and the messages above it: errors, the
+//! offer to restore a saved session, and advice after a detection with few or no features.
 
-use crate::app::actions::{ActionId, Queue};
+use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::progress_text;
 use crate::app::project::Model;
+use crate::app::project::messages::Messages;
 use crate::app::project::workspace::Workspace;
-use egui::{Align, Label, Layout, RichText, Ui};
+use crate::app::recovery::{Offer, RecoveryChoice};
+use crate::inspect::words::counted;
+use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
+use std::time::Duration;
 
 /// Draws the status bar.
 pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut Queue) {
@@ -38,14 +43,14 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
                     queue.push(ActionId::Cancel);
                 }
                 let text = format!("Coherence  {}", progress_text(running));
-                ui.label(text).on_hover_text("How evenly the frames answer is computed for each feature");
+                ui.label(text).on_hover_text("Computing how well the single frames agree on each feature");
             }
             if let Some(running) = &model.figures.running() {
                 if ui.small_button("Cancel figures").clicked() {
                     queue.push(ActionId::CancelFigures);
                 }
                 let text = format!("Figures  {}", progress_text(running));
-                ui.label(text).on_hover_text("The figures of the paper are being remade");
+                ui.label(text).on_hover_text("Remaking the figures of the paper");
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 if let Some(note) = model.messages.last_note() {
@@ -74,6 +79,85 @@ fn burst_text(model: &Model) -> String {
     format!("{which}{} · {} {frames} · {width} × {height}{depth}", burst.name, burst.len())
 }
 
+/// Draws the errors that are not dismissed, in the lower right corner.
+pub fn messages_ui(ctx: &egui::Context, messages: &mut Messages) {
+    let mut dismissed = None;
+    Area::new(Id::unique("messages")).anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -36.0)).show(ctx, |ui| {
+        for message in messages.errors() {
+            let colour = ui.visuals().error_fg_color;
+            Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, colour)).show(ui, |ui| {
+                ui.set_width(400.0);
+                ui.horizontal(|ui| {
+                    ui.label(RichText::new(&message.title).strong().color(colour));
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        let name = format!("Dismiss: {}", message.title);
+                        let close = ui.add(egui::Button::new("✖").frame(false)).on_hover_text("Dismiss");
+                        close.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+                        if close.clicked() {
+                            dismissed = Some(message.id);
+                        }
+                        if ui.small_button("Copy").on_hover_text("Copy the message").clicked() {
+                            ui.ctx().copy_text(format!("{}: {}", message.title, message.text));
+                        }
+                    });
+                });
+                ui.add(egui::Label::new(&message.text).wrap());
+            });
+        }
+    });
+    if let Some(id) = dismissed {
+        messages.dismiss(id);
+    }
+}
+
+/// Draws the offer. Returns the choice, once it is made.
+pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
+    let mut choice = None;
+    ui.horizontal_wrapped(|ui| {
+        let more = if offer.more == 0 { String::new() } else { format!(" ({} more)", offer.more) };
+        let text =
+            format!("Burstscope ended unexpectedly. Its session was saved {}: {}{more}.", ago(offer.age), offer.label);
+        ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
+        let restore = ui.add_enabled(!offer.is_restoring, Button::new("Restore"));
+        if restore.on_hover_text("Open the saved session in place of what is open now").clicked() {
+            choice = Some(RecoveryChoice::Restore);
+        }
+        let forget = ui.add_enabled(!offer.is_restoring, Button::new("Discard"));
+        if forget.on_hover_text("Delete the saved session; the files that it names stay").clicked() {
+            choice = Some(RecoveryChoice::Forget);
+        }
+    });
+    choice
+}
+
+/// Describes an age in the largest unit that fits.
+fn ago(age: Duration) -> String {
+    let minutes = age.as_secs() / 60;
+    let (count, unit) = match minutes {
+        0 => return "just now".to_owned(),
+        1..60 => (minutes, "minute"),
+        60..2880 => (minutes / 60, "hour"),
+        _ => (minutes / 1440, "day"),
+    };
+    format!("{} ago", counted(count as usize, unit))
+}
+
+/// Draws the reason why there are no or few features, or why most lie at the slope limit, while the features belong to
+/// the present parameters.
+pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let advice =
+        model.slots.a.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
+    if let Some(advice) = advice {
+        let text = RichText::new(advice.for_window()).color(crate::app::style::warning(ui));
+        ui.horizontal_wrapped(|ui| {
+            ui.add(Label::new(text).wrap()).on_hover_text(advice.parameter.help());
+            if model.features().is_empty() && model.workspace == Workspace::Inspect {
+                button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
+            }
+        });
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -96,5 +180,13 @@ mod tests {
         assert_eq!(with_step(1.0 / 255.0), "A: test · 1 frame · 64 × 48 · 256 levels");
         // Twelve bits in the upper part of sixteen.
         assert_eq!(with_step(16.0 / 65535.0), "A: test · 1 frame · 64 × 48 · 4096 levels");
+    }
+
+    #[test]
+    fn the_age_is_said_in_words() {
+        let words = [(59, "just now"), (60, "1 minute ago"), (3 * 3600, "3 hours ago"), (50 * 3600, "2 days ago")];
+        for (seconds, wanted) in words {
+            assert_eq!(ago(Duration::from_secs(seconds)), wanted);
+        }
     }
 }

@@ -1,13 +1,16 @@
-//! Table of features.
+//! Table of features with the filter above it, and the sorted table that other lists share: a click on a heading sorts, a
+//! click on a row selects. Only the visible rows are drawn, so that a table can be long.
 
-use crate::app::actions::{ActionId, Queue};
+use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
 use crate::app::inspector::copy_ui;
-use crate::app::panel::sorted_table::{Listed, SortedColumn, sorted_table_ui};
 use crate::app::project::Model;
-use crate::app::project::filter::Column;
+use crate::app::project::filter::{Column, Interval, Order};
 use crate::app::project::side::Side;
-use egui::Ui;
+use crate::app::words::{explained, word};
+use crate::detector::Feature;
+use egui::{Align, Label, Layout, RichText, Sense, Ui};
+use egui_extras::{Column as TableColumn, TableBuilder};
 
 impl SortedColumn for Column {
     const COLUMNS: &'static [Self] = &Self::ALL;
@@ -81,4 +84,220 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if let Some(index) = asked {
         model.probe_feature(Side::A, index);
     }
+}
+
+/// Height of a row, in points.
+pub(in crate::app) const ROW_HEIGHT: f32 = 18.0;
+
+/// Columns that a table can have.
+pub(in crate::app) trait SortedColumn: Copy + PartialEq + 'static {
+    /// All columns, from left to right.
+    const COLUMNS: &'static [Self];
+    /// Heading.
+    fn heading(self) -> &'static str;
+    /// Description, with the unit.
+    fn help(self) -> &'static str;
+    /// Name of the glossary entry for the column.
+    fn word(self) -> Option<&'static str>;
+    /// Width that the numbers need, points; the remaining space is shared.
+    fn width(self) -> f32;
+}
+
+/// Items that a table lists, by their indices.
+pub(in crate::app) struct Listed<'a> {
+    /// Items in the table's order.
+    pub items: &'a [usize],
+    /// Selected item.
+    pub selected: Option<usize>,
+    /// Item under the pointer, here or elsewhere.
+    pub hovered: Option<usize>,
+}
+
+/// Result of drawing the table.
+pub(in crate::app) struct Pointed<C> {
+    /// Order, changed by a click on a heading.
+    pub order: Order<C>,
+    /// Selected item after a click, or none.
+    pub selected: Option<usize>,
+    /// Item under the pointer.
+    pub hovered: Option<usize>,
+}
+
+/// Draws the table. `text` is the content of an item's cell, `name` the item's name for screen readers, and `menu`
+/// draws the menu that the secondary button opens on its row.
+pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
+    ui: &mut Ui,
+    order: Order<C>,
+    listed: &Listed<'_>,
+    text: impl Fn(C, usize) -> String,
+    name: impl Fn(usize) -> String,
+    mut menu: impl FnMut(&mut Ui, usize),
+) -> Pointed<C> {
+    let &Listed { items, selected, hovered } = listed;
+    let selected_row = selected.and_then(|s| items.iter().position(|&i| i == s));
+    let scroll_id = ui.scope_id().with("scrolled to");
+    let scrolled_to: Option<usize> = ui.data(|d| d.get_temp(scroll_id)).flatten();
+    let mut pointed = Pointed { order, selected, hovered: None };
+    ui.spacing_mut().item_spacing.x = 4.0;
+    egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
+        let mut table = TableBuilder::new(ui)
+            .striped(true)
+            .sense(Sense::click())
+            .cell_layout(Layout::left_to_right(Align::Center))
+            .min_scrolled_height(0.0)
+            .auto_shrink(false)
+            .column(TableColumn::exact(C::COLUMNS.first().map_or(0.0, |first| first.width())));
+        for column in C::COLUMNS.iter().skip(1) {
+            table = table.column(TableColumn::remainder().at_least(column.width()));
+        }
+        // Scrolls to the selection once, when it was made elsewhere.
+        if let Some(row) = selected_row.filter(|_| selected != scrolled_to) {
+            table = table.scroll_to_row(row, None);
+        }
+        table
+            .header(20.0, |mut header| {
+                for &column in C::COLUMNS {
+                    let sorted = (order.column == column).then_some(order.descending);
+                    let (_, cell) = header.col(|ui| heading_ui(ui, column.heading(), sorted));
+                    let label = format!("Sort by {}", column.heading());
+                    cell.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
+                    if explained(cell, column.help(), column.word().and_then(word)).clicked() {
+                        pointed.order = order.clicked(column);
+                    }
+                }
+            })
+            .body(|body| {
+                body.rows(ROW_HEIGHT, items.len(), |mut row| {
+                    let index = items[row.index()];
+                    row.set_selected(selected == Some(index));
+                    row.set_hovered(hovered == Some(index));
+                    for &column in C::COLUMNS {
+                        row.col(|ui| cell_ui(ui, RichText::new(text(column, index)).monospace()));
+                    }
+                    let response = row.response();
+                    let label = name(index);
+                    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
+                    response.context_menu(|ui| menu(ui, index));
+                    if response.hovered() {
+                        pointed.hovered = Some(index);
+                    }
+                    if response.clicked() {
+                        pointed.selected = (selected != Some(index)).then_some(index);
+                    }
+                });
+            });
+    });
+    ui.data_mut(|d| d.insert_temp(scroll_id, pointed.selected));
+    pointed
+}
+
+/// Draws a heading; `sorted` is `Some` if the table is sorted by it, and true if the largest come first.
+pub(in crate::app) fn heading_ui(ui: &mut Ui, heading: &str, sorted: Option<bool>) {
+    let arrow = match sorted {
+        Some(true) => " ⏷",
+        Some(false) => " ⏶",
+        None => "",
+    };
+    let text = RichText::new(format!("{heading}{arrow}")).small();
+    let text = if sorted.is_some() { text.strong() } else { text };
+    cell_ui(ui, text);
+}
+
+/// Draws a text at the right end of its cell. (The whole table cannot be laid out from the right: cells would then take
+/// clicks of their neighbours.)
+pub(in crate::app) fn cell_ui(ui: &mut Ui, text: RichText) {
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        ui.add(Label::new(text).selectable(false).extend());
+    });
+}
+
+/// Draws the bar.
+pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+    let (total, listed) = (model.features().len(), model.listed.len());
+    if total == 0 {
+        ui.weak(if model.slots.a.found.is_some() { "No feature was found" } else { "No features yet" });
+        return;
+    }
+    let text = if listed == total { format!("{total}") } else { format!("{listed} of {total}") };
+    ui.label(text).on_hover_text("Features that pass the filter");
+    let title = if model.filter.is_open() { RichText::new("Filter") } else { RichText::new("Filter (on)") };
+    ui.menu_button(title, |ui| {
+        ui.set_min_width(330.0);
+        ranges_ui(ui, model);
+        ui.separator();
+        ui.checkbox(&mut model.filter.hide_slope_limit, "Hide features at the slope limit")
+            .on_hover_text("Their slope is at the end of the searched range, so their true motion may lie beyond it");
+        near_slope_ui(ui, model);
+        ui.separator();
+        button_ui(ui, model, queue, ActionId::ClearFilter, None);
+    });
+    let mut near = model.filter.near_slope.is_some();
+    let tip = "Show only features within 0.5 px/frame of the shown slope";
+    if ui.checkbox(&mut near, "At this slope").on_hover_text(tip).changed() {
+        model.filter.near_slope = near.then_some(0.5);
+    }
+    if !model.filter.is_open() {
+        button_ui(ui, model, queue, ActionId::ClearFilter, None);
+    }
+}
+
+fn ranges_ui(ui: &mut Ui, model: &mut Model) {
+    let found = model.slots.a.found.clone();
+    let features: &[Feature] = found.as_ref().map_or(&[], |f| &f.detection.features);
+    range_ui(ui, "Slope u", "px/frame", features, |f| f.slope.u, &mut model.filter.slope_u);
+    range_ui(ui, "Slope v", "px/frame", features, |f| f.slope.v, &mut model.filter.slope_v);
+    range_ui(ui, "Scale σ", "px", features, |f| f.sigma, &mut model.filter.sigma);
+    range_ui(ui, "|Response|", "of full scale", features, |f| f.response.abs(), &mut model.filter.response);
+}
+
+/// Draws two handles over the range of the features' values; the whole range accepts all.
+fn range_ui(
+    ui: &mut Ui,
+    label: &str,
+    unit: &str,
+    features: &[Feature],
+    value: fn(&Feature) -> f32,
+    interval: &mut Option<Interval>,
+) {
+    let (low, high) = features
+        .iter()
+        .map(value)
+        .filter(|x| x.is_finite())
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    ui.horizontal(|ui| {
+        let name = crate::app::panel::widgets::label_ui(ui, label, 70.0).on_hover_text(format!("{label}, {unit}"));
+        if high <= low {
+            ui.weak("all the same");
+            return;
+        }
+        let set = interval.unwrap_or(Interval { min: low, max: high });
+        let (mut min, mut max) = (set.min, set.max);
+        ui.spacing_mut().slider_width = 140.0;
+        let text = |x: f64, _: std::ops::RangeInclusive<usize>| crate::app::canvas::number(x as f32, 4);
+        ui.add(egui::RangeSlider::new(&mut min, &mut max, low..=high).custom_formatter(text)).labelled_by(name.id);
+        // The slider rounds what it shows; only the pointer moves it by more than that. A handle at its end accepts
+        // everything beyond.
+        let step = 0.002 * (high - low);
+        if (min - set.min).abs() > step || (max - set.max).abs() > step {
+            let min = if min - low <= step { low } else { min };
+            let max = if high - max <= step { high } else { max };
+            *interval = (min > low || max < high).then_some(Interval { min, max });
+        }
+    });
+}
+
+fn near_slope_ui(ui: &mut Ui, model: &mut Model) {
+    let mut near = model.filter.near_slope.is_some();
+    ui.horizontal(|ui| {
+        if ui.checkbox(&mut near, "Only near the shown slope, within").changed() {
+            model.filter.near_slope = near.then_some(0.5);
+        }
+        let mut limit = model.filter.near_slope.unwrap_or(0.5);
+        let field = egui::DragValue::new(&mut limit).range(0.0..=100.0).speed(0.01).suffix(" px/frame");
+        let response = ui.add_enabled(near, field);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, near, "Distance in slope"));
+        if response.changed() {
+            model.filter.near_slope = Some(limit);
+        }
+    });
 }

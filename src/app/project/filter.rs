@@ -137,7 +137,9 @@ impl Column {
             Self::Snr => "|response| over the standard deviation of the noise in D",
             Self::Octave => "Octave in which it was found; −1 is the doubled image",
             Self::Level => "Level within the octave",
-            Self::AtSlopeLimit => "Marked when the slope is on the rim of the grid: the true motion may lie outside",
+            Self::AtSlopeLimit => {
+                "Marked if the slope is at the end of the searched range: the true motion may lie beyond"
+            }
         }
     }
 

@@ -20,7 +20,7 @@ pub struct Ranges {
     pub response: Display,
     /// For differences.
     pub difference: Display,
-    /// For maps of the noise.
+    /// For noise maps.
     pub noise: Display,
     /// For maps of shares; the range 0 … 1 unless the user changes it.
     pub share: Display,

@@ -50,7 +50,7 @@ impl Contender {
     /// Description of the method in a sentence.
     pub fn help(self) -> &'static str {
         match self {
-            Self::Sift => "SIFT on the middle frame only: what a burst adds nothing to",
+            Self::Sift => "SIFT on the middle frame only, without the rest of the burst",
             Self::Merge => "SIFT on the frames aligned tile by tile and merged robustly into one",
             Self::Buff1d => "Burst features, joint over place, scale and slope, on one line of slopes",
             Self::Buff2d => "Burst features, joint over place, scale and slope, on a plane of slopes",

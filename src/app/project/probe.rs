@@ -152,7 +152,7 @@ impl Model {
                 Ok(traced) if Some(traced.burst) == open => self.probe.take_trail(traced),
                 Ok(_) => {}
                 Err(JobError::Cancelled) => {
-                    self.probe.problem = Some("It was cancelled; probe again to begin anew".to_owned());
+                    self.probe.problem = Some("Cancelled; probe the place again".to_owned());
                 }
                 Err(error) => self.probe.problem = Some(error.to_string()),
             }

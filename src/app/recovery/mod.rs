@@ -105,7 +105,7 @@ impl Recovery {
         Self::new(kept)
             .inspect_err(|error| {
                 let text =
-                    format!("{error}: {}; until it can, nothing is restored after a crash", kept.folder.display());
+                    format!("{error}: {}; until then, nothing can be restored after a crash", kept.folder.display());
                 messages.error(TITLE, text);
             })
             .ok()

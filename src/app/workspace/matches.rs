@@ -77,7 +77,7 @@ fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         ui.horizontal(|ui| {
             let label = ui
                 .radio_value(&mut choice.neighbours, true, "Each with the next")
-                .on_hover_text("Each burst with the next few after it, for a way that does not come back");
+                .on_hover_text("Each burst with the next few, for a camera path that does not return");
             let field = DragValue::new(&mut choice.overlap).range(1..=100_000).suffix(" bursts");
             ui.add_enabled(choice.neighbours, field).labelled_by(label.id);
         });
@@ -101,7 +101,7 @@ fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
                 ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
             }
             if !dataset.matches.is_empty() && *dataset.matches.params() != model.pair.params {
-                let text = "The parameters of matching changed since; match again to see what they give";
+                let text = "The matching parameters changed; match again to update the matches";
                 ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
             }
         }

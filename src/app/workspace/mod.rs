@@ -1,19 +1,24 @@
-//! Workspaces of the window: each lays out its panels between the toolbar above and the status bar below.
+//! Workspaces of the window: each lays out its panels between the toolbar above and the status bar below. *One burst*,
+//! *Trajectories* and *Lab* only arrange panels; *Two bursts*, *Methods* and *Matches* have modules with panels of their
+//! own.
 
 pub mod compare;
-pub mod inspect;
-pub mod lab;
 pub mod matches;
 pub mod pair;
-pub mod trajectories;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::inspector::{Change, PaneWidgets};
+use crate::app::dataset::{cameras, errors_panel};
+use crate::app::inspector::{Change, PaneWidgets, inspector_ui};
 use crate::app::measure::RegionCache;
+use crate::app::panel;
+use crate::app::panel::lab;
+use crate::app::panel::lab::{chart, curves};
 use crate::app::panel::probe::{PlaneTexture, ProbePanel};
 use crate::app::panel::selection::SelectionState;
-use crate::app::project::Model;
+use crate::app::panel::widgets::section_ui;
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{BottomTab, Model};
+use egui::{CentralPanel, Frame, Panel, ScrollArea, Ui, vec2};
 use pair::PairPanels;
 
 /// State that a workspace reads and changes: the project, and the widgets' state kept between passes.
@@ -73,7 +78,7 @@ pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
 /// Draws the open workspace.
 pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> WorkspaceWishes {
     let changes = match parts.model.workspace {
-        Workspace::Inspect => inspect::inspect_workspace_ui(ui, parts),
+        Workspace::Inspect => inspect_workspace_ui(ui, parts),
         Workspace::Pair => pair::pair_workspace_ui(ui, parts),
         Workspace::Methods => compare::compare_workspace_ui(ui, parts),
         Workspace::Matches => {
@@ -82,10 +87,10 @@ pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Worksp
             Vec::new()
         }
         Workspace::Lab => {
-            lab::lab_workspace_ui(ui, parts.model, parts.lab_picture, parts.queue);
+            lab_workspace_ui(ui, parts.model, parts.lab_picture, parts.queue);
             Vec::new()
         }
-        Workspace::Trajectories => return trajectories::trajectories_workspace_ui(ui, parts.model, parts.queue),
+        Workspace::Trajectories => return trajectories_workspace_ui(ui, parts.model, parts.queue),
     };
     WorkspaceWishes { changes, ..WorkspaceWishes::default() }
 }
@@ -118,4 +123,104 @@ fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnO
 /// Width of a panel at the side, in points; smaller in a small window, where the picture needs the space more.
 fn side_width(ui: &egui::Ui) -> f32 {
     (0.235 * ui.available_width()).clamp(256.0, 300.0)
+}
+
+/// Draws the workspace. Returns the panes' requests.
+fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
+    let WorkspaceParts { model, widgets, selection, probe, regions, queue, .. } = parts;
+    let width = side_width(ui);
+    if model.panels.left {
+        Panel::left("left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                panel::cursor::cursor_ui(ui, model, queue);
+                panel::parameters::parameters_ui(ui, model, queue);
+            });
+        });
+    }
+    if model.panels.right {
+        Panel::right("right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
+            let other = ("Display and feature", "The value range of the pictures, and the selected feature");
+            if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
+                return;
+            }
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                panel::display::display_ui(ui, model, widgets);
+                panel::selection::selection_ui(ui, model, selection, queue);
+            });
+        });
+    }
+    let mut over_rows = None;
+    if model.panels.bottom {
+        let show = |ui: &mut egui::Ui| panel::bottom::bottom_ui(ui, model, widgets, regions, queue);
+        let is_over = bottom_panel(ui, "bottom", 276.0, show);
+        over_rows = Some(model.bottom_tab).filter(|_| is_over);
+    }
+    let pictures = CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
+        crate::app::parts::mark(ui, crate::teach::Part::Pictures, ui.max_rect());
+        inspector_ui(ui, model, widgets, queue)
+    });
+    // A hovered feature stays marked while the pointer is over it, in a picture or in a row of the open table.
+    if pictures.inner.drawn.iter().all(|(_, drawn)| drawn.output.pointer_ui.is_none()) {
+        model.hovered = model.hovered.filter(|_| over_rows == Some(BottomTab::Table));
+        let against = &mut model.slots.a.against;
+        against.hovered = against.hovered.filter(|_| over_rows == Some(BottomTab::Compared));
+        model.explained.pointed = None;
+    }
+    pictures.inner.changes
+}
+
+/// Draws the workspace.
+fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, queue: &mut Queue) {
+    let width = side_width(ui);
+    if model.panels.left {
+        Panel::left("lab left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                lab::lab_settings_ui(ui, model, queue);
+            });
+        });
+    }
+    if model.panels.right {
+        Panel::right("lab right").frame(side_frame(ui)).default_size(width * 1.3).size_range(250.0..=900.0).show(
+            ui,
+            |ui| {
+                section_ui(ui, "Chart", |ui| {
+                    chart::lab_chart_ui(ui, model, picture, queue);
+                });
+            },
+        );
+    }
+    CentralPanel::default().show(ui, |ui| curves::curves_ui(ui, &mut model.lab));
+}
+
+/// Height of the strip of points, in points of the window.
+const STRIP_HEIGHT: f32 = 84.0;
+
+/// Draws the workspace. Returns its requests.
+fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> WorkspaceWishes {
+    let width = side_width(ui).max(330.0);
+    let mut again = false;
+    if model.panels.right {
+        Panel::right("trajectories right").frame(side_frame(ui)).default_size(width).size_range(280.0..=520.0).show(
+            ui,
+            |ui| {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    again = errors_panel::errors_panel_ui(ui, model, queue);
+                });
+            },
+        );
+    }
+    if model.panels.bottom {
+        bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
+            ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
+                cameras::points_strip_ui(ui, &mut model.trajectories);
+            });
+            ui.separator();
+            cameras::camera_list_ui(ui, &mut model.trajectories);
+        });
+    }
+    CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
+        cameras::plane_ui(ui, &mut model.trajectories);
+    });
+    let camera = model.trajectories.wanted.take();
+    WorkspaceWishes { compare_again: again, camera, ..WorkspaceWishes::default() }
 }

@@ -66,8 +66,16 @@ fn counts() -> Vec<Count> {
     let is_shell = |source: &Source| source.code.contains("BurstscopeApp") && source.path != Path::new("app/mod.rs");
     vec![
         Count::of("files that see the whole window", 4, which(&sources, is_shell)),
-        Count::of("files with methods of the whole window", 4, which(&sources, |s| s.code.contains("impl BurstscopeApp"))),
-        Count::of("doc comments that begin with “What” or “The one that”", 60, sources.iter().flat_map(late_subjects).collect()),
+        Count::of(
+            "files with methods of the whole window",
+            4,
+            which(&sources, |s| s.code.contains("impl BurstscopeApp")),
+        ),
+        Count::of(
+            "doc comments that begin with “What” or “The one that”",
+            60,
+            sources.iter().flat_map(late_subjects).collect(),
+        ),
         Count::of("files above 600 lines", 0, which(&sources, |source| lines(source) > 600)),
         Count { bound: Some(500), ..Count::told("source files", sources.len()) },
         Count::told("source files under 80 lines", which(&sources, |source| lines(source) < 80).len()),

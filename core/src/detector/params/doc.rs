@@ -212,7 +212,7 @@ param!(
     "Peak threshold",
     "of full scale",
     "peak-threshold",
-    "The least |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate.",
+    "Min |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate.",
     "Raise it to keep only features of higher contrast; it knows nothing of the noise and removes everything in the dark.",
     Param::<DetectorParams>::new("T", Stage::Search, |p| Field::F32(&mut p.peak_threshold))
         .within((Included(0.0), Unbounded), "give 0 or more, as a fraction of full scale")
@@ -225,7 +225,7 @@ param!(
     "Noise gate",
     "σ of the noise in D",
     "noise-gate",
-    "The least |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; strict and auto derive it from the size of the search, 0 switches it off.",
+    "Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; strict and auto derive it from the size of the search, 0 switches it off.",
     "Raise it to eliminate more noise; lower it to see fainter features among more false ones. Strict gives at most one false feature a megapixel on noise alone; auto, for matching, lets through more of both.",
     Param::<DetectorParams>::new("K", Stage::Search, |p| Field::Gate(&mut p.noise_gate))
         .within((Included(0.0), Unbounded), "give auto, strict, or 0 or more standard deviations")
@@ -261,7 +261,7 @@ param!(
     "Edge threshold",
     "",
     "edge-threshold",
-    "The largest ratio of the principal curvatures of D.",
+    "Max ratio of the principal curvatures of D.",
     "Raise it to keep more features on edges, which are poorly localised along the edge.",
     Param::<DetectorParams>::new("R", Stage::Search, |p| Field::F32(&mut p.edge_threshold))
         .within((Included(1.0), Unbounded), "give 1 or more (10 is usual)")
@@ -301,7 +301,7 @@ param!(
     "Distinct scale",
     "",
     "distinct",
-    "The largest ratio of the scales of two keypoints that are taken for the same blob.",
+    "Max ratio of the scales of two keypoints that count as the same blob.",
     "Raise it to let a keypoint remove others of more different sizes at its place.",
     Param::<DetectorParams>::new("RATIO", Stage::Search, |p| Field::F32(&mut p.distinct_scale))
         .within((Excluded(1.0), Included(8.0)), "give more than 1 and up to 8")

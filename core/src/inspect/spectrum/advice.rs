@@ -188,10 +188,8 @@ impl Telling<'_> {
         } else {
             "it needs slopes in two directions".to_owned()
         };
-        let sentence = format!(
-            "{:.0} % of what the frames show does not move along the line that is searched: {what}",
-            100.0 * part
-        );
+        let sentence =
+            format!("{:.0} % of what the frames show does not move along the searched line: {what}", 100.0 * part);
         Some(SlopeAdvice { subject: Subject::Direction, number: f64::from(part), sentence, changes })
     }
 
@@ -205,7 +203,7 @@ impl Telling<'_> {
             return None;
         }
         let sentence = format!(
-            "{} were searched, and {} would do: nothing in the frames moves otherwise",
+            "{} were searched, and {} are enough: nothing in the frames has other motions",
             counted(grid.len(), "slope"),
             found.len()
         );
@@ -298,7 +296,7 @@ impl Telling<'_> {
             .map(|axis| ParamChange::new(doc::SLOPES_U, axis))
             .or_else(|| widened(&grid.v, j).map(|axis| ParamChange::new(doc::SLOPES_V, axis)))?;
         let sentence = format!(
-            "{:.0} % of the stronger half of the features lie at the limit of the slopes, most of them at {}: the motion probably lies further out",
+            "{:.0} % of the stronger half of the features lie at the limit of the slopes, most of them at {}: the motion probably lies beyond",
             100.0 * at_limit,
             slope_text(max.slope)
         );
@@ -310,7 +308,7 @@ impl Telling<'_> {
             self.spectrum.aliases.iter().find(|a| a.inside_range > 0 && a.places.len() >= ALIAS_PLACES)?;
         let [u, v] = alias.places[0];
         let sentence = format!(
-            "the texture around ({}, {}) and at {} repeats itself every {} px, so it answers again at slopes {} px/frame apart, {} within the range, with side lobes of {:.0} % between them",
+            "the texture around ({}, {}) and at {} repeats every {} px, so it responds again at slopes {} px/frame apart, {} within the range, with side lobes of {:.0} % between them",
             number(u, 0),
             number(v, 0),
             counted(alias.places.len() - 1, "more place"),
@@ -384,7 +382,7 @@ impl Telling<'_> {
                 number(finding.moved_px, 0)
             ),
             _ => format!(
-                "the motion is not straight: it strays from a uniform one by up to {} px",
+                "the motion is not straight: it deviates from a uniform one by up to {} px",
                 number(finding.deviation_px.unwrap_or(0.0), 1)
             ),
         };

@@ -62,7 +62,7 @@ pub(super) trait Problem {
 /// Parameters of the estimate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Settings {
-    /// The largest error of an inlier, in the problem's unit.
+    /// Max error of an inlier, in the problem's unit.
     pub max_error: f64,
     /// Probability that no better model was missed, at which sampling stops.
     pub confidence: f64,

@@ -28,7 +28,7 @@ pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, 
         let text = if model.lab.question.needs_charts() {
             "Click a point of a curve to look at its chart."
         } else {
-            "The points are the middle frames of the open burst: there is no chart to look at."
+            "These points are measured on the open burst, so there is no chart to show."
         };
         ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
         return;
@@ -36,7 +36,7 @@ pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, 
     let Some(shown) = model.lab.current_chart().cloned() else {
         ui.horizontal(|ui| {
             ui.spinner();
-            ui.weak("Making the chart again");
+            ui.weak("Making the chart again…");
         });
         return;
     };
@@ -45,8 +45,8 @@ pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, 
     picture_ui(ui, &shown, &judged, texture);
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::OpenChart, None);
-        ui.checkbox(&mut model.lab.all_detected, "All that was detected").on_hover_text(
-            "Otherwise only what lies above the threshold at which the curves compare methods: there a tenth is false",
+        ui.checkbox(&mut model.lab.all_detected, "All detections").on_hover_text(
+            "Otherwise only those above the threshold at which the curves compare methods: a tenth of them is false",
         );
     });
 }

@@ -174,8 +174,9 @@ pub(super) fn sentence(text: &str) -> String {
 }
 
 fn rival_ui(ui: &mut Ui, model: &mut Model, rival: &Rival) {
-    let label =
-        rival.feature.map_or_else(|| "Go to what beat it".to_owned(), |index| format!("Go to feature {}", index + 1));
+    let label = rival
+        .feature
+        .map_or_else(|| "Go to the stronger one".to_owned(), |index| format!("Go to feature {}", index + 1));
     let [u, v] = rival.pos_image;
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(rival.slope));
     if ui.button(label).on_hover_text(tip).clicked() {
@@ -200,8 +201,8 @@ fn test_ui(ui: &mut Ui, report: &TestReport, first: bool) {
         Outcome::Passes => ("✔", style::good(ui), "passes"),
         Outcome::Fails if first => ("✖", ui.visuals().error_fg_color, "fails: the search's verdict"),
         Outcome::Fails => ("✖", style::warning(ui), "would fail too"),
-        Outcome::NotAsked => ("–", ui.visuals().weak_text_color(), "is not asked for"),
-        Outcome::Unknown => ("?", ui.visuals().weak_text_color(), "cannot be said"),
+        Outcome::NotAsked => ("–", ui.visuals().weak_text_color(), "is not applied"),
+        Outcome::Unknown => ("?", ui.visuals().weak_text_color(), "cannot be decided"),
     };
     let (value, limit) = numbers_of(report);
     let margin = report.margin().map(margin_text).unwrap_or_default();

@@ -96,7 +96,7 @@ fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut 
             response::response_ui(ui, model, &answer, &mut panel.response, &mut panel.plane);
             mark(ui, Part::Response, ui.min_rect());
         });
-        section_ui(ui, "Each frame's share", |ui| {
+        section_ui(ui, "Each frame's response", |ui| {
             shares::shares_ui(ui, model, &answer, &mut panel.patches);
             mark(ui, Part::Shares, ui.min_rect());
         });
@@ -145,7 +145,7 @@ fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 /// Draws a button that changes a parameter and searches again.
 fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Queue) {
     let response = ui.button("Apply").on_hover_text(format!(
-        "Set {} and detect again; Undo takes it back\n{}",
+        "Set {} and detect again; Undo reverts it\n{}",
         change.label(),
         change.option()
     ));
@@ -214,12 +214,12 @@ impl PlaneTexture {
 
 fn title(kind: Kind) -> (&'static str, &'static str) {
     match kind {
-        Kind::Duplicate => ("A duplicate?", "Another feature shows the same blob"),
-        Kind::Ghost => ("A ghost?", "A blob of another motion shows in this slope's stack"),
+        Kind::Duplicate => ("A duplicate?", "Another feature lies on the same blob"),
+        Kind::Ghost => ("A ghost?", "A blob with another motion shows in this slope's motion stack"),
         Kind::AtLimit => {
-            ("At the limit?", "Its slope lies on the rim of those searched, and its response rises beyond")
+            ("At the limit?", "Its slope is at the end of the searched range, and its response rises beyond")
         }
-        Kind::Alias => ("An alias?", "The texture repeats itself, and another slope shows it as well"),
+        Kind::Alias => ("An alias?", "The texture repeats, and another slope shows it as well"),
     }
 }
 
@@ -250,7 +250,7 @@ fn suspicion_ui(ui: &mut Ui, model: &mut Model, suspicion: &Suspicion, queue: &m
         if let Some(other) = suspicion.other
             && ui
                 .button(format!("Probe feature {}", other + 1))
-                .on_hover_text("Ask why that feature was kept")
+                .on_hover_text("Show why that feature was kept")
                 .clicked()
         {
             model.probe_feature(model.probe.side, other);

@@ -33,7 +33,7 @@ pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture
     let mut letters = meaning.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
     ui.add(Label::new(RichText::new(format!("{first}{}.", letters.as_str())).color(colour)).wrap())
-        .on_hover_text("Coherence: 1 when all frames answer alike; when a part of them answers alone, that part");
+        .on_hover_text("Coherence: 1 if all frames respond alike; if only some respond, about their share");
 }
 
 /// Draws the patches side by side, in time order. A click shows that frame.
@@ -118,10 +118,10 @@ fn plot_ui(ui: &mut Ui, shares: &Shares) {
                 plot.line(Line::new("noise", bar).color(crate::app::style::ACCENT).width(1.2));
             }
             let points: PlotPoints<'_> = covering.iter().map(|frame| point(frame)).collect();
-            plot.points(Points::new("answer", points).color(crate::app::style::ACCENT).radius(3.0));
+            plot.points(Points::new("response", points).color(crate::app::style::ACCENT).radius(3.0));
         })
         .response;
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Answer of each frame"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response of each frame"));
     response.on_hover_text(
         "D of each frame alone, fraction of full scale, ± its noise; dashes: their mean, D of the stack",
     );

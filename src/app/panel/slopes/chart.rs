@@ -18,17 +18,17 @@ pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f3
 }
 
 /// Colour of evidence.
-pub(super) fn evidence_colour(ui: &Ui) -> Color32 {
+pub(in crate::app::panel) fn evidence_colour(ui: &Ui) -> Color32 {
     style::good(ui)
 }
 
 /// Colour of the features at a slope: the true slopes of those on the rim may lie beyond it.
-pub(super) fn feature_colour(ui: &Ui, bar: &SlopeBar) -> Color32 {
+pub(in crate::app::panel) fn feature_colour(ui: &Ui, bar: &SlopeBar) -> Color32 {
     if bar.is_on_rim { style::warning(ui) } else { style::ACCENT }
 }
 
 /// Bars on the searched line, each with its place along the line.
-pub(super) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar)> {
+pub(in crate::app::panel) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar)> {
     let second = spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1;
     let place = |bar: &SlopeBar| if second { (bar.at[1], bar.at[0]) } else { (bar.at[0], bar.at[1]) };
     let bars = spectrum.bars.iter().map(|bar| (place(bar), bar));
@@ -36,9 +36,9 @@ pub(super) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar)> {
 }
 
 /// Describes the features and evidence at a slope.
-pub(super) fn bar_text(bar: &SlopeBar) -> String {
+pub(in crate::app::panel) fn bar_text(bar: &SlopeBar) -> String {
     let where_to = if bar.is_on_rim {
-        ", on the rim: the motion may lie beyond"
+        ", at the limit: the motion may lie beyond"
     } else if bar.is_searched {
         ""
     } else {
@@ -104,7 +104,7 @@ fn line_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
     let bar = pointed.and_then(|at| bars.iter().find(|(place, _)| *place == at));
     match bar {
         Some((_, bar)) => response.on_hover_text_at_pointer(bar_text(bar)),
-        None => response.on_hover_text_at_pointer("Nothing here"),
+        None => response.on_hover_text_at_pointer("No slopes"),
     };
 }
 
@@ -114,7 +114,11 @@ fn key_ui(ui: &mut Ui) {
         ui.spacing_mut().item_spacing.x = 4.0;
         let keys = [
             (style::ACCENT, "features", "Features whose slope is nearest to each"),
-            (style::warning(ui), "on the rim", "Features on the rim: their motion may lie beyond"),
+            (
+                style::warning(ui),
+                "at the limit",
+                "Features at the end of the searched range: their motion may lie beyond",
+            ),
             (evidence_colour(ui), "evidence", "What the frames have in common at each slope, before any threshold"),
         ];
         for (colour, text, tip) in keys {
@@ -192,7 +196,7 @@ pub(super) fn kernel_ui(ui: &mut Ui, alias: &Alias, frames: usize) {
     let period = f64::from(alias.period_px);
     let places = alias.places.len();
     let text = format!(
-        "A texture that repeats itself every {} px, at {places} {}, answers again at slopes {} px/frame apart",
+        "A texture that repeats every {} px, at {places} {}, responds again at slopes {} px/frame apart",
         number(alias.period_px, 3),
         if places == 1 { "place" } else { "places" },
         number(alias.period_px, 3)
@@ -212,7 +216,7 @@ pub(super) fn kernel_ui(ui: &mut Ui, alias: &Alias, frames: usize) {
     response
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response beside the slope of a texture"));
     response.on_hover_text(
-        "The Dirichlet kernel: what is left of the texture in the mean over the frames, at slopes up to one and a \
-         half periods beside its own. The peaks beside the middle are its aliases, the low ones between them side lobes",
+        "Dirichlet kernel: response of the texture in the mean of the frames, at slopes up to 1.5 periods from its \
+         own. The peaks beside the middle are aliases, the low ones between them side lobes",
     );
 }

@@ -1,9 +1,6 @@
 //! Slopes of the burst: features and evidence at each slope, aliases, and advice.
 
-mod chart;
-mod strip;
-
-pub use strip::strip_ui;
+pub(super) mod chart;
 
 use crate::app::canvas::number;
 use crate::app::project::Model;
@@ -21,7 +18,7 @@ const CHART_WIDTH: f32 = 400.0;
 /// Draws a line of numbers about the slopes.
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
     let Some(spectrum) = model.spectrum() else {
-        ui.weak(if model.slots.a.found.is_some() { "Not looked at yet" } else { "No detection yet" });
+        ui.weak(if model.slots.a.found.is_some() { "Not analysed yet" } else { "No detection yet" });
         return;
     };
     let text = format!(
@@ -65,11 +62,11 @@ fn waiting_ui(ui: &mut Ui, model: &mut Model) {
         } else if model.slopes_take_long() && !model.explained.slopes_wanted {
             let secs = model.slots.a.found.as_ref().map_or(0.0, |found| found.elapsed.as_secs_f32());
             let tip = format!("It takes about as long as the detection did, {secs:.0} s, in the background");
-            if ui.button("Look at the slopes").on_hover_text(tip).clicked() {
+            if ui.button("Analyse slopes").on_hover_text(tip).clicked() {
                 model.explained.slopes_wanted = true;
             }
         } else {
-            ui.weak("Looking at the slopes…");
+            ui.weak("Analysing the slopes…");
         }
     });
 }
@@ -87,7 +84,7 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
         }
         let cost = &spectrum.cost;
         let text = format!("Cost: {} slopes, {} samples", cost.slopes, grouped(cost.samples));
-        let tip = format!("{} s of search, by the clock", number(cost.search_secs, 2));
+        let tip = format!("Search time: {} s", number(cost.search_secs, 2));
         ui.add(Label::new(RichText::new(text).weak()).wrap()).on_hover_text(tip);
         if let Some(alias) = spectrum.aliases.first() {
             ui.add_space(4.0);
@@ -108,7 +105,7 @@ fn piece_ui(ui: &mut Ui, model: &mut Model, index: usize, advice: &SlopeAdvice) 
         let changes = changes.join(", ");
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            let tip = format!("Set {changes}; Ctrl+Z takes it back");
+            let tip = format!("Set {changes}; Ctrl+Z undoes it");
             let button = ui.add(Button::new("Apply")).on_hover_text(tip);
             let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));

@@ -46,12 +46,10 @@ impl With {
     /// Explanation of the reference, and how to load it.
     pub fn help(self) -> &'static str {
         match self {
-            Self::Pinned => "What a change did: gained, lost and moved features against the result that was pinned",
-            Self::File => {
-                "Somebody else's features: in both, only in theirs, only in ours. Open them from the Features menu"
-            }
+            Self::Pinned => "Gained, lost and moved features against the pinned result",
+            Self::File => "Features of a file: in both, only theirs, only ours. Open them from the Features menu",
             Self::Truth => {
-                "What is really there: found, missed, repeated, and false. Synthetic bursts and the demo know it; of a scene it tells some of what is there, and features elsewhere may be right"
+                "Known truth: found, missed, repeated and false features. Synthetic bursts and the demo have one; that of a scene is partial, so features elsewhere may be right"
             }
         }
     }

@@ -195,8 +195,10 @@ impl Model {
                 self.open_burst_at(place, engine);
                 self.workspace = Workspace::Inspect;
             }
-            Some((None, name)) => self.messages.note(format!("{name} has no burst named like the camera {label}")),
-            None => self.messages.note(format!("Open the dataset that {label} is of to look at its burst")),
+            Some((None, name)) => {
+                self.messages.note(format!("{name} has no burst with the name of the camera {label}"))
+            }
+            None => self.messages.note(format!("Open the dataset of {label} to show its burst")),
         }
     }
 

@@ -215,8 +215,8 @@ impl MatchColumn {
             Self::SlopeA => "Apparent motion in A to the right, in pixels per frame",
             Self::SlopeB => "Apparent motion in B to the right, in pixels per frame",
             Self::Distance => "Euclidean distance of the two descriptors",
-            Self::Ratio => "That distance over the one to the second nearest descriptor",
-            Self::Error => "How far the match is from the geometry that most agree on, in pixels",
+            Self::Ratio => "Distance to the nearest descriptor over that to the second nearest",
+            Self::Error => "Distance of the match from the geometry that most matches agree on, in pixels",
             Self::Inlier => "Whether the match agrees with that geometry",
         }
     }

@@ -1,18 +1,19 @@
-//! Panel of the selected match: both patches as their descriptors see them, both descriptors, all its numbers.
+//! Selected match with its patches, descriptors and numbers; and the reason why a feature of A has this match or none:
+//! its candidates in B with their patches, and the place where the geometry expects it.
 
-use crate::app::actions::Queue;
-use crate::app::canvas::number;
-use crate::app::canvas::overlay::LineKind;
-use crate::app::panel::descriptor::descriptor_ui;
-use crate::app::panel::patch::{PatchTexture, PatchView};
-use crate::app::panel::selection::walk_ui;
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::canvas::overlay::{ComparedMark, LineKind, draw_compared};
+use crate::app::canvas::{CanvasOutput, number};
+use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
-use crate::app::project::pair::{MatchRow, Matches, Side};
+use crate::app::project::pair::{MatchRow, MatchSides, Matches, PATCHES, Side, lost_label};
+use crate::app::workspace::pair::lines::MatchViews;
 use crate::detector::Feature;
+use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
 use crate::matching::TwoViewModel;
-use crate::requests::PictureKind;
-use egui::{RichText, Sense, Ui, Vec2};
+use crate::requests::{FoundLosses, PictureKind};
+use egui::{Color32, Grid, Label, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
 
 /// Draws the section.
 pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 2], queue: &mut Queue) {
@@ -24,7 +25,7 @@ pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 2], q
             return;
         };
         let Some(row) = model.pair.focus().and_then(|index| matches.row(index)) else {
-            ui.weak("Point at a line or click it, or a row of the table.");
+            ui.weak("Point at a line or a row of the table; click to keep it.");
             return;
         };
         verdict_ui(ui, &row, model.pair.selected.is_none());
@@ -104,7 +105,7 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
             line("Distance", "Euclidean distance of the two descriptors", format!("{:.1}", row.found.distance));
             line(
                 "Ratio",
-                "That distance over the one to the second nearest descriptor; with the mutual check the larger of both directions",
+                "Distance to the nearest descriptor over that to the second nearest; with the mutual check, the larger of both directions",
                 format!("{:.3}", row.found.ratio),
             );
             let (name, help) = error_words(matches.model());
@@ -124,7 +125,7 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
             line("Slope in B", "Apparent motion", slope(row.b));
             let turn = (row.b.orientation - row.a.orientation).to_degrees();
             let turn = (turn + 180.0).rem_euclid(360.0) - 180.0;
-            line("Turn A to B", "Difference of the orientations", format!("{turn:+.1}°"));
+            line("Rotation A to B", "Difference of the orientations", format!("{turn:+.1}°"));
             line("SNR A, B", "|response| over the noise in D", format!("{:.1}, {:.1}", row.a.snr, row.b.snr));
         },
     );
@@ -135,11 +136,251 @@ fn error_words(model: Option<&TwoViewModel>) -> (&'static str, &'static str) {
     match model {
         Some(TwoViewModel::Homography { .. }) => (
             "Homography error",
-            "Root mean square of the distances between where the homography takes each point and where its partner is",
+            "Root mean square of the distances, in both pictures, between a point and its partner mapped by the homography",
         ),
         Some(_) => {
-            ("Epipolar error", "Sampson distance: about how far both points must move to satisfy the epipolar geometry")
+            ("Epipolar error", "Sampson distance: about how far both points must move to fit the epipolar geometry")
         }
         None => ("Error", "There is no geometry that enough matches agree on"),
+    }
+}
+
+/// Colours of candidates in B, from the nearest descriptor on.
+const CANDIDATE_COLOURS: [Color32; PATCHES] =
+    [Color32::from_rgb(0xff, 0xd2, 0x4a), Color32::from_rgb(0xff, 0x8a, 0x3d), Color32::from_rgb(0xff, 0x6b, 0xb5)];
+/// Minimum difference of slopes for a note, px/frame.
+const SLOPES_APART: f32 = 0.5;
+
+/// Draws the section.
+pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES + 1], queue: &mut Queue) {
+    section_ui(ui, "Why this match, or none", |ui| {
+        let Some(found) = model.losses() else {
+            ui.weak("There are no matches yet.");
+            return;
+        };
+        let Some(why) = &model.pair.lost.why else {
+            ui.add(
+                Label::new(RichText::new("Click a feature of A, a match, or a row of the unmatched features.").weak())
+                    .wrap(),
+            );
+            return;
+        };
+        let sides = MatchSides::of(found);
+        let Some(own) = sides.a.features.get(why.feature) else { return };
+        let unmatched = &why.unmatched;
+        let title = format!("Feature {} of A: {}", why.feature + 1, state_words(unmatched.lost));
+        ui.label(RichText::new(title).strong());
+        ui.add(Label::new(capitalised(&unmatched.sentence)).wrap());
+        for line in notes(own, unmatched, &sides) {
+            ui.add(Label::new(RichText::new(line).color(crate::app::style::warning(ui))).wrap());
+        }
+        ui.add_space(4.0);
+        candidate_patches_ui(ui, model, own, unmatched, &sides, textures);
+        candidates_ui(ui, unmatched, found);
+        ui.add(Label::new(RichText::new(expected_words(unmatched, found)).weak()).wrap());
+        if !unmatched.expected.is_empty() {
+            button_ui(ui, model, queue, ActionId::ProbeExpected, None);
+        }
+        if model.pair.selected.is_none() {
+            button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
+        }
+    });
+}
+
+fn state_words(lost: Lost) -> String {
+    match lost {
+        Lost::Not => "matched".to_owned(),
+        Lost::NoKeypoint => "no keypoint in B".to_owned(),
+        lost => format!("lost to the {}", if lost == Lost::Geometry { "geometry" } else { lost_label(lost) }),
+    }
+}
+
+fn capitalised(sentence: &str) -> String {
+    let (first, rest) = sentence.split_at(sentence.chars().next().map_or(0, char::len_utf8));
+    format!("{}{rest}.", first.to_uppercase())
+}
+
+/// Notes on the candidates: a second best on the same blob, slopes that disagree.
+fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchSides<'_>) -> Vec<String> {
+    let mut notes = Vec::new();
+    let best = unmatched.candidates.first();
+    if let Some(second) = unmatched.candidates.get(1).filter(|second| second.is_same_blob) {
+        notes.push(format!(
+            "The second nearest, feature #{}, is a duplicate: it lies on the same blob as the nearest.",
+            second.feature + 1
+        ));
+    }
+    if let Some(other) = best.and_then(|best| sides.b.features.get(best.feature)) {
+        let apart = (own.slope.u - other.slope.u).hypot(own.slope.v - other.slope.v);
+        if apart > SLOPES_APART {
+            notes.push(format!("The slopes of the two differ by {apart:.2} px/frame."));
+        }
+    }
+    notes
+}
+
+fn candidate_patches_ui(
+    ui: &mut Ui,
+    model: &Model,
+    own: &Feature,
+    unmatched: &Unmatched,
+    sides: &MatchSides<'_>,
+    textures: &mut [PatchTexture; PATCHES + 1],
+) {
+    let width = ((ui.available_width() - 3.0 * 6.0) / (PATCHES + 1) as f32).clamp(40.0, 90.0);
+    let candidates = unmatched.candidates.iter().take(PATCHES);
+    let others = candidates.filter_map(|c| Some((Side::B, *sides.b.features.get(c.feature)?)));
+    let all: Vec<(Side, Feature)> = std::iter::once((Side::A, *own)).chain(others).collect();
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 6.0;
+        for (place, ((side, feature), texture)) in all.into_iter().zip(textures).enumerate() {
+            let burst = model.burst_of(side).map(|open| open.id);
+            let kind = PictureKind::Stack { slope: feature.slope };
+            let picture =
+                model.pair.lost.pictures.iter().find(|p| Some(p.request.burst.id) == burst && p.request.kind == kind);
+            ui.vertical(|ui| {
+                ui.set_width(width);
+                let name =
+                    if place == 0 { "Patch of the feature".to_owned() } else { format!("Patch of candidate {place}") };
+                match picture {
+                    Some(picture) => {
+                        let display = model.ranges_of_side(side).intensity;
+                        let view = PatchView { name: &name, plane: &picture.plane, feature, turned: true, display };
+                        view.ui(ui, texture, width);
+                    }
+                    None => {
+                        ui.allocate_exact_size(Vec2::splat(width), Sense::hover());
+                    }
+                }
+                let label = if place == 0 {
+                    RichText::new("A").small().weak()
+                } else {
+                    RichText::new(format!("{place}")).small().color(readable(ui, place - 1))
+                };
+                ui.label(label);
+            });
+        }
+    });
+}
+
+/// Colour of candidate `place` that is readable on the window's background.
+fn readable(ui: &Ui, place: usize) -> Color32 {
+    let colour = CANDIDATE_COLOURS[place.min(PATCHES - 1)];
+    if ui.visuals().dark_mode { colour } else { colour.lerp_to_gamma(Color32::BLACK, 0.45) }
+}
+
+/// Draws the nearest descriptors of B, with their differences.
+fn candidates_ui(ui: &mut Ui, unmatched: &Unmatched, found: &FoundLosses) {
+    Grid::new("candidates").num_columns(5).spacing([8.0, 2.0]).striped(true).show(ui, |ui| {
+        let headings = [
+            ("B", "Features of B with the nearest descriptors, nearest first, by their rank in strength; = lies on the same blob as the first"),
+            ("Dist.", "Euclidean distance of the descriptors"),
+            ("Ratio", "Distance over that of the next row"),
+            ("Error", "Distance from where the geometry expects it, pixels"),
+            ("Slope", "Apparent motion, px/frame"),
+        ];
+        for (heading, help) in headings {
+            ui.label(RichText::new(heading).small().weak()).on_hover_text(help);
+        }
+        ui.end_row();
+        let limit = found.request.request.params.max_error_px;
+        for candidate in &unmatched.candidates {
+            for (text, good) in cells(candidate, limit) {
+                let text = RichText::new(text).monospace();
+                let text = if good { text.color(crate::app::style::good(ui)) } else { text };
+                ui.add(Label::new(text).selectable(false));
+            }
+            ui.end_row();
+        }
+    });
+}
+
+/// Texts of a row, and whether each stands out.
+fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
+    let twin = if candidate.is_same_blob { "=" } else { "" };
+    let error =
+        candidate.error_px.map_or_else(|| "–".to_owned(), |e| format!("{} px", crate::app::canvas::number(e, 3)));
+    [
+        (format!("#{}{twin}", candidate.feature + 1), false),
+        (format!("{:.0}", candidate.distance), false),
+        (format!("{:.2}", candidate.ratio), false),
+        (error, candidate.error_px.is_some_and(|e| e <= max_error_px)),
+        (format!("{:+.1}, {:+.1}", candidate.slope.u, candidate.slope.v), false),
+    ]
+}
+
+/// Describes where the geometry expects the feature, and whether a keypoint is there.
+fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
+    let has_model = found.request.result.verification.as_ref().is_some_and(|v| v.model.is_some());
+    if !has_model {
+        return "No geometry is known, so its place in B is not either.".to_owned();
+    }
+    let place = match &unmatched.expected[..] {
+        [] => return "The geometry puts it outside B.".to_owned(),
+        [[u, v]] => format!("The geometry puts it at {u:.1}, {v:.1} in B"),
+        _ => "The geometry puts it on the line drawn in B".to_owned(),
+    };
+    match unmatched.there.first() {
+        None => format!("{place}; no keypoint of its size is there."),
+        Some((feature, rank)) => {
+            let count = crate::inspect::words::counted(unmatched.there.len(), "keypoint");
+            format!(
+                "{place}; {count} of its size there, the nearest #{} (rank {} by descriptor).",
+                feature + 1,
+                rank + 1
+            )
+        }
+    }
+}
+
+/// Marks the feature asked about in A, and its candidates and expected place in B.
+pub fn marks_ui(model: &Model, views: &MatchViews<'_>) {
+    let Some((why, found)) = model.pair.lost.why.as_ref().zip(model.losses()) else { return };
+    // A selected match draws its own circles.
+    if model.pair.selected.is_some() {
+        return;
+    }
+    let sides = MatchSides::of(found);
+    let Some(own) = sides.a.features.get(why.feature) else { return };
+    let mark = |f: &Feature, colour: Color32, dashed: bool| ComparedMark {
+        pos_image: pos2(f.u, f.v),
+        sigma: f.sigma,
+        from_image: None,
+        colour,
+        dashed,
+    };
+    for view in views.on(Side::A) {
+        draw_compared(view.output, &[mark(own, Color32::WHITE, false)], Some(0));
+    }
+    let candidates = why.unmatched.candidates.iter().zip(CANDIDATE_COLOURS);
+    let marks: Vec<ComparedMark> =
+        candidates.filter_map(|(c, colour)| Some(mark(sides.b.features.get(c.feature)?, colour, true))).collect();
+    for view in views.on(Side::B) {
+        draw_compared(view.output, &marks, None);
+        expected_ui(view.output, expected_points(&why.unmatched, view.output).as_slice());
+    }
+}
+
+/// Place where the geometry expects the feature, in points.
+fn expected_points(unmatched: &Unmatched, output: &CanvasOutput) -> Vec<egui::Pos2> {
+    unmatched.expected.iter().map(|p| output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32))).collect()
+}
+
+/// Marks where the geometry expects the feature: a cross, or a line.
+fn expected_ui(output: &CanvasOutput, points: &[egui::Pos2]) {
+    let painter = output.painter.with_clip_rect(output.response.rect);
+    for (width, colour) in [(3.0, Color32::from_black_alpha(130)), (1.2, Color32::from_white_alpha(210))] {
+        let stroke = Stroke::new(width, colour);
+        match points {
+            [] => {}
+            [one] => {
+                for diagonal in [vec2(6.0, 6.0), vec2(6.0, -6.0)] {
+                    painter.line_segment([*one - diagonal, *one + diagonal], stroke);
+                }
+            }
+            _ => {
+                painter.add(egui::Shape::line(points.to_vec(), stroke));
+            }
+        }
     }
 }

@@ -3,24 +3,23 @@
 
 mod detail;
 pub(super) mod lines;
-mod lost_table;
-mod numbers;
 pub mod parameters;
-mod sides;
-mod switches;
 mod table;
-pub(super) mod views;
-mod why;
 
+use crate::app::actions::menu::item_ui;
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::canvas::overlay::LineKind;
 use crate::app::inspector::{Change, Drawn, inspector_ui};
 use crate::app::pane::PaneId;
 use crate::app::panel;
-use crate::app::panel::patch::PatchTexture;
+use crate::app::panel::selection::PatchTexture;
+use crate::app::panel::widgets::{label_ui, section_ui};
 use crate::app::parts::mark;
+use crate::app::project::Model;
 use crate::app::project::pair::{PATCHES, PairTab, Side};
 use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
 use crate::teach::Part;
-use egui::{CentralPanel, Frame, Panel, ScrollArea};
+use egui::{CentralPanel, Color32, Frame, Panel, ScrollArea, Sense, Stroke, Ui, vec2};
 
 /// State of the workspace's widgets, kept between passes.
 #[derive(Default)]
@@ -38,7 +37,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
     if model.panels.left {
         Panel::left("pair left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                sides::sides_ui(ui, model, queue);
+                sides_ui(ui, model, queue);
                 panel::cursor::cursor_ui(ui, model, queue);
                 parameters::parameters_ui(ui, model, &mut pair.camera_text, queue);
                 panel::parameters::parameters_ui(ui, model, queue);
@@ -52,9 +51,9 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
                 return;
             }
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                switches::switches_ui(ui, model);
+                switches_ui(ui, model);
                 detail::detail_ui(ui, model, &mut pair.patch_textures, queue);
-                why::why_ui(ui, model, &mut pair.candidate_textures, queue);
+                detail::why_ui(ui, model, &mut pair.candidate_textures, queue);
                 panel::display::ranges_ui(ui, model, widgets);
             });
         });
@@ -63,12 +62,12 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
     if model.panels.bottom {
         let is_over = bottom_panel(ui, "pair bottom", 300.0, |ui| {
             mark(ui, Part::Below, ui.max_rect());
-            numbers::numbers_ui(ui, model);
+            table::numbers_ui(ui, model);
             ui.separator();
-            lost_table::switch_ui(ui, model);
+            table::switch_ui(ui, model);
             match model.pair.tab {
                 PairTab::Matches => in_table = table::table_ui(ui, model, queue),
-                PairTab::Unmatched => lost_table::lost_table_ui(ui, model),
+                PairTab::Unmatched => table::lost_table_ui(ui, model),
                 PairTab::Compared => panel::against::against_ui(ui, model, widgets, queue),
             }
         });
@@ -94,4 +93,119 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             inspected.changes
         })
         .inner
+}
+
+/// Draws the section.
+pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+    section_ui(ui, "A and B", |ui| {
+        let both = model.burst_of(Side::B).is_some();
+        ui.add_enabled_ui(both, |ui| {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                label_ui(ui, "Cursor of", 60.0)
+                    .on_hover_text("Burst whose frame, slope, octave and level the sliders and keys move");
+                let active = model.active_side();
+                for side in Side::BOTH {
+                    let tip = format!("Move the frame, slope, octave and level of {}  (T)", side.name());
+                    let button = egui::Button::selectable(active == side, side.name()).frame_when_inactive(true);
+                    let response = ui.add(button).on_hover_text(tip);
+                    let name = format!("Cursor of {}", side.name());
+                    response
+                        .widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, both, active == side, &name));
+                    if response.clicked() && active != side {
+                        model.focus_other_side();
+                    }
+                }
+                button_ui(ui, model, queue, ActionId::SwapSides, Some("Swap"));
+            });
+        });
+        open_menu_ui(ui, model, queue);
+        let links = [
+            (ActionId::LinkCursors, "Slope and scale together"),
+            (ActionId::LinkViews, "Zoom and pan together"),
+            (ActionId::LinkRanges, "One value range"),
+        ];
+        for (id, label) in links {
+            let mut on = crate::app::actions::checked(id, model).unwrap_or(false);
+            let tip = crate::app::actions::tooltip(ui.ctx(), id.action());
+            if ui.checkbox(&mut on, label).on_hover_text(tip).clicked() {
+                queue.push(id);
+            }
+        }
+        if let Some(error) = model.slots.b.param_error.as_ref().filter(|_| model.slots.a.param_error.is_none()) {
+            let text = format!("The parameters do not fit B: {error}");
+            let text = egui::RichText::new(text).small().color(ui.visuals().error_fg_color);
+            ui.add(egui::Label::new(text).wrap());
+        }
+    });
+}
+
+/// Draws the menu that opens another second burst.
+fn open_menu_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    ui.menu_button("Open B…", |ui| {
+        ui.set_min_width(180.0);
+        for id in [ActionId::OpenFolderB, ActionId::OpenFilesB, ActionId::OpenPathB, ActionId::OpenDemoB] {
+            item_ui(ui, model, queue, id);
+        }
+        ui.separator();
+        item_ui(ui, model, queue, ActionId::CloseB);
+    });
+}
+
+/// Draws the section.
+pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
+    section_ui(ui, "Matches", |ui| {
+        let verified = model.pair.matches.as_ref().is_none_or(|m| m.result.verification.is_some());
+        let counts = model.pair.matches.as_ref().map(|m| m.result.counts);
+        let inliers = counts.map(|c| c.inliers.unwrap_or(c.putative));
+        let outliers = counts.and_then(|c| c.inliers.map(|inliers| c.putative - inliers));
+        let look = &mut model.pair.look;
+        let (kind, label) = if verified { (LineKind::Inlier, "Inliers") } else { (LineKind::Unverified, "Putative") };
+        kind_ui(
+            ui,
+            &mut look.inliers,
+            kind,
+            label,
+            inliers,
+            "Matches that agree with the geometry of the two views  (I)",
+        );
+        if verified {
+            let tip = "Matches that do not agree with the geometry of the two views  (U)";
+            kind_ui(ui, &mut look.outliers, LineKind::Outlier, "Outliers", outliers, tip);
+        }
+        ui.horizontal(|ui| {
+            let label = crate::app::panel::widgets::label_ui(ui, "Opacity", 52.0);
+            ui.spacing_mut().slider_width = (ui.available_width() - 16.0).max(40.0);
+            let slider = egui::Slider::new(&mut look.opacity, 0.05..=1.0).show_value(false);
+            crate::app::panel::widgets::hint(ui.add(slider).labelled_by(label.id), "How strongly the lines are drawn");
+        });
+        let boxes = [
+            (&mut look.alone, "Selected alone", "Draw the selected match alone, without the others  (X)"),
+            (&mut look.geometry, "Epipolar lines", "Lines of the other picture on which the partners must lie  (E)"),
+            (&mut look.features, "All features", "Draw all features over both pictures  (O)"),
+        ];
+        for (on, label, tip) in boxes {
+            ui.checkbox(on, label).on_hover_text(tip);
+        }
+    });
+}
+
+/// Draws a switch for one kind of match, with a piece of its line and the number of matches.
+fn kind_ui(ui: &mut Ui, on: &mut bool, kind: LineKind, label: &str, count: Option<usize>, tip: &str) {
+    ui.horizontal(|ui| {
+        ui.checkbox(on, label).on_hover_text(tip);
+        let (rect, _) = ui.allocate_exact_size(vec2(42.0, 14.0), Sense::hover());
+        // Dark as the pictures, so that it looks alike in the light theme.
+        ui.painter().rect_filled(rect, 3.0, Color32::from_gray(40));
+        let (from, to) = (rect.left_center() + vec2(4.0, 0.0), rect.right_center() - vec2(4.0, 0.0));
+        let stroke = Stroke::new(2.0, kind.colour());
+        if kind.is_dashed() {
+            ui.painter().extend(egui::Shape::dashed_line(&[from, to], stroke, 6.0, 4.5));
+        } else {
+            ui.painter().line_segment([from, to], stroke);
+        }
+        if let Some(count) = count {
+            ui.weak(count.to_string());
+        }
+    });
 }

@@ -1,11 +1,16 @@
-//! Table of matches.
+//! Tables of two bursts: the matches, the features of A that are not inliers with the step at which each was lost, and
+//! the numbers of the pair in the columns of the paper.
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::inspector::match_menu_ui;
-use crate::app::panel::sorted_table::{Listed, SortedColumn, sorted_table_ui};
+use crate::app::panel::table::{Listed, ROW_HEIGHT, SortedColumn, sorted_table_ui};
+use crate::app::panel::widgets::{make_room, progress_text, text_width};
 use crate::app::project::Model;
-use crate::app::project::pair::MatchColumn;
-use egui::Ui;
+use crate::app::project::pair::{MatchColumn, Matches, PairTab, Side, lost_label};
+use crate::inspect::unmatched::Lost;
+use crate::matching::{Geometry, MatchCounts};
+use egui::{Align, Label, Layout, RichText, Sense, Ui};
+use egui_extras::{Column, TableBuilder};
 
 impl SortedColumn for MatchColumn {
     const COLUMNS: &'static [Self] = &Self::ALL;
@@ -54,4 +59,208 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<usi
         queue.push(ActionId::GoToFeature);
     }
     pointed.hovered
+}
+
+/// Draws the switch between matches and unmatched features, and the summary of the pair.
+pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
+    ui.horizontal_wrapped(|ui| {
+        let is_compared = model.slots.both().into_iter().any(|slot| slot.against.with.is_some());
+        let tab = &mut model.pair.tab;
+        ui.selectable_value(tab, PairTab::Matches, "Matches");
+        ui.selectable_value(tab, PairTab::Unmatched, "Unmatched features of A")
+            .on_hover_text("Features of A that are not inliers, and the step at which each was lost");
+        if is_compared || *tab == PairTab::Compared {
+            ui.selectable_value(tab, PairTab::Compared, "Compared features")
+                .on_hover_text("Features of the burst in focus, compared with others");
+        }
+        ui.separator();
+        if let Some(running) = &model.pair.lost.wanted.running() {
+            ui.weak(progress_text(running));
+            return;
+        }
+        if model.losses().is_none() {
+            return;
+        }
+        ui.label(RichText::new("Lost to").small().weak());
+        for lost in Lost::ALL.into_iter().filter(|lost| *lost != Lost::Not) {
+            let text = format!("{} {}", lost_label(lost), model.pair.lost.count(lost));
+            let mut on = !model.pair.lost.hidden.contains(&lost);
+            let spacing = ui.spacing();
+            let mark = spacing.icon_width + spacing.icon_spacing;
+            make_room(ui, mark + text_width(ui, &text));
+            if ui.checkbox(&mut on, text).on_hover_text(help(lost)).changed() {
+                model.pair.lost.hidden.retain(|hidden| *hidden != lost);
+                if !on {
+                    model.pair.lost.hidden.push(lost);
+                }
+                model.pair.tab = PairTab::Unmatched;
+            }
+        }
+    });
+}
+
+fn help(lost: Lost) -> &'static str {
+    match lost {
+        Lost::Not => "Inliers",
+        Lost::NoKeypoint => "B has no keypoint of its size where the geometry expects it",
+        Lost::RatioTest => "The second nearest descriptor is almost as near as the nearest",
+        Lost::MutualCheck => "The nearest in B is nearer to another feature of A",
+        Lost::Geometry => "Matched, but the match does not fit the geometry",
+    }
+}
+
+/// Draws the table; a click asks why the feature has no match.
+pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
+    let Some(found) = model.losses().cloned() else {
+        ui.weak("There are no matches yet.");
+        return;
+    };
+    let hidden = &model.pair.lost.hidden;
+    let listed: Vec<usize> = (0..found.lost.len())
+        .filter(|&index| found.lost[index] != Lost::Not && !hidden.contains(&found.lost[index]))
+        .collect();
+    let asked = model.asked_feature();
+    let mut clicked = None;
+    TableBuilder::new(ui)
+        .striped(true)
+        .sense(Sense::click())
+        .cell_layout(Layout::left_to_right(Align::Center))
+        .min_scrolled_height(0.0)
+        .auto_shrink(false)
+        .column(Column::exact(50.0))
+        .column(Column::exact(120.0))
+        .columns(Column::exact(60.0), 2)
+        .column(Column::exact(50.0))
+        .column(Column::exact(100.0))
+        .column(Column::remainder())
+        .header(20.0, |mut header| {
+            for heading in ["#", "Lost to", "u", "v", "σ", "Slope", "SNR"] {
+                header.col(|ui| {
+                    ui.label(RichText::new(heading).small());
+                });
+            }
+        })
+        .body(|body| {
+            body.rows(ROW_HEIGHT, listed.len(), |mut row| {
+                let index = listed[row.index()];
+                let f = &found.request.request.a.features[index];
+                row.set_selected(asked == Some(index));
+                let cells = [
+                    format!("{}", index + 1),
+                    lost_label(found.lost[index]).to_owned(),
+                    format!("{:.1}", f.u),
+                    format!("{:.1}", f.v),
+                    format!("{:.2}", f.sigma),
+                    format!("{:+.2}, {:+.2}", f.slope.u, f.slope.v),
+                    format!("{:.1}", f.snr),
+                ];
+                for text in cells {
+                    row.col(|ui| {
+                        ui.add(Label::new(RichText::new(text).monospace()).selectable(false).extend());
+                    });
+                }
+                let response = row.response();
+                let name = format!("Unmatched feature {}", index + 1);
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &name));
+                if response.clicked() {
+                    clicked = Some(index);
+                }
+            });
+        });
+    if let Some(index) = clicked {
+        model.ask_feature((asked != Some(index)).then_some(index));
+    }
+}
+
+/// Distance between a number and its name, points.
+const NAME_GAP: f32 = 4.0;
+
+/// Draws the line, or several where there is little space.
+pub fn numbers_ui(ui: &mut Ui, model: &Model) {
+    ui.horizontal_wrapped(|ui| {
+        let Some(matches) = &model.pair.matches else {
+            ui.add(Label::new(RichText::new(missing(model)).weak()).truncate());
+            return;
+        };
+        ui.spacing_mut().item_spacing.x = 10.0;
+        for (name, help, value) in rows(&matches.result.counts) {
+            let text = format!("{name} {value}");
+            let (name, value) = (RichText::new(name).small().weak(), RichText::new(value).strong().monospace());
+            make_room(ui, text_width(ui, name.clone()) + NAME_GAP + text_width(ui, value.clone()));
+            let response = ui
+                .horizontal(|ui| {
+                    ui.spacing_mut().item_spacing.x = NAME_GAP;
+                    ui.add(Label::new(name).selectable(false));
+                    ui.add(Label::new(value));
+                })
+                .response;
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));
+            response.on_hover_text(help);
+        }
+        if let Some(problem) = model.stale_matches().map(str::to_owned).or_else(|| without_geometry(matches)) {
+            ui.add(Label::new(RichText::new(problem).color(crate::app::style::warning(ui))).truncate());
+        }
+    });
+}
+
+/// Name, meaning and value of each number.
+fn rows(counts: &MatchCounts) -> Vec<(&'static str, &'static str, String)> {
+    let share = |x: f64| format!("{x:.3}");
+    let none = || "–".to_owned();
+    vec![
+        ("Keypoints", "Features of A and of B", format!("{} + {}", counts.keypoints_a, counts.keypoints_b)),
+        ("Putative", "Matches by descriptors alone", counts.putative.to_string()),
+        (
+            "Inliers",
+            "Putative matches that agree with the geometry of the two views",
+            counts.inliers.map_or_else(none, |n| n.to_string()),
+        ),
+        ("Match ratio", "Putative matches over keypoints, mean of A and B", share(counts.match_ratio())),
+        ("Match score", "Inliers over keypoints, mean of A and B", counts.match_score().map_or_else(none, share)),
+        ("Precision", "Inliers over putative matches", counts.precision().map_or_else(none, share)),
+    ]
+}
+
+/// Note that fewer matches than required agree on a geometry.
+fn without_geometry(matches: &Matches) -> Option<String> {
+    let params = &matches.request.params;
+    (params.geometry != Geometry::None && matches.model().is_none())
+        .then(|| format!("No geometry: fewer than {} matches agree on one", params.min_inliers))
+}
+
+/// Reason why there are no matches.
+fn missing(model: &Model) -> String {
+    if model.burst_of(Side::B).is_none() {
+        return "Open a second burst to match it with the first".into();
+    }
+    if let Some(error) = &model.pair.param_error {
+        return format!("No matches: {error}");
+    }
+    if model.pair.matching.is_pending() {
+        return "Matching…".into();
+    }
+    let without: Vec<&str> =
+        Side::BOTH.into_iter().filter(|side| model.found_of(*side).is_none()).map(Side::name).collect();
+    if without.is_empty() {
+        "No matches yet".into()
+    } else {
+        format!("No features yet in {}: press Detect", without.join(" and "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_is_said() {
+        assert!(missing(&Model::default()).contains("second burst"));
+    }
+
+    #[test]
+    fn numbers_that_were_not_asked_for_are_dashes() {
+        let counts = MatchCounts { keypoints_a: 100, keypoints_b: 50, putative: 20, inliers: None };
+        let values: Vec<String> = rows(&counts).into_iter().map(|row| row.2).collect();
+        assert_eq!(values, ["100 + 50", "20", "–", "0.300", "–", "–"]);
+    }
 }

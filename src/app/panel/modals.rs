@@ -1,0 +1,211 @@
+//! Small dialogs over the window: the calibration of files (bias and flat frame, black level and full scale, linear
+//! light, raw colours), the choice of one burst in a folder of several, and the box about the program.
+
+use crate::app::project::effect::Purpose;
+use crate::burst::{OpenOptions, RawColour};
+use crate::requests::BurstSource;
+use egui::{DragValue, RichText, ScrollArea, Ui, vec2};
+use std::path::PathBuf;
+
+/// Request of the calibration dialog.
+#[derive(Debug)]
+pub enum CalibrationChoice {
+    /// Ask for a file of this purpose.
+    Choose(Purpose),
+    /// Open bursts with these options from now on.
+    Apply(OpenOptions),
+}
+
+/// Choices of the raw frames' colours, with names and descriptions.
+const COLOURS: [(RawColour, &str, &str); 4] = [
+    (RawColour::Luma, "Luma", "Mean of each 2 × 2 square of pixels: all the light"),
+    (RawColour::Green, "Green", "Mean of the two green pixels of each 2 × 2 square"),
+    (RawColour::Red, "Red", "Red pixel of each 2 × 2 square"),
+    (RawColour::Blue, "Blue", "Blue pixel of each 2 × 2 square"),
+];
+
+/// Draws the dialog if there is a draft; closing it drops the draft.
+pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> Option<CalibrationChoice> {
+    let options = draft.as_mut()?;
+    let (mut choice, mut close) = (None, false);
+    let modal = egui::Modal::new(egui::Id::unique("calibration")).show(ctx, |ui| {
+        ui.set_width(460.0);
+        ui.heading("Calibration");
+        ui.weak("How values in files become intensities. A calibration frame can be dropped here.");
+        ui.add_space(6.0);
+        egui::Grid::new("calibration").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+            let bias = "Dark frame, or a stack or folder of dark frames, that is subtracted from each frame";
+            let flat = "Picture of an evenly lit bright surface, by which each frame is divided";
+            let frames = [
+                ("Bias frame", &mut options.bias, bias, Purpose::OpenBias),
+                ("Flat frame", &mut options.flat, flat, Purpose::OpenFlat),
+            ];
+            for (label, path, tip, purpose) in frames {
+                ui.label(label).on_hover_text(tip);
+                if file_ui(ui, label, path) {
+                    choice = Some(CalibrationChoice::Choose(purpose));
+                }
+                ui.end_row();
+            }
+            let full = "Value in the files that becomes intensity 1, such as 4095 for 12 bits in 16-bit files";
+            let black = "Value in the files that becomes intensity 0; values below it become negative";
+            level_ui(ui, "Full scale", &mut options.full_scale, 65535.0, full);
+            level_ui(ui, "Black level", &mut options.black_level, 0.0, black);
+            let name = ui.label("Raw colour");
+            ui.horizontal(|ui| {
+                for (colour, label, tip) in COLOURS {
+                    ui.radio_value(&mut options.raw_colour, colour, label).on_hover_text(tip);
+                }
+            })
+            .response
+            .labelled_by(name.id);
+            ui.end_row();
+        });
+        ui.checkbox(&mut options.linearise, "Linear light")
+            .on_hover_text("Undo the sRGB encoding of 8-bit and 16-bit pictures");
+        ui.checkbox(&mut options.accept_damaged, "Accept damaged JPEG frames")
+            .on_hover_text("Decode them as far as possible; the rest of the frame is grey");
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui
+                .button("Apply")
+                .on_hover_text("Open the present bursts again with these options, and use them for all later bursts")
+                .clicked()
+            {
+                choice = Some(CalibrationChoice::Apply(options.clone()));
+                close = true;
+            }
+            if ui.button("Reset").on_hover_text("Use the values of the files as they are").clicked() {
+                *options = OpenOptions::default();
+            }
+            if ui.button("Cancel").clicked() {
+                close = true;
+            }
+        });
+    });
+    if close || modal.should_close() {
+        *draft = None;
+    }
+    choice
+}
+
+/// Draws the choice of an optional file; returns whether to ask for one.
+fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>) -> bool {
+    let mut choose = false;
+    ui.horizontal(|ui| {
+        choose = ui.button(format!("Choose {}…", label.to_lowercase())).clicked();
+        let name = path.as_ref().map(|path| {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+            (name, path.display().to_string())
+        });
+        match name {
+            Some((name, whole)) => {
+                if ui.button(format!("Remove {}", label.to_lowercase())).clicked() {
+                    *path = None;
+                }
+                ui.add(egui::Label::new(name).truncate()).on_hover_text(whole);
+            }
+            None => {
+                ui.weak("none");
+            }
+        }
+    });
+    choose
+}
+
+/// Draws the choice between an own level and that of the files.
+fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip: &str) {
+    let mut own = level.is_some();
+    ui.checkbox(&mut own, label).on_hover_text(tip);
+    match (own, *level) {
+        (true, None) => *level = Some(default),
+        (false, _) => *level = None,
+        _ => {}
+    }
+    match level {
+        Some(value) => {
+            let field = ui.add(DragValue::new(value).range(-1e9..=1e9).speed(1.0).max_decimals(3));
+            field.on_hover_text(format!("{label}: {tip}"));
+        }
+        None => {
+            ui.weak("from the files");
+        }
+    }
+    ui.end_row();
+}
+
+/// Draws the box if it is open.
+pub fn about_ui(ctx: &egui::Context, open: &mut bool) {
+    if !*open {
+        return;
+    }
+    let modal = egui::Modal::new(egui::Id::unique("about")).show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.heading(format!("Burstscope {}", env!("CARGO_PKG_VERSION")));
+        ui.label(env!("CARGO_PKG_DESCRIPTION"));
+        ui.add_space(6.0);
+        ui.label("The method is that of A. Ravendran, M. Bryson and D. G. Dansereau, “BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction”.");
+        ui.hyperlink_to("arXiv 2209.09470", "https://arxiv.org/abs/2209.09470");
+        if let Some(gpu) = crate::app::gpu::Gpu::of(ui.ctx()) {
+            ui.add_space(6.0);
+            ui.weak(format!("Graphics adapter: {}", gpu.adapter_name));
+        }
+        ui.add_space(6.0);
+        if ui.button("Close").clicked() {
+            ui.close();
+        }
+    });
+    if modal.should_close() {
+        *open = false;
+    }
+}
+
+/// Draws the choice among `bursts` if there are any. Returns the chosen one; then, or when the dialog is closed,
+/// `bursts` becomes empty.
+pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<BurstSource> {
+    if bursts.is_empty() {
+        return None;
+    }
+    let mut chosen = None;
+    let modal = egui::Modal::new(egui::Id::unique("burst chooser")).show(ctx, |ui| {
+        ui.set_width(360.0);
+        ui.heading(format!("{} bursts in this folder", bursts.len()));
+        ui.weak("Choose the burst to open.");
+        ui.add_space(6.0);
+        ScrollArea::vertical().max_height(320.0).min_scrolled_height(200.0).show(ui, |ui| {
+            for burst in bursts.iter() {
+                if row_ui(ui, burst).clicked() {
+                    chosen = Some(burst.clone());
+                }
+            }
+        });
+        ui.add_space(6.0);
+        if ui.button("Cancel").clicked() {
+            ui.close();
+        }
+    });
+    if chosen.is_some() || modal.should_close() {
+        bursts.clear();
+    }
+    chosen
+}
+
+fn row_ui(ui: &mut Ui, burst: &BurstSource) -> egui::Response {
+    // Stacks of one name in several folders are distinguished by their folders.
+    let folder = match burst {
+        BurstSource::Paths(paths) => paths.first().and_then(|p| p.parent()?.file_name()),
+        BurstSource::Demo
+        | BurstSource::DemoLater
+        | BurstSource::Example(_)
+        | BurstSource::Chart(_)
+        | BurstSource::DarkCopy { .. } => None,
+    };
+    let folder = folder.map_or_else(String::new, |f| f.to_string_lossy().into_owned());
+    let name = format!("{} in {folder}", burst.label());
+    let button = egui::Button::new(burst.label())
+        .min_size(vec2(ui.available_width(), 24.0))
+        .right_text(RichText::new(format!("in {folder}")).weak());
+    let response = ui.add(button);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    response
+}

@@ -1,0 +1,257 @@
+//! *Methods*: several methods on the same burst, in panes side by side, wiped or flipped; the matches of each, and a
+//! table of their numbers in the columns of the paper.
+
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines};
+use crate::app::inspector::{Change, Drawn, chip_ui, inspector_ui};
+use crate::app::pane::{MethodsPreset, Over, PaneId};
+use crate::app::panel;
+use crate::app::panel::table::{ROW_HEIGHT, cell_ui, heading_ui};
+use crate::app::panel::widgets::{progress_text, section_ui};
+use crate::app::project::Model;
+use crate::app::project::compare::Contender;
+use crate::app::project::pair::Side;
+use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
+use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
+use egui::{Align, Align2, CentralPanel, Frame, Layout, Panel, ProgressBar, RichText, ScrollArea, Ui};
+use egui_extras::{Column, TableBuilder};
+
+/// Draws the workspace. Returns the panes' requests.
+pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
+    let WorkspaceParts { model, widgets, queue, .. } = parts;
+    let width = side_width(ui);
+    let mut changes = Vec::new();
+    if model.panels.left {
+        let panel = Panel::left("compare left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0);
+        panel.show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                changes.extend(controls_ui(ui, model, queue));
+                panel::cursor::cursor_ui(ui, model, queue);
+                panel::parameters::parameters_ui(ui, model, queue);
+            });
+        });
+    }
+    if model.panels.right {
+        let panel = Panel::right("compare right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0);
+        panel.show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| panel::display::ranges_ui(ui, model, widgets));
+        });
+    }
+    if model.panels.bottom {
+        bottom_panel(ui, "compare bottom", 233.0, |ui| table_ui(ui, model));
+    }
+    CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
+        if model.contenders().is_empty() {
+            ui.centered_and_justified(|ui| ui.weak("Choose methods in the table below"));
+            return;
+        }
+        let inspected = inspector_ui(ui, model, widgets, queue);
+        lines_ui(ui, model, &inspected.drawn);
+        changes.extend(inspected.changes);
+    });
+    changes
+}
+
+/// Draws the section. Returns the requested layout.
+pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<Change> {
+    let mut change = None;
+    section_ui(ui, "Compare", |ui| {
+        change = layout_ui(ui, model);
+        if let Some(over) = model.panes.over(model.focus()) {
+            two_ui(ui, model, over, queue);
+        }
+        ui.checkbox(&mut model.compare.look.features, "Features")
+            .on_hover_text("Draw the features of each method  (O)");
+        gold_ui(ui, model, queue);
+        if let Some((method, running)) = model.compare.running() {
+            let fraction = running.progress.map_or(0.0, |p| p.fraction);
+            let text = format!("{}: {}", method.label(), progress_text(&running));
+            ui.add(ProgressBar::new(fraction).text(text));
+            button_ui(ui, model, queue, ActionId::Cancel, None);
+        } else if Contender::ALL.iter().any(|method| model.compare.problem(*method).is_some()) {
+            button_ui(ui, model, queue, ActionId::CompareAgain, Some("Try again"));
+        }
+    });
+    change
+}
+
+/// Draws the buttons that lay all panes out anew.
+fn layout_ui(ui: &mut Ui, model: &Model) -> Option<Change> {
+    let has_second = model.burst_of(Side::B).is_some();
+    let mut change = None;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for preset in MethodsPreset::ALL {
+            let enabled = preset != MethodsPreset::Matches || has_second;
+            let response = ui
+                .add_enabled(enabled, egui::Button::new(preset.label()))
+                .on_hover_text(preset.help())
+                .on_disabled_hover_text("Matches need a second burst: open one as B");
+            if response.clicked() {
+                change = Some(Change::LayOutMethods(preset));
+            }
+        }
+    });
+    change
+}
+
+/// Draws the choice of the two methods that lie over one another in the focused pane.
+fn two_ui(ui: &mut Ui, model: &mut Model, over: Over, queue: &mut Queue) {
+    let contenders = model.contenders();
+    for (id, name) in [(model.focus(), "Left"), (over.other(), "Right")] {
+        let Some(pane) = model.panes.get_mut(id) else { continue };
+        let Some(mut chosen) = pane.method else { continue };
+        ui.horizontal(|ui| {
+            let label = crate::app::panel::widgets::label_ui(ui, name, 52.0);
+            egui::ComboBox::from_id_salt(("method", name))
+                .selected_text(chosen.label())
+                .width(ui.available_width() - 8.0)
+                .show_ui(ui, |ui| {
+                    for method in &contenders {
+                        ui.selectable_value(&mut chosen, *method, method.label()).on_hover_text(method.help());
+                    }
+                })
+                .response
+                .labelled_by(label.id);
+        });
+        pane.show_method(Some(chosen));
+    }
+    if matches!(over, Over::Flip { .. }) {
+        button_ui(ui, model, queue, ActionId::Flip, None);
+    }
+}
+
+fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    ui.horizontal(|ui| {
+        ui.weak("Gold standard");
+        for (side, id) in [(Side::A, ActionId::OpenGoldA), (Side::B, ActionId::OpenGoldB)] {
+            let is_there = model.compare.gold[side as usize].is_some();
+            let mark = if is_there { " ✔" } else { "…" };
+            button_ui(ui, model, queue, id, Some(&format!("{}{mark}", side.name())));
+        }
+    });
+}
+
+/// Draws the match lines and the number of inliers over the drawn panes.
+pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
+    let look = &model.pair.look;
+    let style = MatchLineStyle { opacity: look.opacity, selected: None, hovered: None, others_faint: false };
+    for method in Contender::ALL {
+        let Some(matches) = model.method_matches(method) else { continue };
+        let views = MatchViews::of(model, drawn, Some(method));
+        for canvases in views.canvases().iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
+            let rows = matches.rows().filter(|row| look.shows(row.inlier));
+            let lines: Vec<MatchLine> = rows.map(|row| line_of(&row, canvases.shifts)).collect();
+            draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &lines, &style);
+            let counts = matches.result.counts;
+            let text = match counts.inliers {
+                Some(inliers) => format!("{inliers} of {} matches are inliers", counts.putative),
+                None => format!("{} matches", counts.putative),
+            };
+            if let [_, Some(b)] = canvases.places {
+                chip_ui(ui, views.views[b].output, Align2::RIGHT_BOTTOM, &text, (method, "matches", canvases.places));
+            }
+        }
+    }
+}
+
+/// Headings after the method's name, and their meanings.
+const COLUMNS: [(&str, &str); 9] = [
+    ("Features A", "Features found in A"),
+    ("Features B", "Features found in B"),
+    ("SNR", "Median of |response| over the noise in D, of A's features"),
+    ("Putative", "Matches by descriptors alone"),
+    ("Inliers", "Putative matches that agree with the geometry of the two views"),
+    ("Match ratio", "Putative matches over keypoints, mean of A and B"),
+    ("Match score", "Inliers over keypoints, mean of A and B"),
+    ("Precision", "Inliers over putative matches"),
+    ("Time", "Wall-clock time of the detection in A"),
+];
+
+/// Draws the table.
+pub fn table_ui(ui: &mut Ui, model: &mut Model) {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    let mut switched = None;
+    egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
+        TableBuilder::new(ui)
+            .striped(true)
+            .cell_layout(Layout::left_to_right(Align::Center))
+            .min_scrolled_height(0.0)
+            .auto_shrink(false)
+            .column(Column::exact(116.0))
+            .columns(Column::remainder().at_least(55.0), COLUMNS.len())
+            .header(20.0, |mut header| {
+                header.col(|ui| {
+                    ui.label(RichText::new("Method").small());
+                });
+                for (name, help) in COLUMNS {
+                    let (_, cell) = header.col(|ui| heading_ui(ui, name, None));
+                    cell.on_hover_text(help);
+                }
+            })
+            .body(|mut body| {
+                for method in Contender::ALL {
+                    body.row(ROW_HEIGHT, |mut row| {
+                        row.col(|ui| {
+                            let usable = model.method_burst(method, Side::A).is_some();
+                            let mut on = model.compare.look.shows(method);
+                            let tip = if usable { method.help() } else { "Open a sharp image of A's view first" };
+                            let boxed = egui::Checkbox::new(&mut on, method.label());
+                            let response = ui.add_enabled(usable, boxed);
+                            if response.on_hover_text(tip).on_disabled_hover_text(tip).changed() {
+                                switched = Some((method, on));
+                            }
+                        });
+                        for text in cells(model, method) {
+                            row.col(|ui| cell_ui(ui, RichText::new(text).monospace()));
+                        }
+                    });
+                }
+            });
+    });
+    if let Some((method, on)) = switched {
+        model.compare.look.show(method, on);
+    }
+}
+
+/// Numbers of a method; missing ones are a dash.
+fn cells(model: &Model, method: Contender) -> [String; COLUMNS.len()] {
+    let found = |side| model.method_found(method, side);
+    let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
+    let count = |side| found(side).map(|f| f.detection.features.len().to_string());
+    let counts = model.method_matches(method).map(|m| m.result.counts);
+    let share = |x: f64| format!("{x:.3}");
+    let state = if model.compare.running().is_some_and(|(running, _)| running == method) {
+        Some("…".to_owned())
+    } else {
+        model.compare.problem(method).map(|_| "failed".to_owned())
+    };
+    [
+        or_dash(count(Side::A).or(state)),
+        or_dash(count(Side::B)),
+        or_dash(found(Side::A).and_then(|f| median_snr(&f.detection.features)).map(|snr| format!("{snr:.1}"))),
+        or_dash(counts.map(|c| c.putative.to_string())),
+        or_dash(counts.and_then(|c| c.inliers).map(|n| n.to_string())),
+        or_dash(counts.map(|c| share(c.match_ratio()))),
+        or_dash(counts.and_then(|c| c.match_score()).map(share)),
+        or_dash(counts.and_then(|c| c.precision()).map(share)),
+        or_dash(found(Side::A).map(|f| format!("{:.2} s", f.elapsed.as_secs_f32()))),
+    ]
+}
+
+fn median_snr(features: &[crate::detector::Feature]) -> Option<f32> {
+    let mut snrs: Vec<f32> = features.iter().map(|f| f.snr).collect();
+    snrs.sort_by(f32::total_cmp);
+    snrs.get(snrs.len() / 2).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn before_anything_is_found_all_cells_are_dashes() {
+        assert!(cells(&Model::default(), Contender::Sift).iter().all(|cell| cell == "–"));
+        assert_eq!(median_snr(&[]), None);
+    }
+}
