@@ -3,7 +3,7 @@
 use crate::app::canvas::overlay::LineKind;
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
-use crate::app::panel::features::{at_time, frames_from_middle};
+use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::compare::Contender;
 use crate::app::project::pair::Matches;
