@@ -11,8 +11,9 @@ use crate::app::canvas::overlay::{ColourBy, ColourScale, LineKind, circle_radius
 use crate::app::canvas::{self, number};
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
-use crate::app::panel::features::{FeatureLayer, at_time, frames_from_middle};
+use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::describe;
+use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::compare::Contender;
 use crate::app::project::figure::FigureChoice;

@@ -5,7 +5,7 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
 use crate::app::inspector::PaneWidgets;
-use crate::app::panel::features::frames_from_middle;
+use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::table::ROW_HEIGHT;
 use crate::app::panel::widgets::progress_text;
 use crate::app::project::Model;

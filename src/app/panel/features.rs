@@ -3,14 +3,13 @@
 use crate::app::canvas::{CanvasOutput, overlay, signed_number};
 use crate::app::pane::PaneId;
 use crate::app::panel::against::{self, marks_ui};
-use crate::app::panel::picture::PictureState;
+use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::explained::coherence_words;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, Feature, Slope, SlopeGrid};
-use crate::requests::{Picture, PictureKind};
 use egui::{Color32, Frame, Margin, Pos2, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
@@ -152,22 +151,6 @@ pub fn features_ui(
         let notes = [layer.slope.map(|_| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
         legend_ui(ui, &scale, &notes.into_iter().flatten().collect::<Vec<_>>(), output.response.rect);
     }
-}
-
-/// Time of the frame in `picture`, in frames after the middle of the searched ones; `None` when it is no frame.
-pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &Detection) -> Option<f32> {
-    match picture?.request.kind {
-        PictureKind::Frame(t) => {
-            let used = &detection.frames_used;
-            Some(t as f32 - 0.5 * (used.start + used.end - 1) as f32)
-        }
-        PictureKind::Stack { .. } | PictureKind::Dog { .. } | PictureKind::Merge | PictureKind::Map { .. } => None,
-    }
-}
-
-/// Returns the feature at its place `dt` frames after mid-burst.
-pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
-    Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
 }
 
 fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutput) {

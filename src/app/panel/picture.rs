@@ -5,7 +5,7 @@ use crate::app::canvas::{self, Quantity, Readout, overlay};
 use crate::app::project::look::RangeClass;
 use crate::app::project::{Model, Stale};
 use crate::app::style;
-use crate::detector::{Detection, Slope};
+use crate::detector::{Detection, Feature, Slope};
 use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
@@ -157,6 +157,22 @@ fn describe_request(request: &PictureRequest) -> String {
     let at = about.scale.map(|(octave, level)| format!("  ·  octave {octave}, level {level}"));
     let of = about.slope.map(|Slope { u, v }| format!("  ·  slope ({u:.2}, {v:.2}) px/frame"));
     format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())
+}
+
+/// Time of the frame in `picture`, in frames after the middle of the searched ones; `None` when it is no frame.
+pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &Detection) -> Option<f32> {
+    match picture?.request.kind {
+        PictureKind::Frame(t) => {
+            let used = &detection.frames_used;
+            Some(t as f32 - 0.5 * (used.start + used.end - 1) as f32)
+        }
+        PictureKind::Stack { .. } | PictureKind::Dog { .. } | PictureKind::Merge | PictureKind::Map { .. } => None,
+    }
+}
+
+/// Returns the feature at its place `dt` frames after mid-burst.
+pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
+    Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
 }
 
 /// Draws a warning over a picture whose features belong to other parameters.

@@ -5,7 +5,7 @@ use crate::app::actions::Queue;
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::pane::PaneId;
-use crate::app::panel::features::frames_from_middle;
+use crate::app::panel::picture::frames_from_middle;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::detector::advice::grouped;

@@ -2,18 +2,18 @@
 //! its candidates in B with their patches, and the place where the geometry expects it.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::canvas::overlay::{ComparedMark, LineKind, draw_compared};
-use crate::app::canvas::{CanvasOutput, number};
+use crate::app::canvas::number;
+use crate::app::canvas::overlay::LineKind;
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchRow, MatchSides, Matches, PATCHES, Side, lost_label};
-use crate::app::workspace::pair::lines::MatchViews;
+use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;
 use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
 use crate::matching::TwoViewModel;
 use crate::requests::{FoundLosses, PictureKind};
-use egui::{Color32, Grid, Label, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
+use egui::{Color32, Grid, Label, RichText, Sense, Ui, Vec2};
 
 /// Draws the section.
 pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 2], queue: &mut Queue) {
@@ -145,9 +145,6 @@ fn error_words(model: Option<&TwoViewModel>) -> (&'static str, &'static str) {
     }
 }
 
-/// Colours of candidates in B, from the nearest descriptor on.
-const CANDIDATE_COLOURS: [Color32; PATCHES] =
-    [Color32::from_rgb(0xff, 0xd2, 0x4a), Color32::from_rgb(0xff, 0x8a, 0x3d), Color32::from_rgb(0xff, 0x6b, 0xb5)];
 /// Minimum difference of slopes for a note, px/frame.
 const SLOPES_APART: f32 = 0.5;
 
@@ -329,58 +326,6 @@ fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
                 feature + 1,
                 rank + 1
             )
-        }
-    }
-}
-
-/// Marks the feature asked about in A, and its candidates and expected place in B.
-pub fn marks_ui(model: &Model, views: &MatchViews<'_>) {
-    let Some((why, found)) = model.pair.lost.why.as_ref().zip(model.losses()) else { return };
-    // A selected match draws its own circles.
-    if model.pair.selected.is_some() {
-        return;
-    }
-    let sides = MatchSides::of(found);
-    let Some(own) = sides.a.features.get(why.feature) else { return };
-    let mark = |f: &Feature, colour: Color32, dashed: bool| ComparedMark {
-        pos_image: pos2(f.u, f.v),
-        sigma: f.sigma,
-        from_image: None,
-        colour,
-        dashed,
-    };
-    for view in views.on(Side::A) {
-        draw_compared(view.output, &[mark(own, Color32::WHITE, false)], Some(0));
-    }
-    let candidates = why.unmatched.candidates.iter().zip(CANDIDATE_COLOURS);
-    let marks: Vec<ComparedMark> =
-        candidates.filter_map(|(c, colour)| Some(mark(sides.b.features.get(c.feature)?, colour, true))).collect();
-    for view in views.on(Side::B) {
-        draw_compared(view.output, &marks, None);
-        expected_ui(view.output, expected_points(&why.unmatched, view.output).as_slice());
-    }
-}
-
-/// Place where the geometry expects the feature, in points.
-fn expected_points(unmatched: &Unmatched, output: &CanvasOutput) -> Vec<egui::Pos2> {
-    unmatched.expected.iter().map(|p| output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32))).collect()
-}
-
-/// Marks where the geometry expects the feature: a cross, or a line.
-fn expected_ui(output: &CanvasOutput, points: &[egui::Pos2]) {
-    let painter = output.painter.with_clip_rect(output.response.rect);
-    for (width, colour) in [(3.0, Color32::from_black_alpha(130)), (1.2, Color32::from_white_alpha(210))] {
-        let stroke = Stroke::new(width, colour);
-        match points {
-            [] => {}
-            [one] => {
-                for diagonal in [vec2(6.0, 6.0), vec2(6.0, -6.0)] {
-                    painter.line_segment([*one - diagonal, *one + diagonal], stroke);
-                }
-            }
-            _ => {
-                painter.add(egui::Shape::line(points.to_vec(), stroke));
-            }
         }
     }
 }

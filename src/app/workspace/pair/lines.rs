@@ -1,17 +1,22 @@
 //! Lines of the matches between panes of A and panes of B: which panes face each other, and drawing, hovering and
-//! selection.
+//! selection; the marks of an unmatched feature, its candidates and its expected place.
 
 use crate::app::canvas::CanvasOutput;
-use crate::app::canvas::overlay::{self, MatchLine, MatchLineStyle, Pane};
+use crate::app::canvas::overlay::{self, ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
 use crate::app::inspector::{Drawn, JoinedPanes, is_with_shift, joined_panes};
 use crate::app::pane::PaneId;
-use crate::app::panel::features::{at_time, frames_from_middle};
+use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::method::Contender;
-use crate::app::project::pair::{MatchRow, Matches, Side};
+use crate::app::project::pair::{MatchRow, MatchSides, Matches, PATCHES, Side};
 use crate::detector::Feature;
-use egui::{Color32, Painter, Pos2, Rect, RichText, Shape, Stroke, Ui, pos2};
+use crate::inspect::unmatched::Unmatched;
+use egui::{Color32, Painter, Pos2, Rect, RichText, Shape, Stroke, Ui, pos2, vec2};
 use std::sync::Arc;
+
+/// Colours of candidates in B, from the nearest descriptor on.
+pub(super) const CANDIDATE_COLOURS: [Color32; PATCHES] =
+    [Color32::from_rgb(0xff, 0xd2, 0x4a), Color32::from_rgb(0xff, 0x8a, 0x3d), Color32::from_rgb(0xff, 0x6b, 0xb5)];
 
 /// Draws the matches over the drawn panes of A and B and lets the pointer choose among them. Returns the hovered match;
 /// the outer `None` while the pointer is over no picture.
@@ -64,7 +69,7 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option
             model.ask_feature(feature);
         }
     }
-    super::detail::marks_ui(model, &views);
+    unmatched_marks_ui(model, &views);
     if let Some(row) = pointed.filter(|_| !dragged).and_then(|index| matches.row(index)) {
         tip_ui(ui, &row);
     }
@@ -258,4 +263,56 @@ pub struct Canvases {
     pub shifts: [f32; 2],
     /// Indices of the views; `None` for a missing partner.
     pub places: [Option<usize>; 2],
+}
+
+/// Marks the feature asked about in A, and its candidates and expected place in B.
+fn unmatched_marks_ui(model: &Model, views: &MatchViews<'_>) {
+    let Some((why, found)) = model.pair.lost.why.as_ref().zip(model.losses()) else { return };
+    // A selected match draws its own circles.
+    if model.pair.selected.is_some() {
+        return;
+    }
+    let sides = MatchSides::of(found);
+    let Some(own) = sides.a.features.get(why.feature) else { return };
+    let mark = |f: &Feature, colour: Color32, dashed: bool| ComparedMark {
+        pos_image: pos2(f.u, f.v),
+        sigma: f.sigma,
+        from_image: None,
+        colour,
+        dashed,
+    };
+    for view in views.on(Side::A) {
+        draw_compared(view.output, &[mark(own, Color32::WHITE, false)], Some(0));
+    }
+    let candidates = why.unmatched.candidates.iter().zip(CANDIDATE_COLOURS);
+    let marks: Vec<ComparedMark> =
+        candidates.filter_map(|(c, colour)| Some(mark(sides.b.features.get(c.feature)?, colour, true))).collect();
+    for view in views.on(Side::B) {
+        draw_compared(view.output, &marks, None);
+        expected_ui(view.output, expected_points(&why.unmatched, view.output).as_slice());
+    }
+}
+
+/// Place where the geometry expects the feature, in points.
+fn expected_points(unmatched: &Unmatched, output: &CanvasOutput) -> Vec<egui::Pos2> {
+    unmatched.expected.iter().map(|p| output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32))).collect()
+}
+
+/// Marks where the geometry expects the feature: a cross, or a line.
+fn expected_ui(output: &CanvasOutput, points: &[egui::Pos2]) {
+    let painter = output.painter.with_clip_rect(output.response.rect);
+    for (width, colour) in [(3.0, Color32::from_black_alpha(130)), (1.2, Color32::from_white_alpha(210))] {
+        let stroke = Stroke::new(width, colour);
+        match points {
+            [] => {}
+            [one] => {
+                for diagonal in [vec2(6.0, 6.0), vec2(6.0, -6.0)] {
+                    painter.line_segment([*one - diagonal, *one + diagonal], stroke);
+                }
+            }
+            _ => {
+                painter.add(egui::Shape::line(points.to_vec(), stroke));
+            }
+        }
+    }
 }
