@@ -26,7 +26,7 @@ const ICON_SIDE: u32 = 256;
 const RUNNING_FOLDER: &str = "running";
 
 /// Losses of the device within [`LOSSES_WITHIN`] after which it is not set up again.
-const MOST_LOSSES: usize = 3;
+const MAX_LOSSES: usize = 3;
 const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 
 /// The window, kept across losses of the graphics device.
@@ -77,10 +77,10 @@ pub fn run(mut startup: Startup) -> anyhow::Result<()> {
         opened?;
         losses.retain(|at| at.elapsed() < LOSSES_WITHIN);
         losses.push(Instant::now());
-        if losses.len() >= MOST_LOSSES {
+        if losses.len() >= MAX_LOSSES {
             let seconds = LOSSES_WITHIN.as_secs();
             return Err(anyhow!(
-                "the graphics device was lost {MOST_LOSSES} times within {seconds} seconds ({why}); {saved}"
+                "the graphics device was lost {MAX_LOSSES} times within {seconds} seconds ({why}); {saved}"
             ));
         }
     }

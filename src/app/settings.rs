@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub const STORAGE_KEY: &str = "burstscope settings";
 
 /// Largest length of a list of recent sources.
-const MOST_RECENT: usize = 12;
+const MAX_RECENT: usize = 12;
 
 /// Remembered settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -95,7 +95,7 @@ impl Settings {
 fn put_first<T: Clone + PartialEq>(list: &mut Vec<T>, item: &T) {
     list.retain(|other| other != item);
     list.insert(0, item.clone());
-    list.truncate(MOST_RECENT);
+    list.truncate(MAX_RECENT);
 }
 
 /// A source that was opened before, to be opened again.
@@ -148,7 +148,7 @@ mod tests {
         }
         settings.remember(&source(15));
         settings.remember(&BurstSource::Demo);
-        assert_eq!(settings.recent.len(), MOST_RECENT);
+        assert_eq!(settings.recent.len(), MAX_RECENT);
         assert_eq!((&settings.recent[0], &settings.recent[1]), (&source(15), &source(19)));
     }
 }

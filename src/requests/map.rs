@@ -2,7 +2,6 @@
 
 use super::error::JobError;
 use super::open::OpenBurst;
-use super::picture::RangeClass;
 use super::trail::TrailStore;
 use crate::baseline::prepare;
 use crate::detector::view::{coverage_view, gate_noise_map};
@@ -13,6 +12,37 @@ use crate::plane::Plane;
 use crate::plane::display::direction_colour;
 use image::{Rgba, RgbaImage};
 use serde::{Deserialize, Serialize};
+
+/// Classes of picture, each with a shared value range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RangeClass {
+    /// Frames, motion-stack images and merged frames.
+    Intensity,
+    /// DoG responses.
+    Response,
+    /// Differences of two pictures.
+    Difference,
+    /// Maps of the noise.
+    Noise,
+    /// Maps of shares, 0 … 1.
+    Share,
+    /// Maps of winning slopes, which have colours of their own.
+    Motion,
+}
+
+impl RangeClass {
+    /// Name of the class within a sentence.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Intensity => "frames and motion stacks",
+            Self::Response => "DoG responses",
+            Self::Difference => "differences",
+            Self::Noise => "noise maps",
+            Self::Share => "coverage maps",
+            Self::Motion => "winning-slope maps",
+        }
+    }
+}
 
 /// The kinds of map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -111,7 +141,7 @@ pub struct MotionMap {
 }
 
 /// Brightness of the least certain winner, as a fraction of that of the most certain.
-const LEAST_BRIGHTNESS: f32 = 0.35;
+const MIN_BRIGHTNESS: f32 = 0.35;
 /// Grey value of places where no response reaches the gate.
 const NOTHING: u8 = 26;
 
@@ -127,7 +157,7 @@ impl MotionMap {
             if sure <= 0.0 {
                 return Rgba([NOTHING, NOTHING, NOTHING, 255]);
             }
-            let brightness = LEAST_BRIGHTNESS + (1.0 - LEAST_BRIGHTNESS) * sure.sqrt();
+            let brightness = MIN_BRIGHTNESS + (1.0 - MIN_BRIGHTNESS) * sure.sqrt();
             let [r, g, b] = table[winning.slope_index.at(at.0, at.1) as usize];
             let dimmed = |c: u8| (f32::from(c) * brightness) as u8;
             Rgba([dimmed(r), dimmed(g), dimmed(b), 255])

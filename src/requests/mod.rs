@@ -39,10 +39,10 @@ pub use explain::{
     ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest, ProbeQuestion, ProbeRequest,
     Probed, Traced,
 };
-pub use map::{AboutMap, MapKind, MotionMap};
+pub use map::{AboutMap, MapKind, MotionMap, RangeClass};
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
-pub use picture::{AboutPicture, Picture, PictureKind, PictureRequest, RangeClass};
+pub use picture::{AboutPicture, Picture, PictureKind, PictureRequest};
 pub use pictures::PicturesRequest;
 pub use request::{JobId, Kept, PictureStore, Request, Running, Urgency, Work};
 pub use source::{BurstSource, SourceError};

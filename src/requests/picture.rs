@@ -1,7 +1,7 @@
 //! Pictures of a burst: a frame, a motion-stack image, a DoG response, a map, the merged frames, or the difference of
 //! two of these.
 
-use super::map::{MapKind, MotionMap};
+use super::map::{MapKind, MotionMap, RangeClass};
 use super::open::{BurstId, OpenBurst};
 use crate::detector::params::Stage;
 use crate::detector::{DetectorParams, FrameRange, Method, Slope};
@@ -99,39 +99,10 @@ impl PictureKind {
     }
 }
 
-/// Classes of picture, each with a shared value range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RangeClass {
-    /// Frames, motion-stack images and merged frames.
-    Intensity,
-    /// DoG responses.
-    Response,
-    /// Differences of two pictures.
-    Difference,
-    /// Maps of the noise.
-    Noise,
-    /// Maps of shares, 0 … 1.
-    Share,
-    /// Maps of winning slopes, which have colours of their own.
-    Motion,
-}
-
 impl RangeClass {
     /// The class of a picture.
     pub fn of(request: &PictureRequest) -> Self {
         if request.minus().is_some() { Self::Difference } else { request.kind.about().range }
-    }
-
-    /// Name of the class within a sentence.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Intensity => "frames and motion stacks",
-            Self::Response => "DoG responses",
-            Self::Difference => "differences",
-            Self::Noise => "maps of the noise",
-            Self::Share => "maps of shares",
-            Self::Motion => "maps of winning slopes",
-        }
     }
 }
 

@@ -209,7 +209,7 @@ fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result
 
 /// Float files whose largest magnitude is not above this are taken to be in [0, 1] already. Noise and calibration push
 /// single values of such files above 1; files in other units lie far above it.
-const LARGEST_UNIT_VALUE: f32 = 2.0;
+const MAX_UNIT_VALUE: f32 = 2.0;
 /// Fraction of the flat frame's mean; a pixel below it is dead, and is left as it is.
 const DEAD_GAIN: f32 = 0.05;
 /// Share of dead pixels (0 … 1) above which a flat frame is refused.
@@ -255,7 +255,7 @@ fn natural_full_scale(frames: &[RawFrame]) -> f32 {
         frames.iter().filter_map(|f| if let FileScale::Data { largest, .. } = f.scale { Some(largest) } else { None });
     match range.reduce(f32::max) {
         Some(range) => range,
-        None => largest.reduce(f32::max).filter(|&l| l > LARGEST_UNIT_VALUE).unwrap_or(1.0),
+        None => largest.reduce(f32::max).filter(|&l| l > MAX_UNIT_VALUE).unwrap_or(1.0),
     }
 }
 
@@ -320,7 +320,7 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
             "its values lie beyond the range of the frames' files; save it in their unit, or as fractions of full scale",
         ),
         (FileScale::Data { integer: a, largest }, FileScale::Data { integer: b, largest: own }) => {
-            let (unit, own_unit) = (!a && largest <= LARGEST_UNIT_VALUE, !b && own <= LARGEST_UNIT_VALUE);
+            let (unit, own_unit) = (!a && largest <= MAX_UNIT_VALUE, !b && own <= MAX_UNIT_VALUE);
             match (unit, own_unit) {
                 _ if own == 0.0 => Ok(1.0),
                 (true, true) | (false, false) => Ok(1.0),
@@ -329,7 +329,7 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
             }
         }
         // Integer calibration files: fractions of their range for frames in fractions, values in file units for others.
-        (FileScale::Data { integer: false, largest }, FileScale::Range(_)) if largest <= LARGEST_UNIT_VALUE => Ok(1.0),
+        (FileScale::Data { integer: false, largest }, FileScale::Range(_)) if largest <= MAX_UNIT_VALUE => Ok(1.0),
         (FileScale::Data { .. }, FileScale::Range(b)) => Ok(b),
         (FileScale::Raw { .. }, FileScale::Raw { .. }) => Ok(1.0),
         (FileScale::Raw { .. }, FileScale::Data { integer: false, largest }) if largest <= 1.0 => Ok(1.0),

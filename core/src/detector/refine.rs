@@ -37,7 +37,7 @@ pub struct Limits {
 
 /// Maximum number of fits; the sample moves between them, so at most one time fewer. The tile must hold this many
 /// pixels and one more on each side.
-pub const MAX_MOVES: usize = 5;
+pub const MAX_FITS: usize = 5;
 
 /// Solves the symmetric 3×3 system `a·x = −g` by elimination with pivoting; `None` when it is singular.
 fn solve(mut a: [[f64; 3]; 3], g: [f64; 3]) -> Option<[f64; 3]> {
@@ -160,7 +160,7 @@ pub fn refine(
     }
 }
 
-/// Quadratic fit in place and scale around (x, y, level index), after up to [`MAX_MOVES`] − 1 moves of a pixel; `None`
+/// Quadratic fit in place and scale around (x, y, level index), after up to [`MAX_FITS`] − 1 moves of a pixel; `None`
 /// where its equations have no unique solution. `size` is the octave's.
 pub fn fit(
     dog: &DogTile,
@@ -194,7 +194,7 @@ pub fn fit(
             i32::from(offset > 0.6 && at + 2 < end) - i32::from(offset < -0.6 && at > 1)
         };
         let (dx, dy) = (step(offset[0], x, width), step(offset[1], y, height));
-        if (dx == 0 && dy == 0) || moves == MAX_MOVES - 1 {
+        if (dx == 0 && dy == 0) || moves == MAX_FITS - 1 {
             break;
         }
         x = (x as i32 + dx) as usize;

@@ -12,7 +12,7 @@ use tiff::tags::Tag;
 
 /// Maximum size of a plain TIFF's values; larger planes become BigTIFF, because the offsets of a plain TIFF end at 4
 /// GiB.
-const LARGEST_PLAIN_BYTES: usize = 0xf000_0000;
+const MAX_PLAIN_BYTES: usize = 0xf000_0000;
 
 /// Writes the plane's values unchanged.
 ///
@@ -25,7 +25,7 @@ pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), ExportError> {
     let rows = u32::try_from(height).ok().filter(|h| *h > 0).ok_or_else(unfit)?;
     write_whole(path, |out| {
         let size = (columns, rows);
-        let written = if size_of_val(plane.data()) > LARGEST_PLAIN_BYTES {
+        let written = if size_of_val(plane.data()) > MAX_PLAIN_BYTES {
             TiffEncoder::new_big(out).and_then(|encoder| write_page(encoder, size, plane))
         } else {
             TiffEncoder::new(out).and_then(|encoder| write_page(encoder, size, plane))

@@ -24,7 +24,7 @@ const GAP: f64 = 14.0;
 const TRACK: &str = "#f0e442";
 const FITTED: &str = "#56b4e9";
 /// Maximum number of tracks drawn, evenly over the picture.
-const MOST_DRAWN: usize = 150;
+const MAX_DRAWN: usize = 150;
 
 /// Parameters of the bursts and of their search.
 #[derive(Debug)]
@@ -194,7 +194,7 @@ fn draw(sheet: &mut Sheet, at: (f64, f64), width: f64, frame: &Plane, tracks: &[
     // Dimmed, so that lines stand out.
     let dim = Display { max: 1.8, ..Display::default() };
     let panel = Panel::draw(sheet, at, width, frame, &dim, title);
-    let step = tracks.len().div_ceil(MOST_DRAWN).max(1);
+    let step = tracks.len().div_ceil(MAX_DRAWN).max(1);
     sheet.clipped(panel.area, |sheet| {
         for track in tracks.iter().step_by(step) {
             let [from, to] = track.ends().map(|place| panel.at(place));

@@ -19,7 +19,7 @@ pub struct Period {
 /// Smallest period that is searched, pixels.
 const FINEST_PX: usize = 3;
 /// Minimum correlation of a periodic texture.
-const LEAST_CORRELATION: f32 = 0.35;
+const MIN_CORRELATION: f32 = 0.35;
 /// Part of its height below which the correlation must fall between two repetitions.
 const TROUGH: f32 = 0.3;
 /// Number of lines to each side of the one through the place, a pixel apart.
@@ -50,10 +50,10 @@ pub fn period_along(plane: &Plane, centre: [f32; 2], direction: [f32; 2], half_p
     };
     let r: Vec<f32> = (0..=max).map(correlation).collect();
     // The first peak beyond the first trough.
-    let trough = (1..max).find(|&lag| r[lag] < r[lag + 1] && r[lag] < TROUGH * r[1].max(LEAST_CORRELATION))?;
+    let trough = (1..max).find(|&lag| r[lag] < r[lag + 1] && r[lag] < TROUGH * r[1].max(MIN_CORRELATION))?;
     let peak = (trough.max(FINEST_PX)..max)
         .filter(|&lag| r[lag] >= r[lag - 1] && r[lag] > r[lag + 1])
-        .find(|&lag| r[lag] > LEAST_CORRELATION)?;
+        .find(|&lag| r[lag] > MIN_CORRELATION)?;
     let (a, b, c) = (r[peak - 1], r[peak], r[peak + 1]);
     let curvature = a - 2.0 * b + c;
     let offset = if curvature < 0.0 { (0.5 * (a - c) / curvature).clamp(-0.5, 0.5) } else { 0.0 };

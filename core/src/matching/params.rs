@@ -89,7 +89,7 @@ impl TextValue for Option<Camera> {
 }
 
 /// Maximum number of samples that may be requested.
-const MOST_ITERATIONS: f64 = 10_000_000.0;
+const MAX_ITERATION_COUNT: f64 = 10_000_000.0;
 
 impl MatchParams {
     /// Checks the parameters.
@@ -112,7 +112,7 @@ impl MatchParams {
 
 /// Records of the parameters of matching.
 pub mod doc {
-    use super::{Geometry, MOST_ITERATIONS, MatchParams};
+    use super::{Geometry, MAX_ITERATION_COUNT, MatchParams};
     use crate::detector::params::{Field, Param, ParamDoc, Stage, param};
     use std::ops::Bound::{Excluded, Included, Unbounded};
 
@@ -209,7 +209,7 @@ pub mod doc {
         "Max number of samples of matches that are tried.",
         "Raise it where most matches are wrong, for more time.",
         Param::<MatchParams>::new("N", Stage::Matching, |p| Field::Usize(&mut p.max_iterations))
-            .within((Included(1.0), Included(MOST_ITERATIONS)), "give 1 to 10000000 samples")
+            .within((Included(1.0), Included(MAX_ITERATION_COUNT)), "give 1 to 10000000 samples")
             .dragged(50.0, 0)
             .used_if(verified)
     );

@@ -304,9 +304,9 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
 /// Maximum side of a thumbnail, pixels.
 pub const SIDE_PX: usize = 160;
 /// Maximum number of thumbnails kept.
-const MOST_KEPT: usize = 400;
+const MAX_KEPT: usize = 400;
 /// Maximum number of thumbnails in a request, so that those that come into view soon need not wait long.
-const MOST_ASKED: usize = 8;
+const MAX_ASKED: usize = 8;
 
 /// State of a thumbnail.
 pub enum ThumbnailState {
@@ -352,11 +352,11 @@ impl Thumbnails {
         if bursts.is_empty() || self.wanted.is_pending() {
             return;
         }
-        if self.shown.len() + bursts.len() > MOST_KEPT {
+        if self.shown.len() + bursts.len() > MAX_KEPT {
             // Those in view are made again soon; this is simpler than tracking which were seen last.
             self.shown.clear();
         }
-        bursts.truncate(MOST_ASKED);
+        bursts.truncate(MAX_ASKED);
         self.shown.extend(bursts.iter().map(|b| (b.name.clone(), ThumbnailState::Asked)));
         self.wanted.ask(engine, ThumbnailsRequest { bursts, max_side_px: SIDE_PX, open: open.clone() });
     }

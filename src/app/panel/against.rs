@@ -75,7 +75,7 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(&shown.summary).strong());
         if model.shown_comparison(side).is_none() {
-            ui.weak("(of the features before)");
+            ui.weak("(of the earlier features)");
         }
         if let Some(row) = model.slots[side].against.selected.and_then(|row| shown.rows.get(row))
             && ui.small_button("Why here?").on_hover_text(PROBE_HELP).clicked()

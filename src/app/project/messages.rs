@@ -29,7 +29,7 @@ pub struct Messages {
 }
 
 /// Largest number of open errors; a further one removes the oldest.
-const MOST_ERRORS: usize = 4;
+const MAX_ERRORS: usize = 4;
 
 impl Messages {
     /// Shows an error until it is dismissed. The same error again is shown once.
@@ -38,7 +38,7 @@ impl Messages {
         self.errors.retain(|m| m.title != title || m.text != text);
         self.newest += 1;
         self.errors.push(Message { id: self.newest, title, text });
-        if self.errors.len() > MOST_ERRORS {
+        if self.errors.len() > MAX_ERRORS {
             self.errors.remove(0);
         }
     }
@@ -90,7 +90,7 @@ mod tests {
         for i in 0..10 {
             messages.error("Many", i.to_string());
         }
-        assert_eq!(messages.errors().len(), MOST_ERRORS);
+        assert_eq!(messages.errors().len(), MAX_ERRORS);
         messages.resolved("Many");
         assert!(messages.errors().is_empty());
     }

@@ -53,7 +53,7 @@ fn late_subjects(source: &Source) -> impl Iterator<Item = String> + '_ {
     let mut inside = false;
     source.text.lines().enumerate().filter_map(move |(number, line)| {
         let comment = ["///", "//!"].into_iter().find_map(|mark| line.trim_start().strip_prefix(mark));
-        let begins = comment.is_some() && !std::mem::replace(&mut inside, comment.is_some());
+        let begins = !std::mem::replace(&mut inside, comment.is_some()) && comment.is_some();
         let words = comment.unwrap_or_default().trim_start();
         let is_late = ["What ", "The one that "].iter().any(|start| words.starts_with(start));
         (begins && is_late).then(|| format!("{}:{}", source.path.display(), number + 1))

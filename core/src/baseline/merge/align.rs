@@ -36,7 +36,7 @@ const RADIUS: i32 = 1;
 /// Search radius around no motion at the coarsest level, whole pixels.
 const COARSEST_RADIUS: i32 = 4;
 /// Minimum share of a tile's pixels that must lie in both frames for a comparison.
-const LEAST_SHARE: f32 = 0.25;
+const MIN_SHARE: f32 = 0.25;
 
 /// Shift of every tile of an image, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -194,7 +194,7 @@ impl<'a> Tile<'a> {
             ((columns.end - columns.start).max(0) * (rows.end - rows.start).max(0)) as f32
         };
         let (own, common) = (count(&self.columns, &self.rows), count(&columns, &rows));
-        if common < (LEAST_SHARE * own).max(1.0) {
+        if common < (MIN_SHARE * own).max(1.0) {
             return f32::INFINITY;
         }
         let sum = squared_difference(self.pair.reference, self.pair.frame, columns, rows, (du, dv));

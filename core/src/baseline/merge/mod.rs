@@ -25,7 +25,7 @@ use std::ops::Range;
 
 /// Minimum noise assumed of a frame, fraction of full scale: the quantisation noise of 16 bit, so that noiseless frames
 /// cause no division by zero.
-const LEAST_NOISE: f32 = 1.0 / 65535.0 / 3.464_101_6;
+const MIN_NOISE: f32 = 1.0 / 65535.0 / 3.464_101_6;
 
 /// Merges the frames `used` of `burst` into a burst of one frame, aligned to the middle one of them (of N frames the
 /// one with index N/2, on which SIFT on a single frame runs).
@@ -39,7 +39,7 @@ pub fn merge_burst(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
     assert!(!used.is_empty() && used.end <= burst.len(), "the frames that are merged must be in the burst");
     let middle = used.start + used.len() / 2;
     monitor.report(Stage::Merge, 0.0);
-    let noise = frame_noise(burst, used.clone(), monitor)?.max(LEAST_NOISE);
+    let noise = frame_noise(burst, used.clone(), monitor)?.max(MIN_NOISE);
     let image = merge_frames(&burst.frames[used.clone()].iter().map(|f| &**f).collect::<Vec<_>>(), noise, monitor)?;
     let mut merged = Burst::from_planes(format!("merge of {}", burst.name), vec![image]);
     merged.full_scale = burst.full_scale;

@@ -16,7 +16,7 @@ const MAX_ROUNDS: usize = 4;
 /// Largest move of a round, in steps.
 const FARTHEST: f64 = 4.0;
 /// Smallest variance that sampled Gaussians can represent, pixels².
-const LEAST_VARIANCE: f64 = 0.5;
+const MIN_VARIANCE: f64 = 0.5;
 /// Radius at which the Gaussians are cut, in standard deviations.
 const CUT: f64 = 4.0;
 /// Number of Gaussians in a round: two for each of three scales.
@@ -89,7 +89,7 @@ pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels
         line[..count].iter_mut().for_each(|x| *x -= local_mean);
     }
     // The pixels' own blur bounds the finest scale.
-    let finest = 0.5 * (from * from + LEAST_VARIANCE).ln() + STEP;
+    let finest = 0.5 * (from * from + MIN_VARIANCE).ln() + STEP;
     let limits = sigma.ln() - k.ln()..sigma.ln() + k.ln();
     let mut middle = sigma.ln().max(finest);
     for _ in 0..MAX_ROUNDS {
@@ -151,7 +151,7 @@ mod tests {
                 let expected = blob / k.sqrt();
                 for start in [0.96, 1.0, 1.05] {
                     let found = scale_peak(&pixels(&plane), (60.3, 54.8), start * expected, levels, from);
-                    if expected.powi(2) > from * from + LEAST_VARIANCE * 1.3 {
+                    if expected.powi(2) > from * from + MIN_VARIANCE * 1.3 {
                         let found = found.expect("a blob");
                         assert!((found / expected - 1.0).abs() < 1e-3, "{b} {levels} {from}: {found} {expected}");
                     }

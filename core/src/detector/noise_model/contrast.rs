@@ -148,7 +148,7 @@ pub(super) fn shifts(contrast: &Contrast, times: &[f32], slope: f32, range: &Ran
 }
 
 /// Motion from frame to frame, in pixels of the measurement, below which it does not matter.
-const LEAST_SHIFT: f32 = 0.25;
+const MIN_SHIFT: f32 = 0.25;
 /// Level of the pyramid, above the octave's, at which the motion is measured: noise is small there, and its squares are
 /// still a fraction of the reach of the octave's filters.
 const LEVELS_UP: i32 = 2;
@@ -179,7 +179,7 @@ impl SceneMotion<'_> {
         let fastest = slopes.last().map_or(0.0, |slope| slope.magnitude());
         let level = (octave + LEVELS_UP).max(1) as usize;
         let is_small = self.pyramids.first().is_none_or(|p| p.len() < level);
-        if is_small || slopes.len() < 2 || fastest < LEAST_SHIFT * (octave as f32).exp2() {
+        if is_small || slopes.len() < 2 || fastest < MIN_SHIFT * (octave as f32).exp2() {
             return OctaveMotion { planes: Vec::new(), square: 1.0, candidates: vec![(slowest, Vec::new())] };
         }
         let square = (1usize << level) as f32;

@@ -51,7 +51,7 @@ pub struct FrameSurvey {
 }
 
 /// Spread of exposures above which it is flicker; a smaller one comes from objects that move through the picture.
-const LEAST_FLICKER: f32 = 0.015;
+const MIN_FLICKER: f32 = 0.015;
 /// Share of the usual brightness below which a frame is black; above its inverse it is flashed.
 const BLACK: f32 = 0.5;
 /// Share of the frames' noise below which the difference of two frames means a copy.
@@ -65,7 +65,7 @@ const SAME_VARIANCE: f32 = 0.15;
 /// Share of the power of the others' texture below which a frame is blurred.
 const BLURRED: f32 = 0.4;
 /// Power of texture, relative to the noise's, below which the two cannot be told apart.
-const LEAST_TEXTURE: f32 = 0.15;
+const MIN_TEXTURE: f32 = 0.15;
 /// Share by which the mean of all squares must exceed that of the quiet ones to show texture, which differs from square
 /// to square.
 const UNEVEN: f32 = 0.08;
@@ -150,7 +150,7 @@ impl FrameSurvey {
         }
         let kept = self.kept();
         let flicker = spread_without_trend(&kept.iter().map(|&t| (t as f32, gains[t].ln())).collect::<Vec<_>>());
-        if flicker > LEAST_FLICKER {
+        if flicker > MIN_FLICKER {
             self.flicker = flicker;
             let middle = kept.iter().map(|&t| gains[t]).sum::<f32>() / kept.len() as f32;
             kept.iter().for_each(|&t| self.frames[t].gain = gains[t] / middle);
@@ -212,7 +212,7 @@ impl FrameSurvey {
         // A blurred frame has only noise, so its power is the noise, or more.
         let noise = quiet.iter().copied().fold(f32::INFINITY, f32::min);
         let texture = usual - noise;
-        if texture <= LEAST_TEXTURE * noise || beyond_quiet <= UNEVEN * median(quiet.clone()) {
+        if texture <= MIN_TEXTURE * noise || beyond_quiet <= UNEVEN * median(quiet.clone()) {
             return;
         }
         for ((t, power), own_noise) in kept.into_iter().zip(powers).zip(&quiet) {
@@ -227,7 +227,7 @@ impl FrameSurvey {
 }
 
 /// Correlation of consecutive frames below which it is taken for none.
-const LEAST_CORRELATION: f32 = 0.15;
+const MIN_CORRELATION: f32 = 0.15;
 
 /// Variances in the squares of single frames and of differences of neighbours.
 struct Looks {
@@ -320,7 +320,7 @@ fn correlation(squares: &HighPass, looks: &Looks, kept: &[usize]) -> f32 {
     // Noise varies little from square to square; texture does.
     frames.sort_by(f32::total_cmp);
     let spread = frames[frames.len() * 8 / 10] / frames[frames.len() * 2 / 10].max(f32::MIN_POSITIVE);
-    if shared > LEAST_CORRELATION && spread < 1.6 { shared.min(0.95) } else { 0.0 }
+    if shared > MIN_CORRELATION && spread < 1.6 { shared.min(0.95) } else { 0.0 }
 }
 
 /// Median of `values` (the upper one of two); 0 where there are none.

@@ -47,14 +47,14 @@ impl LevelNoise {
 /// Spread of tiles, relative to that of noise, above which some hold moving structures.
 const NOISE_SPREAD: f32 = 2.5;
 /// Variance relative to white noise below which it is only rounding.
-const LEAST_OVER_WHITE: f32 = 0.02;
+const MIN_OVER_WHITE: f32 = 0.02;
 /// Upper bound of the kurtosis: that of JPEG files of low quality.
 const MAX_KURTOSIS: f32 = 8.0;
 /// Number of independent values in a tile below which the kurtosis is not measured; it is then derived from the finer
 /// level's.
 const FREE_FOR_KURTOSIS: f32 = 40.0;
 /// Kurtosis up to which it is not distinguished from 0, and largest standard error at which it is measured.
-const LEAST_KURTOSIS: f32 = 0.3;
+const MIN_KURTOSIS: f32 = 0.3;
 /// Kurtosis of one frame relative to that of a combination of frames with weights 1, −2, 1, or 1, −1.
 const OF_ONE_FRAME: f32 = 2.0;
 
@@ -115,10 +115,10 @@ fn level_noise(
     // A sample's kurtosis is too low by about 6 over its number of independent values.
     let of_pair = kurtosis + 6.0 / free;
     let error = of_one_tile / (variances.len() as f32).sqrt();
-    let kurtosis = if free < FREE_FOR_KURTOSIS || error > LEAST_KURTOSIS {
+    let kurtosis = if free < FREE_FOR_KURTOSIS || error > MIN_KURTOSIS {
         // The larger a filter, the more coefficients of a file it sums, and the closer the sum is to normal.
         before.map_or(0.0, |noise| noise.excess_kurtosis) * 4f32.powf(-1.0 / space.levels as f32)
-    } else if of_pair < LEAST_KURTOSIS.max(3.0 * error) {
+    } else if of_pair < MIN_KURTOSIS.max(3.0 * error) {
         0.0
     } else {
         (OF_ONE_FRAME * of_pair).min(MAX_KURTOSIS)
@@ -141,7 +141,7 @@ fn level_noise(
     // (James–Stein).
     let off = mean - 1.0;
     let trust = if off == 0.0 { 0.0 } else { (1.0 - (total_error / off).powi(2)).max(0.0) };
-    Some(LevelNoise { over_white: (1.0 + off * trust).max(LEAST_OVER_WHITE), excess_kurtosis: kurtosis })
+    Some(LevelNoise { over_white: (1.0 + off * trust).max(MIN_OVER_WHITE), excess_kurtosis: kurtosis })
 }
 
 fn sorted(mut values: Vec<f32>) -> Vec<f32> {
@@ -171,7 +171,7 @@ const OCTAVES: i32 = 3;
 /// Border of the image that is left out, octave pixels: filters that repeat the border let more noise pass there.
 const BORDER: usize = 8;
 /// Side, inside the border, below which an octave is not measured, octave pixels.
-const LEAST_SIDE: usize = 16;
+const MIN_SIDE: usize = 16;
 
 /// Frames to measure, with their contrasts and motion.
 #[derive(Clone, Copy)]
@@ -285,7 +285,7 @@ fn in_image(region: &Region, octave: i32) -> Region {
 fn regions((width, height): (usize, usize), tile: usize, pixels: usize) -> Vec<Region> {
     let inner = |n: usize| BORDER..n.saturating_sub(BORDER).max(BORDER);
     let (columns, rows) = (inner(width), inner(height));
-    if columns.len().min(rows.len()) < LEAST_SIDE {
+    if columns.len().min(rows.len()) < MIN_SIDE {
         return Vec::new();
     }
     let many = (columns.len() / tile) * (rows.len() / tile) >= MIN_TILES;

@@ -45,14 +45,14 @@ pub struct TransferPoint {
 }
 
 /// Minimum number of squares of a group.
-const LEAST_SQUARES: usize = 24;
+const MIN_SQUARES: usize = 24;
 /// Maximum number of groups.
 const MAX_GROUPS: usize = 16;
 /// Relative distance from the line beyond which a group does not count.
 const FAR: f64 = 0.4;
 /// Minimum difference between the darkest and the brightest group, in standard deviations of a square's brightness;
 /// groups of one brightness, sorted by their noise, differ by four.
-const LEAST_SPAN: f64 = 7.0;
+const MIN_SPAN: f64 = 7.0;
 /// Number of iterations of the fit.
 const FITS: usize = 12;
 
@@ -62,7 +62,7 @@ impl PhotonTransfer {
     pub fn fit(squares: &[(f32, f32)], pixels: usize, free: f32) -> Self {
         let mut sorted = squares.to_vec();
         sorted.sort_by(|x, y| x.0.total_cmp(&y.0));
-        let groups = (sorted.len() / LEAST_SQUARES).clamp(1, MAX_GROUPS);
+        let groups = (sorted.len() / MIN_SQUARES).clamp(1, MAX_GROUPS);
         let points: Vec<TransferPoint> = (0..groups)
             .map(|g| &sorted[g * sorted.len() / groups..(g + 1) * sorted.len() / groups])
             .filter(|group| !group.is_empty())
@@ -99,7 +99,7 @@ fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
     }
     let floor = 1e-3 * mean;
     let span = points[points.len() - 1].brightness - points[0].brightness;
-    if f64::from(span) < LEAST_SPAN * (mean / pixels as f64).sqrt() {
+    if f64::from(span) < MIN_SPAN * (mean / pixels as f64).sqrt() {
         return (0.0, mean as f32);
     }
     let (mut a, mut b) = median_line(points);
@@ -204,7 +204,7 @@ impl Serialize for ExcessMap {
 /// Number of squares that a cell should have.
 const SQUARES_A_CELL: usize = 14;
 /// Difference from 1 below which an excess is taken for 1.
-const LEAST_EXCESS: f32 = 0.2;
+const MIN_EXCESS: f32 = 0.2;
 /// Spread of a cell's squares, relative to that of noise, up to which the cell is trusted.
 const TRUSTED_SPREAD: f32 = 1.8;
 /// Difference from 1, in units of its error, above which an excess is significant.
@@ -241,7 +241,7 @@ impl ExcessMap {
             return None;
         }
         let error = usual_spread.max((2.0 / free).sqrt()) / (0.7 * SQUARES_A_CELL as f32).sqrt();
-        let differing = known.iter().filter(|e| (**e - 1.0).abs() > LEAST_EXCESS.max(SURE * error)).count();
+        let differing = known.iter().filter(|e| (**e - 1.0).abs() > MIN_EXCESS.max(SURE * error)).count();
         if known.len() < 4 || differing * 20 < known.len() {
             return None;
         }

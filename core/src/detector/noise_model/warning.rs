@@ -176,7 +176,7 @@ pub(super) fn of_places(excess: Option<&ExcessMap>) -> Option<NoiseWarning> {
 /// Distance between rows in which pixels are counted.
 const ROWS_APART: usize = 16;
 /// Share of cut-off pixels below which there is no warning.
-const LEAST_CUT_OFF: f32 = 0.05;
+const MIN_CUT_OFF: f32 = 0.05;
 
 /// Share of pixels at the ends of the range, and a warning if it is large.
 pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning>) {
@@ -194,7 +194,7 @@ pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning
     } else {
         (white, "white", "expose shorter")
     };
-    let warning = (share > LEAST_CUT_OFF).then(|| {
+    let warning = (share > MIN_CUT_OFF).then(|| {
         let text =
             format!("{:.0} % of the pixels are {words}, where noise and signal are cut off; {remedy}", 100.0 * share);
         NoiseWarning::new(WarningKind::CutOff, share, text)

@@ -13,7 +13,7 @@ use crate::detector::noise::{frame_noise, gate_factor};
 use crate::detector::noise_model::{Examined, ForSearch, NoiseModel, examine};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use crate::detector::params::{DetectorParams, NoiseModelKind};
-use crate::detector::refine::MAX_MOVES;
+use crate::detector::refine::MAX_FITS;
 use crate::detector::scale_space::planes::SlopeStack;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::search::slope_window::SlopeWindow;
@@ -27,7 +27,7 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
 /// Number of pixels held around a tile: enough for the moves of the refinement and for the neighbours that it reads.
-pub(crate) const HELD: usize = MAX_MOVES + 1;
+pub(crate) const HELD: usize = MAX_FITS + 1;
 
 /// Constants of a detection that its tiles share.
 pub(crate) struct Search<'a> {

@@ -227,7 +227,7 @@ const LARGE_UNCERTAINTY: f64 = 1.2;
 const SURE_SIGNIFICANCE: f32 = 13.0;
 const SURE_AMBIGUITY: f32 = 0.6;
 /// Minimum number of windows beside a line that make the grid a plane.
-const LEAST_BESIDE: usize = 3;
+const MIN_BESIDE: usize = 3;
 /// Maximum number of slopes on a line, unless the step would exceed [`COARSEST`] times the right one.
 const LINE_SLOPES: usize = 25;
 /// Maximum number of slopes along each axis of a plane, with that exception.
@@ -309,7 +309,7 @@ fn line_through(evidence: &[SlopeEvidence], steps: Steps) -> Option<f64> {
         off.min(180.0 - off) <= SNAP_DEG
     };
     let snapped = [0.0, 90.0].into_iter().filter(|a| near(*a));
-    snapped.chain([degrees.round()]).find(|d| off_line(evidence, *d, steps).len() < LEAST_BESIDE)
+    snapped.chain([degrees.round()]).find(|d| off_line(evidence, *d, steps).len() < MIN_BESIDE)
 }
 
 /// Confirmed evidence for slopes that are not on the line through 0 in direction `degrees`.

@@ -24,7 +24,7 @@ const SEARCH_LAGS: usize = 5;
 /// Largest shift between neighbouring slopes of the grid, level pixels.
 const SEARCH_STEP: f64 = 0.8;
 /// Overlap below which there is taken to be none.
-const LEAST_OVERLAP: f32 = 0.03;
+const MIN_OVERLAP: f32 = 0.03;
 /// Part of P by which texture may shift its peak, in addition to the noise.
 const TEXTURE_PART: f64 = 0.01;
 /// Maximum number of Newton steps.
@@ -203,7 +203,7 @@ impl Tap {
     fn new(slope: [f64; 2], lag: usize, overlap: &[f32]) -> Option<Self> {
         let shift = slope.map(|s| s * lag as f64);
         let w = overlap_at(overlap, shift);
-        if w < LEAST_OVERLAP {
+        if w < MIN_OVERLAP {
             return None;
         }
         let ([u, v], [fu, fv]) = split(shift);
@@ -235,7 +235,7 @@ fn overlap_at(overlap: &[f32], shift: [f64; 2]) -> f32 {
 }
 
 pub(super) fn unbiased(plane: &[f32], overlap: &[f32]) -> Vec<f32> {
-    plane.iter().zip(overlap).map(|(a, w)| if *w < 0.2 * LEAST_OVERLAP { 0.0 } else { a / w }).collect()
+    plane.iter().zip(overlap).map(|(a, w)| if *w < 0.2 * MIN_OVERLAP { 0.0 } else { a / w }).collect()
 }
 
 /// Correlations of one window, or of the sum of several.
@@ -250,7 +250,7 @@ impl Stack<'_> {
     /// Overlap at each lag of `slope`.
     fn weights(&self, slope: [f64; 2]) -> Vec<f64> {
         let weight = |lag: usize| f64::from(overlap_at(self.overlap, slope.map(|s| s * lag as f64)));
-        (1..=self.planes.len()).map(weight).map(|w| if w < f64::from(LEAST_OVERLAP) { 0.0 } else { w }).collect()
+        (1..=self.planes.len()).map(weight).map(|w| if w < f64::from(MIN_OVERLAP) { 0.0 } else { w }).collect()
     }
 
     fn power(&self, weights: &[f64], slope: [f64; 2]) -> f64 {
@@ -278,7 +278,7 @@ fn cubic_weights(f: f64) -> [f64; 4] {
 }
 
 /// Minimum significance of every pair of neighbours.
-const LEAST_SIGNIFICANCE: f64 = 6.0;
+const MIN_SIGNIFICANCE: f64 = 6.0;
 /// Maximum number of steps up a peak, and the step length below which they end, level pixels.
 const MAX_STEPS: usize = 60;
 const FINEST_STEP: f64 = 0.02;
@@ -312,7 +312,7 @@ fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f
     let largest = (0..plane.len()).max_by(|a, b| plane[*a].total_cmp(&plane[*b]))?;
     let significance = f64::from(plane[largest]) / variance.sqrt();
     // Frames with values that are not finite have no significance either.
-    if !significance.is_finite() || significance < LEAST_SIGNIFICANCE {
+    if !significance.is_finite() || significance < MIN_SIGNIFICANCE {
         return None;
     }
     let signed = |i: usize| if i > SIDE / 2 { i as f64 - SIDE as f64 } else { i as f64 };

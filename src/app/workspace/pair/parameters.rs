@@ -90,7 +90,7 @@ fn camera_ui(
 ) {
     typed.follow(p.camera.as_ref());
     let guess_ui = |ui: &mut Ui, camera: &mut Option<Camera>, _| {
-        let tip = "Take a focal length of 1.2 times the larger side and the centre of the images, as COLMAP does where nothing is known";
+        let tip = "Focal length 1.2 times the larger side, principal point at the image centre: COLMAP's guess where nothing is known";
         if ui.add_enabled(size.is_some(), egui::Button::new("Guess")).on_hover_text(tip).clicked() {
             let guess = size.and_then(|s| CameraChoice::Guessed(CameraModel::SimplePinhole).for_images(s).ok());
             *camera = guess;
