@@ -182,7 +182,7 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
                         pointed.hovered = Some(index);
                     }
                     if response.clicked() {
-                        pointed.selected = (selected != Some(index)).then_some(index);
+                        pointed.selected = Some(index);
                     }
                 });
             });

@@ -168,7 +168,7 @@ pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
             });
         });
     if let Some(index) = clicked {
-        model.ask_feature((asked != Some(index)).then_some(index));
+        model.ask_feature(Some(index));
     }
 }
 
