@@ -122,12 +122,34 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
         if restore.on_hover_text("Open the saved session in place of what is open now").clicked() {
             choice = Some(RecoveryChoice::Restore);
         }
-        let forget = ui.add_enabled(!offer.is_restoring, Button::new("Discard"));
-        if forget.on_hover_text("Delete the saved session; the files that it names stay").clicked() {
-            choice = Some(RecoveryChoice::Forget);
+        let discard = ui.add_enabled(!offer.is_restoring, Button::new("Discard…"));
+        if discard.on_hover_text("Delete the saved session; the files that it names stay").clicked() {
+            choice = Some(RecoveryChoice::Discard);
         }
     });
-    choice
+    if offer.is_asking { discard_ui(ui.ctx(), offer) } else { choice }
+}
+
+/// Draws the question whether the offered session is deleted. Returns the answer, once it is given.
+fn discard_ui(ctx: &egui::Context, offer: &Offer) -> Option<RecoveryChoice> {
+    let mut answer = None;
+    let modal = egui::Modal::new(Id::unique("discard session")).show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.heading("Delete the saved session?");
+        ui.add_space(4.0);
+        ui.label(format!("{}, saved {}", offer.label, ago(offer.age)));
+        ui.weak("It cannot be restored afterwards. The files that it names stay.");
+        ui.add_space(6.0);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if ui.button("Delete").clicked() {
+                answer = Some(RecoveryChoice::Remove);
+            }
+            if ui.button("Cancel").clicked() {
+                answer = Some(RecoveryChoice::Keep);
+            }
+        });
+    });
+    answer.or_else(|| modal.should_close().then_some(RecoveryChoice::Keep))
 }
 
 /// Describes an age in the largest unit that fits.
