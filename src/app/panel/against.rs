@@ -113,7 +113,9 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
 
 fn what_to_do(model: &Model, side: Side) -> &'static str {
     match model.slots[side].against.with {
-        Some(_) if model.found_of(side).is_none() => "Press Detect to find features to compare",
+        Some(_) if model.found_of(side).is_none() => {
+            model.without_features(side, "Press Detect to find features to compare")
+        }
         Some(_) => "Comparing…",
         None => "Pin a result, change a parameter and detect again; or open features from a file",
     }
@@ -365,6 +367,11 @@ mod tests {
         assert!(what_to_do(&model, Side::A).starts_with("Press Detect"));
         let burst = open((64, 48), 3);
         model.take_burst(burst.clone());
+        let engine = crate::engine::Engine::new(std::sync::Arc::new(|| {}), 1 << 20);
+        model.start_detection(Side::A, &engine);
+        assert_eq!((what_to_do(&model, Side::A), model.takes_advice(Side::A)), ("Detecting…", false));
+        model.slots.a.detecting.forget();
+        assert!(model.takes_advice(Side::A));
         let params = model.params.clone();
         let features = vec![feature(10.0, 10.0, 1, &params.slopes)];
         model.take_detection(Side::A, detected(&burst, &params, features), Duration::ZERO);

@@ -239,6 +239,9 @@ fn missing(model: &Model) -> String {
     if model.pair.matching.is_pending() {
         return "Matching…".into();
     }
+    if Side::BOTH.into_iter().any(|side| model.slots[side].detecting.is_pending()) {
+        return "Detecting…".into();
+    }
     let without: Vec<&str> =
         Side::BOTH.into_iter().filter(|side| model.found_of(*side).is_none()).map(Side::name).collect();
     if without.is_empty() {
