@@ -119,12 +119,13 @@ mod tests {
         let (ctx, mut model, mut queue) = (egui::Context::default(), Model::default(), Queue::new());
         model.take_burst(open((64, 48), 5));
         let event = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
-        let _ = ctx.run_ui(RawInput { events: vec![event], ..Default::default() }, |ui| {
+        let mut output = ctx.run_ui(RawInput { events: vec![event], ..Default::default() }, |ui| {
             if drop_down_is_open {
                 Popup::open_id(ui.ctx(), Id::unique("drop-down"));
             }
             take_shortcuts(ui.ctx(), &model, &mut queue);
         });
+        output.textures_delta.clear();
         queue
     }
 

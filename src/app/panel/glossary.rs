@@ -120,10 +120,11 @@ mod tests {
         let (ctx, mut window) = (Context::default(), GlossaryWindow::default());
         window.open(None);
         let pass = |window: &mut GlossaryWindow, events: Vec<Event>| {
-            let _ = ctx.run_ui(RawInput { events, ..Default::default() }, |ui| {
+            let mut output = ctx.run_ui(RawInput { events, ..Default::default() }, |ui| {
                 window.take_escape(ui.ctx());
                 window.ui(ui.ctx());
             });
+            output.textures_delta.clear();
         };
         pass(&mut window, Vec::new());
         pass(&mut window, Vec::new());

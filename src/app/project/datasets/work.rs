@@ -422,7 +422,10 @@ mod tests {
         model.workspace = Workspace::Trajectories;
         model.look_at_camera("third.png", engine);
         assert!(
-            model.messages.last_note().is_some_and(|note| note.contains("no burst named like the camera third.png"))
+            model
+                .messages
+                .last_note()
+                .is_some_and(|note| note.contains("no burst with the name of the camera third.png"))
         );
         assert_eq!(model.workspace, Workspace::Trajectories);
         model.look_at_camera("second.png", engine);
