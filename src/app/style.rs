@@ -1,5 +1,7 @@
 //! Style of the window: muted colours, small type and little spacing, so that most of the space is for the picture.
 
+use super::view::without_minus_zero;
+use egui::style::NumberFormatter;
 use egui::{Color32, CornerRadius, FontId, Stroke, Style, TextStyle, Theme, style::ScrollStyle, vec2};
 
 /// Accent colour in both themes: a blue that is neither end of a diverging map.
@@ -36,6 +38,7 @@ fn common(style: &mut Style) {
         (TextStyle::Monospace, FontId::monospace(12.0)),
     ]
     .into();
+    numbers(style);
     style.spacing.item_spacing = vec2(6.0, 4.0);
     style.spacing.button_padding = vec2(7.0, 2.0);
     style.spacing.interact_size.y = 20.0;
@@ -53,6 +56,13 @@ fn common(style: &mut Style) {
     }
     style.visuals.menu_corner_radius = CornerRadius::same(6);
     style.visuals.window_corner_radius = CornerRadius::same(8);
+}
+
+/// Sets how sliders and fields write numbers.
+pub(in crate::app) fn numbers(style: &mut Style) {
+    style.number_formatter = NumberFormatter::new(|value, decimals| {
+        without_minus_zero(egui::emath::format_with_decimals_in_range(value, decimals))
+    });
 }
 
 fn dark(style: &mut Style) {

@@ -152,7 +152,9 @@ impl BurstscopeApp {
         let before = history::Settings::of(&self.model);
         let mut queue = Queue::new();
         // While a dialog is open, or is being opened by the system, only the dialog gets keys.
-        if !self.overlays.are_modal(&self.lessons) && !self.desk.is_asking() {
+        let recovery_asks = self.recovery.as_ref().is_some_and(Recovery::is_asking);
+        if !self.overlays.are_modal(&self.lessons) && !recovery_asks && !self.desk.is_asking() {
+            self.overlays.glossary.take_escape(&ctx);
             actions::take_shortcuts(&ctx, &self.model, &mut queue);
             if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
                 queue.push(ActionId::Palette);

@@ -66,7 +66,9 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     // Unanswered, it is offered again.
     end_in_the_ordinary_way(next);
     let mut last = keeping(&folder, Start::nothing_open()).open();
-    last.click("Discard");
+    last.click("Discard…");
+    assert!(last.shows(OFFER) && last.shows("Delete the saved session?"), "nothing is deleted unasked");
+    last.click("Delete");
     assert!(!last.shows(OFFER));
     end_in_the_ordinary_way(last);
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0, "nothing is left");

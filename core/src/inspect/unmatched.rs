@@ -275,8 +275,13 @@ fn sentence(
         Some((feature, 0)) => format!("; the nearest, {}, lies where the geometry expects it", rank_name(*feature)),
         Some((feature, rank)) => {
             format!(
-                "; {} lies where the geometry expects it, but {rank} others have nearer descriptors",
-                rank_name(*feature)
+                "; {} lies where the geometry expects it, but {}",
+                rank_name(*feature),
+                if *rank == 1 {
+                    "another has a nearer descriptor".to_owned()
+                } else {
+                    format!("{rank} others have nearer descriptors")
+                },
             )
         }
         None => String::new(),

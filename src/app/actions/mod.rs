@@ -80,11 +80,9 @@ pub fn button_ui(
 }
 
 /// Puts the actions whose shortcuts were pressed in this pass into `queue`. Plain keys are left to a text field that is
-/// being edited.
+/// being edited, and to an open menu or drop-down: arrows choose in it, and Escape closes it.
 pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
-    let typing = ctx.egui_wants_keyboard_input();
-    // Escape closes an open menu or drop-down, and does nothing else.
-    let popup_open = egui::Popup::is_any_open(ctx);
+    let plain_keys_are_taken = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
     ctx.input_mut(|input| {
         // Shortcuts with more modifiers first: a plain key would otherwise swallow the same key with Shift.
         let mut with_keys: Vec<_> = ACTIONS.iter().filter_map(|a| a.shortcut.map(|s| (a.id, s))).collect();
@@ -96,7 +94,7 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
         };
         for (id, shortcut) in with_keys {
             let plain = !shortcut.modifiers.command && !shortcut.modifiers.alt;
-            if (plain && typing) || !enabled(id, model) || (popup_open && id == ActionId::ClearSelection) {
+            if (plain && plain_keys_are_taken) || !enabled(id, model) {
                 continue;
             }
             // A key that repeats faster than the window draws is pressed several times in one pass.
@@ -108,4 +106,35 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
             *queue = vec![opener];
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::open;
+    use egui::{Event, Id, Key, Modifiers, Popup, RawInput};
+
+    /// Actions of a pass in which `key` is pressed, with or without an open drop-down.
+    fn pressed(key: Key, drop_down_is_open: bool) -> Queue {
+        let (ctx, mut model, mut queue) = (egui::Context::default(), Model::default(), Queue::new());
+        model.take_burst(open((64, 48), 5));
+        let event = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
+        let mut output = ctx.run_ui(RawInput { events: vec![event], ..Default::default() }, |ui| {
+            if drop_down_is_open {
+                Popup::open_id(ui.ctx(), Id::unique("drop-down"));
+            }
+            take_shortcuts(ui.ctx(), &model, &mut queue);
+        });
+        output.textures_delta.clear();
+        queue
+    }
+
+    #[test]
+    fn an_open_drop_down_keeps_the_arrows_from_the_cursor() {
+        let steps = pressed(Key::ArrowRight, false);
+        assert_eq!(steps.len(), 1, "{steps:?}");
+        for key in [Key::ArrowRight, Key::ArrowDown, Key::Escape] {
+            assert_eq!(pressed(key, true), [], "{key:?}");
+        }
+    }
 }

@@ -12,6 +12,7 @@ pub use panels::{RegionCache, profile_ui, region_ui};
 use crate::app::canvas::{CanvasOutput, Picture};
 use crate::app::inspector::{PaneWidgets, compact_description, same_place};
 use crate::app::pane::{Link, PaneId};
+use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use crate::plane::sample::{ProfileSample, profile};
 use crate::plane::statistics::Region;
@@ -45,10 +46,17 @@ pub struct PaneRegion {
     pub region: Region,
 }
 
-/// The pane that was drawn on and those linked with it by place, in reading order; empty when that pane is no longer
-/// shown.
+/// The pane whose places a line or rectangle has: the one it was drawn on or, when other panes took its place, the one in
+/// focus, which shows the same burst.
+fn measured_on(model: &Model, drawn_on: PaneId) -> PaneId {
+    let is_replaced = model.workspace == Workspace::Inspect && !model.panes.shown().contains(&drawn_on);
+    if is_replaced { model.focus() } else { drawn_on }
+}
+
+/// The pane that was drawn on, or that took its place, and those linked with it by place, in reading order; empty when
+/// its workspace is not open.
 pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
-    let shown = model.panes.shown();
+    let (shown, drawn_on) = (model.panes.shown(), measured_on(model, drawn_on));
     if !shown.contains(&drawn_on) {
         return Vec::new();
     }
@@ -59,6 +67,7 @@ pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
 
 /// Maps a place of the pane that was drawn on to another pane.
 fn mapped(model: &Model, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
+    let drawn_on = measured_on(model, drawn_on);
     if drawn_on == to { Some(pos_image) } else { same_place(model, drawn_on, to, pos_image) }
 }
 
@@ -145,5 +154,26 @@ pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
                 output.painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::pane::Direction;
+    use crate::app::project::tests::open;
+
+    #[test]
+    fn a_line_stays_when_other_panes_take_the_place_of_its_own() {
+        let mut model = Model::default();
+        model.take_burst(open((64, 48), 5));
+        let first = model.focus();
+        assert_eq!(measured_panes(&model, first), [first]);
+        let second = model.panes.split(first, Direction::Right).expect("there is space");
+        model.panes.close(first);
+        assert_eq!((measured_panes(&model, first), measured_on(&model, first)), (vec![second], second));
+        // In another workspace it is not drawn.
+        model.open_workspace(Workspace::Pair);
+        assert_eq!(measured_panes(&model, PaneId(99)), []);
     }
 }

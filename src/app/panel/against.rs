@@ -13,7 +13,9 @@ use crate::app::project::against::{Kind, Row, Shown, With};
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::requests::Picture;
-use egui::{Align, Color32, Frame, Label, Layout, Margin, ProgressBar, RichText, Sense, Ui, UiBuilder, pos2, vec2};
+use egui::{
+    Align, Button, Color32, Frame, Label, Layout, Margin, ProgressBar, RichText, Sense, Ui, UiBuilder, pos2, vec2,
+};
 use egui_extras::{Column, TableBuilder};
 
 /// Colour of a comparison's outcome: distinct in hue and in lightness, and visible over a grey picture.
@@ -36,7 +38,7 @@ fn switch_ui(ui: &mut Ui, model: &mut Model, side: Side, queue: &mut Queue) {
     }
     for with in With::ALL {
         let (on, there) = (model.slots[side].against.with == Some(with), model.slots[side].against.has(with));
-        let button = egui::Button::selectable(on, with.label()).frame_when_inactive(true);
+        let button = Button::selectable(on, with.label()).frame_when_inactive(true);
         let response = ui.add_enabled(there, button).on_hover_text(with.help()).on_disabled_hover_text(with.help());
         if response.clicked() {
             model.show_against(side, (!on).then_some(with));
@@ -77,9 +79,11 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
         if model.shown_comparison(side).is_none() {
             ui.weak("(of the earlier features)");
         }
-        if let Some(row) = model.slots[side].against.selected.and_then(|row| shown.rows.get(row))
-            && ui.small_button("Why here?").on_hover_text(PROBE_HELP).clicked()
-        {
+        // The button is there without a selected row too, so that selecting one moves nothing under the pointer.
+        let selected = model.slots[side].against.selected.and_then(|row| shown.rows.get(row));
+        let why = ui.add_enabled(selected.is_some(), Button::new("Why here?").small());
+        let why = why.on_hover_text(PROBE_HELP).on_disabled_hover_text("Select a row first");
+        if let Some(row) = selected.filter(|_| why.clicked()) {
             model.probe_place(side, row.pos_image);
         }
         ui.separator();
@@ -100,9 +104,8 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
         model.probe_place(side, row.pos_image);
     }
     if let Some(row) = clicked {
-        let selected = (model.slots[side].against.selected != Some(row)).then_some(row);
-        select(model, side, &shown, selected);
-        if let Some(row) = selected.and_then(|row| shown.rows.get(row)) {
+        select(model, side, &shown, Some(row));
+        if let Some(row) = shown.rows.get(row) {
             bring_into_view(model, widgets, row);
         }
     }
@@ -110,7 +113,9 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
 
 fn what_to_do(model: &Model, side: Side) -> &'static str {
     match model.slots[side].against.with {
-        Some(_) if model.found_of(side).is_none() => "Press Detect to find features to compare",
+        Some(_) if model.found_of(side).is_none() => {
+            model.without_features(side, "Press Detect to find features to compare")
+        }
         Some(_) => "Comparing…",
         None => "Pin a result, change a parameter and detect again; or open features from a file",
     }
@@ -362,6 +367,11 @@ mod tests {
         assert!(what_to_do(&model, Side::A).starts_with("Press Detect"));
         let burst = open((64, 48), 3);
         model.take_burst(burst.clone());
+        let engine = crate::engine::Engine::new(std::sync::Arc::new(|| {}), 1 << 20);
+        model.start_detection(Side::A, &engine);
+        assert_eq!((what_to_do(&model, Side::A), model.takes_advice(Side::A)), ("Detecting…", false));
+        model.slots.a.detecting.forget();
+        assert!(model.takes_advice(Side::A));
         let params = model.params.clone();
         let features = vec![feature(10.0, 10.0, 1, &params.slopes)];
         model.take_detection(Side::A, detected(&burst, &params, features), Duration::ZERO);

@@ -3,6 +3,7 @@
 
 use crate::app::canvas::number as in_digits;
 use crate::app::pane::Content;
+use crate::app::project::side::Side;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::noise_model::NoiseModel;
 use crate::plane::display::ColourMap;
@@ -42,7 +43,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 /// Draws the warnings, the curve and the map.
 pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
     let Some(found) = model.slots.a.found.clone() else {
-        ui.centered_and_justified(|ui| ui.weak("Press Detect to measure the noise"));
+        ui.centered_and_justified(|ui| ui.weak(model.without_features(Side::A, "Press Detect to measure the noise")));
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {

@@ -2,7 +2,7 @@
 //! offer to restore a saved session, and advice after a detection with few or no features.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panel::widgets::progress_text;
+use crate::app::panel::widgets::{progress_text, with_whole_numbers};
 use crate::app::project::Model;
 use crate::app::project::messages::Messages;
 use crate::app::project::workspace::Workspace;
@@ -29,6 +29,7 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
         ui.separator();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.label(RichText::new(burst_text(model)).weak());
+            warnings_ui(ui, &warnings(model));
             let opening =
                 [("Opening…", model.slots.a.opening.running()), ("Opening B…", model.slots.b.opening.running())];
             if let Some((what, running)) = opening.into_iter().find_map(|(what, busy)| Some((what, busy?))) {
@@ -58,6 +59,26 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
                 }
             });
         });
+    });
+}
+
+/// Warnings about the files of the burst in focus.
+fn warnings(model: &Model) -> Vec<String> {
+    let burst = model.burst_of(model.active_side());
+    burst.map_or_else(Vec::new, |open| open.burst.notes().iter().map(|note| note.for_window()).collect())
+}
+
+/// Draws the number of warnings, if there are any; a click shows them whole, which the status bar has no space for.
+fn warnings_ui(ui: &mut Ui, warnings: &[String]) {
+    if warnings.is_empty() {
+        return;
+    }
+    let title = RichText::new(counted(warnings.len(), "warning")).color(crate::app::style::warning(ui));
+    ui.menu_button(title, |ui| {
+        ui.set_max_width(420.0);
+        for warning in warnings {
+            ui.add(Label::new(warning).wrap());
+        }
     });
 }
 
@@ -122,12 +143,34 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
         if restore.on_hover_text("Open the saved session in place of what is open now").clicked() {
             choice = Some(RecoveryChoice::Restore);
         }
-        let forget = ui.add_enabled(!offer.is_restoring, Button::new("Discard"));
-        if forget.on_hover_text("Delete the saved session; the files that it names stay").clicked() {
-            choice = Some(RecoveryChoice::Forget);
+        let discard = ui.add_enabled(!offer.is_restoring, Button::new("Discard…"));
+        if discard.on_hover_text("Delete the saved session; the files that it names stay").clicked() {
+            choice = Some(RecoveryChoice::Discard);
         }
     });
-    choice
+    if offer.is_asking { discard_ui(ui.ctx(), offer) } else { choice }
+}
+
+/// Draws the question whether the offered session is deleted. Returns the answer, once it is given.
+fn discard_ui(ctx: &egui::Context, offer: &Offer) -> Option<RecoveryChoice> {
+    let mut answer = None;
+    let modal = egui::Modal::new(Id::unique("discard session")).show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.heading("Delete the saved session?");
+        ui.add_space(4.0);
+        ui.label(format!("{}, saved {}", offer.label, ago(offer.age)));
+        ui.weak("It cannot be restored afterwards. The files that it names stay.");
+        ui.add_space(6.0);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if ui.button("Delete").clicked() {
+                answer = Some(RecoveryChoice::Remove);
+            }
+            if ui.button("Cancel").clicked() {
+                answer = Some(RecoveryChoice::Keep);
+            }
+        });
+    });
+    answer.or_else(|| modal.should_close().then_some(RecoveryChoice::Keep))
 }
 
 /// Describes an age in the largest unit that fits.
@@ -148,7 +191,7 @@ pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let advice =
         model.slots.a.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
     if let Some(advice) = advice {
-        let text = RichText::new(advice.for_window()).color(crate::app::style::warning(ui));
+        let text = RichText::new(with_whole_numbers(&advice.for_window())).color(crate::app::style::warning(ui));
         ui.horizontal_wrapped(|ui| {
             ui.add(Label::new(text).wrap()).on_hover_text(advice.parameter.help());
             if model.features().is_empty() && model.workspace == Workspace::Inspect {
@@ -180,6 +223,17 @@ mod tests {
         assert_eq!(with_step(1.0 / 255.0), "A: test · 1 frame · 64 × 48 · 256 levels");
         // Twelve bits in the upper part of sixteen.
         assert_eq!(with_step(16.0 / 65535.0), "A: test · 1 frame · 64 × 48 · 4096 levels");
+    }
+
+    #[test]
+    fn all_warnings_about_a_file_are_listed() {
+        let mut model = Model::default();
+        assert!(warnings(&model).is_empty());
+        let mut burst = (*open((64, 48), 3).burst).clone();
+        (burst.encoding, burst.suggested_full_scale) = (crate::burst::Encoding::Srgb, Some(4095.0));
+        let expected: Vec<String> = burst.notes().iter().map(|note| note.for_window()).collect();
+        model.take_burst(crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
+        assert_eq!((warnings(&model), expected.len()), (expected, 2), "not only the last one");
     }
 
     #[test]

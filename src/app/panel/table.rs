@@ -51,7 +51,7 @@ impl SortedColumn for Column {
 /// Draws the table.
 pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if model.slots.a.found.is_none() {
-        ui.centered_and_justified(|ui| ui.weak("Press Detect to find features"));
+        ui.centered_and_justified(|ui| ui.weak(model.without_features(Side::A, "Press Detect to find features")));
         return;
     }
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
@@ -182,7 +182,7 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
                         pointed.hovered = Some(index);
                     }
                     if response.clicked() {
-                        pointed.selected = (selected != Some(index)).then_some(index);
+                        pointed.selected = Some(index);
                     }
                 });
             });

@@ -42,7 +42,9 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 /// Draws the bars. Rows of tests that reject candidates are switches: they show these candidates in the picture.
 pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let Some(found) = model.slots.a.found.clone() else {
-        ui.centered_and_justified(|ui| ui.weak("Press Detect to see what each test rejects"));
+        ui.centered_and_justified(|ui| {
+            ui.weak(model.without_features(Side::A, "Press Detect to see what each test rejects"))
+        });
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {

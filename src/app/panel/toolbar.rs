@@ -1,7 +1,7 @@
 //! Toolbar: open, the kind of picture, detect.
 
 use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, shown_by, tooltip};
-use crate::app::panel::widgets::progress_text;
+use crate::app::panel::widgets::{in_time, progress_text};
 use crate::app::parts::mark;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
@@ -88,7 +88,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         pair_found_ui(ui, model);
     } else if let Some(found) = &model.slots.a.found {
         let count = counted(model.features().len(), "feature");
-        let text = format!("{count} in {:.2} s", found.elapsed.as_secs_f32());
+        let text = format!("{count}{}", in_time(found.elapsed));
         let times = &found.detection.times;
         let stages = format!(
             "Noise {:.2} s, search {:.2} s, descriptors {:.2} s",
@@ -121,7 +121,7 @@ fn pair_found_ui(ui: &mut Ui, model: &Model) {
     let mut text = format!("{} {noun}", counts.join(" + "));
     if let Some(matches) = &model.pair.matches {
         let noun = if matches.len() == 1 { "match" } else { "matches" };
-        text += &format!(", {} {noun} in {:.2} s", matches.len(), matches.elapsed.as_secs_f32());
+        text += &format!(", {} {noun}{}", matches.len(), in_time(matches.elapsed));
     }
     ui.weak(text);
 }

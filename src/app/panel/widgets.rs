@@ -121,6 +121,22 @@ pub fn progress_text(running: &Running) -> String {
     stage_text(running.progress, running.time_left())
 }
 
+/// Text in which spaces between digits do not break a line: "1 085" stays whole.
+pub fn with_whole_numbers(text: &str) -> String {
+    let chars: Vec<char> = text.chars().collect();
+    let is_digit = |at: Option<usize>| at.and_then(|at| chars.get(at)).is_some_and(char::is_ascii_digit);
+    let whole = |(at, &c): (usize, &char)| {
+        let is_inside = c == ' ' && is_digit(at.checked_sub(1)) && is_digit(Some(at + 1));
+        if is_inside { '\u{a0}' } else { c }
+    };
+    chars.iter().enumerate().map(whole).collect()
+}
+
+/// Time that work took, as " in 1.23 s"; nothing where it would be shown as zero, because the result was kept.
+pub fn in_time(elapsed: Duration) -> String {
+    if elapsed < Duration::from_millis(5) { String::new() } else { format!(" in {:.2} s", elapsed.as_secs_f32()) }
+}
+
 /// Text of the progress of work that has reported `progress` and still takes `time_left`.
 pub fn stage_text(progress: Option<Progress>, time_left: Option<Duration>) -> String {
     let Some(progress) = progress else { return "Starting".to_owned() };
@@ -230,6 +246,18 @@ pub fn name_field(response: &egui::Response, name: &str, text: &str) {
 mod tests {
     use super::*;
     use crate::monitor::Stage;
+
+    #[test]
+    fn a_number_is_not_broken_over_lines() {
+        assert_eq!(with_whole_numbers("762 of 1 085 features"), "762 of 1\u{a0}085 features");
+        assert_eq!(with_whole_numbers("at 3 px"), "at 3 px");
+    }
+
+    #[test]
+    fn no_time_is_said_for_what_was_kept() {
+        assert_eq!(in_time(Duration::from_millis(1234)), " in 1.23 s");
+        assert_eq!(in_time(Duration::from_micros(40)), "");
+    }
 
     #[test]
     fn the_time_left_is_said_as_such() {

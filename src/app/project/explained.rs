@@ -108,6 +108,12 @@ impl Model {
         Ok(())
     }
 
+    /// Whether advice about the burst of `side` can be applied: while its features are searched, that on show is of the
+    /// search before.
+    pub fn takes_advice(&self, side: Side) -> bool {
+        !self.slots[side].detecting.is_pending()
+    }
+
     /// The request that asks `question` about the detection on show; `None` without one.
     fn explain_request(&self, question: ExplainQuestion) -> Option<ExplainRequest> {
         Some(ExplainRequest { of: self.found_source(Side::A)?, question })

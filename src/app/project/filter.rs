@@ -1,7 +1,7 @@
 //! Filter and sort order of the features, and the list that results: what the table shows, and steps through it.
 
 use crate::app::project::{Model, filter};
-use crate::app::view::signed_number;
+use crate::app::view::{signed_number, without_minus_zero};
 use crate::detector::{Feature, Slope};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -169,8 +169,8 @@ impl Column {
             Self::V => format!("{:.2}", feature.v),
             Self::Sigma => format!("{:.2}", feature.sigma),
             Self::Orientation => format!("{:.0}°", feature.orientation.to_degrees()),
-            Self::SlopeU => format!("{:+.2}", feature.slope.u),
-            Self::SlopeV => format!("{:+.2}", feature.slope.v),
+            Self::SlopeU => without_minus_zero(format!("{:+.2}", feature.slope.u)),
+            Self::SlopeV => without_minus_zero(format!("{:+.2}", feature.slope.v)),
             Self::Response => signed_number(feature.response, 3),
             Self::Snr => format!("{:.1}", feature.snr),
             Self::Octave => feature.octave.to_string(),

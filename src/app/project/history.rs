@@ -8,6 +8,7 @@
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use crate::app::project::side::Side;
+use crate::detector::params::doc;
 use crate::detector::{DetectorParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
 
@@ -49,6 +50,20 @@ impl Settings {
         }
         model.check_params();
         model.check_pair();
+    }
+
+    /// Names of the settings that differ from those `before`, for a note.
+    fn changed_from(&self, before: &Self) -> String {
+        let changed = doc::ALL.iter().filter(|record| record.text(&self.params) != record.text(&before.params));
+        let mut names: Vec<&str> = changed.map(|record| record.label).collect();
+        let others = [
+            (self.slopes != before.slopes, doc::SLOPES.label),
+            (self.matching != before.matching, "Matching"),
+            (self.cursors != before.cursors, "Slope on show"),
+        ];
+        names.extend(others.into_iter().filter(|(differ, _)| *differ).map(|(_, name)| name));
+        names.dedup();
+        names.join(", ")
     }
 
     /// Whether the change from `before` is a step to undo. Opening or closing panes is none.
@@ -136,17 +151,23 @@ impl History {
 impl Model {
     /// Undoes the last step.
     pub fn undo(&mut self) {
-        self.with_history(History::undo);
+        self.with_history("Undone", History::undo);
     }
 
     /// Redoes the step that was undone last.
     pub fn redo(&mut self) {
-        self.with_history(History::redo);
+        self.with_history("Redone", History::redo);
     }
 
-    fn with_history(&mut self, step: impl FnOnce(&mut History, &mut Self)) {
+    /// Takes a step. The note about it replaces one about the settings that are no longer set.
+    fn with_history(&mut self, what: &str, step: impl FnOnce(&mut History, &mut Self)) {
         let mut history = std::mem::take(&mut self.history);
+        let before = Settings::of(self);
         step(&mut history, self);
+        let after = Settings::of(self);
+        if after != before {
+            self.messages.note(format!("{what}: {}", after.changed_from(&before)));
+        }
         self.history = history;
         // Every pane goes to its earlier place, and none follows another.
         self.settings_are_set();
@@ -196,6 +217,23 @@ mod tests {
         }
         assert!(!history.can_undo());
         assert_eq!(model.params, DetectorParams::default());
+    }
+
+    #[test]
+    fn a_note_about_what_was_undone_replaces_the_one_about_the_change() {
+        let mut model = Model::default();
+        let mut history = History::default();
+        pass(&mut history, &mut model, false, |m| {
+            m.params.edge_threshold = 12.5;
+            m.messages.note("Set the edge threshold");
+        });
+        model.history = history;
+        model.undo();
+        let note = |model: &Model| model.messages.last_note().map(str::to_owned);
+        let name = doc::EDGE_THRESHOLD.label;
+        assert_eq!(note(&model), Some(format!("Undone: {name}")));
+        model.redo();
+        assert_eq!(note(&model), Some(format!("Redone: {name}")));
     }
 
     #[test]

@@ -119,6 +119,12 @@ impl Model {
         Effect::ForgetThumbnails
     }
 
+    /// Text in place of what the features of `side` are needed for: `press`, which asks for a detection, or that one
+    /// runs.
+    pub fn without_features(&self, side: Side, press: &'static str) -> &'static str {
+        if self.slots[side].detecting.is_pending() { "Detecting…" } else { press }
+    }
+
     /// Request for a detection in the burst of `side` with the present parameters.
     fn detect_request(&self, side: Side) -> Option<DetectRequest> {
         Some(DetectRequest { burst: self.burst_of(side)?.clone(), params: self.asked_of(side) })

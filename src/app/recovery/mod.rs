@@ -46,6 +46,8 @@ pub struct Offer {
     pub more: usize,
     /// Whether it is being restored.
     pub is_restoring: bool,
+    /// Whether the user is being asked to confirm that it is removed.
+    pub is_asking: bool,
 }
 
 /// Choice of the user for an offer.
@@ -53,8 +55,12 @@ pub struct Offer {
 pub enum RecoveryChoice {
     /// Open it.
     Restore,
-    /// Remove it.
-    Forget,
+    /// Ask whether to remove it.
+    Discard,
+    /// Remove it: the question was answered with yes.
+    Remove,
+    /// Keep it: the question was answered with no.
+    Keep,
 }
 
 /// Text of the session of `model`; `None` without a burst.
@@ -78,6 +84,7 @@ pub struct Recovery {
     writing: Option<TaskId>,
     left: VecDeque<(Record, String)>,
     restoring: Option<JobId>,
+    is_asking: bool,
 }
 
 impl Recovery {
@@ -96,7 +103,7 @@ impl Recovery {
         let left = Record::left_behind(&kept.folder).into_iter().filter_map(readable).collect();
         let (written, given, failed) = (None, None, None);
         let (looked, writing, restoring) = (None, None, None);
-        Ok(Self { own, every: kept.every, written, given, failed, looked, writing, left, restoring })
+        Ok(Self { own, every: kept.every, written, given, failed, looked, writing, left, restoring, is_asking: false })
     }
 
     /// As [`Self::new`]; where no record can be created, a message says so.
@@ -165,8 +172,10 @@ impl Recovery {
 
     /// Applies the choice for the offered session.
     pub fn settle(&mut self, choice: RecoveryChoice, restoring: &mut Restoring, model: &mut Model, engine: &Engine) {
+        self.is_asking = choice == RecoveryChoice::Discard;
         match choice {
-            RecoveryChoice::Forget => {
+            RecoveryChoice::Discard | RecoveryChoice::Keep => {}
+            RecoveryChoice::Remove => {
                 self.forget();
                 model.messages.note("Removed the saved session");
             }
@@ -178,11 +187,17 @@ impl Recovery {
         }
     }
 
+    /// Whether the user is being asked to confirm that a session is removed.
+    pub fn is_asking(&self) -> bool {
+        self.is_asking
+    }
+
     /// The offer to show, if there is one.
     pub fn offer(&self) -> Option<Offer> {
         let (record, label) = self.left.front()?;
         let age = record.saved().and_then(|saved| SystemTime::now().duration_since(saved).ok()).unwrap_or_default();
-        Some(Offer { label: label.clone(), age, more: self.left.len() - 1, is_restoring: self.restoring.is_some() })
+        let (is_restoring, is_asking) = (self.restoring.is_some(), self.is_asking);
+        Some(Offer { label: label.clone(), age, more: self.left.len() - 1, is_restoring, is_asking })
     }
 
     /// Deletes the offered session, unless it is being restored.
@@ -293,7 +308,12 @@ mod tests {
         recovery.settle(RecoveryChoice::Restore, &mut restoring, model, engine);
         recovery.restored(restoring.waits_for(model).expect("its burst is opened"), true);
         assert_eq!(more(&recovery), Some(0));
-        recovery.settle(RecoveryChoice::Forget, &mut restoring, model, engine);
-        assert_eq!(more(&recovery), None);
+        // It is removed only after a question.
+        for (choice, asks) in [(RecoveryChoice::Discard, true), (RecoveryChoice::Keep, false)] {
+            recovery.settle(choice, &mut restoring, model, engine);
+            assert_eq!((more(&recovery), recovery.is_asking()), (Some(0), asks), "{choice:?}");
+        }
+        recovery.settle(RecoveryChoice::Remove, &mut restoring, model, engine);
+        assert_eq!((more(&recovery), recovery.is_asking()), (None, false));
     }
 }

@@ -104,9 +104,27 @@ pub fn signed_number(value: f32, digits: usize) -> String {
     if value > 0.0 { format!("+{text}") } else { text }
 }
 
+/// Drops the minus sign of a number that was rounded to zero: `-0.00` becomes `0.00`.
+pub fn without_minus_zero(text: String) -> String {
+    let is_zero = !text.contains(|c: char| ('1'..='9').contains(&c)) && text.contains('0');
+    if is_zero { text.trim_start_matches(['-', '−']).to_owned() } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_that_rounds_to_zero_has_no_minus() {
+        let cases = [("-0.00", "0.00"), ("−0", "0"), ("-0.01", "-0.01"), ("+0.00", "+0.00"), ("−∞", "−∞"), ("–", "–")];
+        for (text, wanted) in cases {
+            assert_eq!(without_minus_zero(text.to_owned()), wanted);
+        }
+        let mut style = egui::Style::default();
+        crate::app::style::numbers(&mut style);
+        assert_eq!(style.number_formatter.format(-0.001, 2..=2), "0.00");
+        assert_eq!(style.number_formatter.format(-0.25, 2..=2), "-0.25");
+    }
 
     #[test]
     fn numbers_as_people_read_them() {

@@ -7,7 +7,7 @@ use crate::app::inspector::{Change, Drawn, chip_ui, inspector_ui};
 use crate::app::pane::{MethodsPreset, Over, PaneId};
 use crate::app::panel;
 use crate::app::panel::table::{ROW_HEIGHT, cell_ui, heading_ui};
-use crate::app::panel::widgets::{progress_text, section_ui};
+use crate::app::panel::widgets::{in_time, progress_text, section_ui};
 use crate::app::project::Model;
 use crate::app::project::compare::Contender;
 use crate::app::project::pair::Side;
@@ -235,7 +235,10 @@ fn cells(model: &Model, method: Contender) -> [String; COLUMNS.len()] {
         or_dash(counts.map(|c| share(c.match_ratio()))),
         or_dash(counts.and_then(|c| c.match_score()).map(share)),
         or_dash(counts.and_then(|c| c.precision()).map(share)),
-        or_dash(found(Side::A).map(|f| format!("{:.2} s", f.elapsed.as_secs_f32()))),
+        or_dash(found(Side::A).map(|f| match in_time(f.elapsed) {
+            time if time.is_empty() => "kept".to_owned(),
+            time => time.trim_start_matches(" in ").to_owned(),
+        })),
     ]
 }
 

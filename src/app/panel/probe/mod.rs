@@ -144,11 +144,9 @@ fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 /// Draws a button that changes a parameter and searches again.
 fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Queue) {
-    let response = ui.button("Apply").on_hover_text(format!(
-        "Set {} and detect again; Undo reverts it\n{}",
-        change.label(),
-        change.option()
-    ));
+    let button = ui.add_enabled(model.takes_advice(model.probe.side), egui::Button::new("Apply"));
+    let response =
+        button.on_hover_text(format!("Set {} and detect again; Undo reverts it\n{}", change.label(), change.option()));
     let name = format!("Apply {}", change.label());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
     if response.clicked() {

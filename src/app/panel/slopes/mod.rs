@@ -3,6 +3,7 @@
 pub(super) mod chart;
 
 use crate::app::canvas::number;
+use crate::app::panel::widgets::with_whole_numbers;
 use crate::app::project::Model;
 use crate::app::project::side::Side;
 use crate::app::style;
@@ -54,9 +55,10 @@ fn waiting_ui(ui: &mut Ui, model: &mut Model) {
     ui.vertical_centered(|ui| {
         ui.add_space(16.0);
         if model.slots.a.found.is_none() {
-            ui.weak("Press Detect to see which slopes the burst needs");
+            ui.weak(model.without_features(Side::A, "Press Detect to see which slopes the burst needs"));
         } else if model.stale().is_some() {
-            ui.weak("The parameters changed: press Detect to see which slopes the burst needs");
+            let press = "The parameters changed: press Detect to see which slopes the burst needs";
+            ui.weak(model.without_features(Side::A, press));
         } else if model.slots.a.found.as_ref().is_some_and(|found| found.params.method != Method::Buff) {
             ui.weak("One image has no slopes: choose the method BuFF");
         } else if model.slopes_take_long() && !model.explained.slopes_wanted {
@@ -99,14 +101,14 @@ fn piece_ui(ui: &mut Ui, model: &mut Model, index: usize, advice: &SlopeAdvice) 
     if let Some(first) = sentence.get_mut(0..1) {
         first.make_ascii_uppercase();
     }
-    ui.add(Label::new(RichText::new(format!("{sentence}.")).color(style::warning(ui))).wrap());
+    ui.add(Label::new(RichText::new(with_whole_numbers(&format!("{sentence}."))).color(style::warning(ui))).wrap());
     if !advice.changes.is_empty() {
         let changes: Vec<String> = advice.changes.iter().map(|change| change.label()).collect();
         let changes = changes.join(", ");
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
             let tip = format!("Set {changes}; Ctrl+Z undoes it");
-            let button = ui.add(Button::new("Apply")).on_hover_text(tip);
+            let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
             let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
             if button.clicked() {

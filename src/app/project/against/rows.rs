@@ -81,7 +81,7 @@ pub(super) fn of(with: With, detection: &Detection, against: &Against) -> (Vec<R
                 }
                 With::Pinned | With::Truth => changes.summary(),
             };
-            (rows_of_changes(changes, before, features), summary)
+            (rows_of_changes(with, changes, before, features), summary)
         }
         Against::Truth { against, truth } => (rows_of_truth(against, truth, features), against.summary()),
     };
@@ -101,7 +101,9 @@ fn ours(kind: Kind, index: usize, f: &Feature) -> Row {
     }
 }
 
-fn rows_of_changes(changes: &Changes, before: &[Spot], features: &[Feature]) -> Vec<Row> {
+fn rows_of_changes(with: With, changes: &Changes, before: &[Spot], features: &[Feature]) -> Vec<Row> {
+    // Pinned features are our own.
+    let whose = if with == With::File { "of theirs" } else { "of the pinned result" };
     let lost = changes.lost.iter().map(|&index| {
         let spot = &before[index];
         Row {
@@ -111,7 +113,7 @@ fn rows_of_changes(changes: &Changes, before: &[Spot], features: &[Feature]) -> 
             slope: spot.slope,
             from_image: None,
             feature: None,
-            note: format!("number {} of theirs", index + 1),
+            note: format!("number {} {whose}", index + 1),
         }
     });
     let same = changes.same.iter().map(|same| {
@@ -173,7 +175,8 @@ mod tests {
         before[0].pos_image[0] += 0.8;
         before.push(Spot { pos_image: [-500.0, -500.0], ..after[0] });
         let changes = compare(&before, &after);
-        let rows = rows_of_changes(&changes, &before, &detection.features);
+        let rows = rows_of_changes(With::Pinned, &changes, &before, &detection.features);
+        assert!(rows.iter().any(|row| row.note.ends_with("of the pinned result")), "what is lost was our own");
         assert_eq!(rows.len(), changes.lost.len() + changes.gained.len() + changes.same.len());
         let moved = rows.iter().find(|row| row.kind == Kind::Moved).expect("one was moved");
         assert!(moved.from_image.is_some() && moved.note.starts_with("by 0.80 px"), "{moved:?}");

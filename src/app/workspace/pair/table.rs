@@ -168,7 +168,7 @@ pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
             });
         });
     if let Some(index) = clicked {
-        model.ask_feature((asked != Some(index)).then_some(index));
+        model.ask_feature(Some(index));
     }
 }
 
@@ -238,6 +238,9 @@ fn missing(model: &Model) -> String {
     }
     if model.pair.matching.is_pending() {
         return "Matching…".into();
+    }
+    if Side::BOTH.into_iter().any(|side| model.slots[side].detecting.is_pending()) {
+        return "Detecting…".into();
     }
     let without: Vec<&str> =
         Side::BOTH.into_iter().filter(|side| model.found_of(*side).is_none()).map(Side::name).collect();
