@@ -5,13 +5,14 @@
 //! to the standard error. An environment variable, which is read when the driver is loaded, turns this question off.
 
 use super::commands::{Cli, Command};
-use super::{this_program, window};
+use super::window;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
+use std::process::Command as Program;
 
 /// Variable that turns off Mesa's choice of the first adapter.
 const NO_CHOICE: &str = "NODEVICE_SELECT";
-/// Variables by which the user chooses the adapter himself.
+/// Variables by which the user has chosen an adapter, or none.
 const CHOICES: [&str; 3] = [NO_CHOICE, "MESA_VK_DEVICE_SELECT", "DRI_PRIME"];
 
 /// Starts this program anew, in this process, with the question turned off, if `cli` draws a window and there is no
@@ -26,10 +27,11 @@ pub(super) fn without_display(cli: &Cli) {
     if draws
         && !has_folder
         && !chooses
-        && let Some(program) = this_program()
+        && let Ok(program) = std::env::current_exe()
     {
-        let arguments = std::env::args_os().skip(1);
+        let mut arguments = std::env::args_os();
+        let name = arguments.next().unwrap_or_default();
         // Only returns where it fails: then the messages come.
-        let _ = std::process::Command::new(program).args(arguments).env(NO_CHOICE, "1").exec();
+        let _ = Program::new(program).arg0(name).args(arguments).env(NO_CHOICE, "1").exec();
     }
 }
