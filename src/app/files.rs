@@ -30,9 +30,16 @@ use std::path::{Path, PathBuf};
 
 const NO_MATCHES: &str = "there are no matches; open a second burst and press Match first";
 
-/// Question for files: with the suggested name of a new file, and the folder of the open burst.
+/// Question for files: with the suggested name of a new file, and the folder of the open burst, or that of the
+/// dataset's features where these are exported.
 pub(super) fn question(purpose: Purpose, model: &Model) -> Question {
-    Question { purpose, suggested_name: suggested_name(purpose, model), folder: folder_of_burst(model) }
+    let kept = feature_folder(model).filter(|folder| purpose == Purpose::ExportDatabase && folder.is_dir());
+    let folder = kept.or_else(|| folder_of_burst(model));
+    Question { purpose, suggested_name: suggested_name(purpose, model), folder }
+}
+
+fn feature_folder(model: &Model) -> Option<PathBuf> {
+    model.datasets.open.as_ref()?.folder.clone()
 }
 
 fn suggested_name(purpose: Purpose, model: &Model) -> String {
@@ -45,6 +52,9 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
     let burst = model.burst_of(side).map_or("burst", |b| b.burst.name.as_str());
     let stem = Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
     match purpose {
+        Purpose::ExportDatabase => {
+            feature_folder(model).map_or_else(String::new, |folder| folder.display().to_string())
+        }
         Purpose::SaveSession => format!("{stem}.burstscope.toml"),
         Purpose::SaveParams => "params.toml".to_owned(),
         Purpose::Export(kind) => {

@@ -36,6 +36,7 @@ pub mod session;
 pub mod settings;
 mod startup;
 mod style;
+mod ticks;
 pub mod view;
 pub mod window;
 pub mod words;

@@ -209,8 +209,7 @@ impl BurstscopeApp {
                 FileAnswer::Chosen(purpose, paths) => self.apply([Effect::UseFiles(purpose, paths)]),
                 FileAnswer::Nothing => {}
                 FileAnswer::NoDialog(Question { purpose, suggested_name, .. }) => {
-                    let text = if purpose.saves() { suggested_name } else { String::new() };
-                    self.overlays.open_path_field(purpose, text, true);
+                    self.overlays.open_path_field(purpose, suggested_name, true);
                 }
             }
         }

@@ -29,6 +29,8 @@ pub mod matching_args;
 mod opening;
 mod param_args;
 pub mod probe;
+#[cfg(all(feature = "app", target_os = "linux"))]
+mod quiet;
 #[cfg(feature = "app")]
 pub mod render;
 mod report;
@@ -71,6 +73,8 @@ pub fn run() -> ExitCode {
             return ExitCode::from(code);
         }
     };
+    #[cfg(all(feature = "app", target_os = "linux"))]
+    quiet::without_display(&cli);
     signals::survive_file_size_limit();
     let result = memory::refusable(|| done(&cli)).unwrap_or_else(|refused| Err(Failure::Failed(refused.into())));
     match result {

@@ -5,8 +5,40 @@
 
 use super::failure::{Failure, INTERRUPTED};
 use anyhow::Context;
+use std::time::{Duration, Instant};
 
-/// Calls `end` at each signal that asks the program to end. A second signal ends the program at once.
+/// Time after the first signal within which others belong to it: `timeout` sends its signal to the program and to its
+/// group, and a closed terminal is reported by the system and by the shell.
+const SAME_REQUEST: Duration = Duration::from_secs(1);
+
+/// Requests to end the program, made of the signals that it received.
+#[derive(Debug, Default)]
+struct Requests {
+    first: Option<Instant>,
+}
+
+impl Requests {
+    /// Takes a signal that came `at` this time: asks to end with `end`, or ends the program `at_once` if it was asked
+    /// before.
+    fn take(&mut self, at: Instant, end: impl FnOnce(), at_once: impl FnOnce()) {
+        match self.first {
+            None => {
+                self.first = Some(at);
+                end();
+            }
+            Some(first) if at.duration_since(first) < SAME_REQUEST => {}
+            Some(_) => at_once(),
+        }
+    }
+}
+
+/// Ends the program without finishing its work.
+fn exit() {
+    std::process::exit(INTERRUPTED.into());
+}
+
+/// Calls `end` at the first signal that asks the program to end, so that it finishes in order. A second request ends the
+/// program at once.
 ///
 /// # Errors
 /// When the system does not allow a signal handler.
@@ -20,13 +52,9 @@ fn listen(end: impl Fn() + Send + 'static) -> std::io::Result<()> {
     let hang_up = hang_up_is_heard().then_some(SIGHUP);
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM].into_iter().chain(hang_up))?;
     let listener = move || {
-        let mut again = false;
+        let mut requests = Requests::default();
         for _ in signals.forever() {
-            if again {
-                std::process::exit(INTERRUPTED.into());
-            }
-            again = true;
-            end();
+            requests.take(Instant::now(), &end, exit);
         }
     };
     std::thread::Builder::new().name("burstscope-signals".to_owned()).spawn(listener).map(drop)
@@ -44,13 +72,8 @@ fn hang_up_is_heard() -> bool {
 
 #[cfg(not(unix))]
 fn listen(end: impl Fn() + Send + 'static) -> Result<(), ctrlc::Error> {
-    let again = std::sync::atomic::AtomicBool::new(false);
-    ctrlc::set_handler(move || {
-        if again.swap(true, std::sync::atomic::Ordering::Relaxed) {
-            std::process::exit(INTERRUPTED.into());
-        }
-        end();
-    })
+    let mut requests = Requests::default();
+    ctrlc::set_handler(move || requests.take(Instant::now(), &end, exit))
 }
 
 /// Turns writing past the process's file size limit (`ulimit -f`) into a write error instead of the end of the program.
@@ -58,4 +81,21 @@ fn listen(end: impl Fn() + Send + 'static) -> Result<(), ctrlc::Error> {
 pub(super) fn survive_file_size_limit() {
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+
+    #[test]
+    fn one_request_that_comes_as_two_signals_is_finished_in_order() {
+        let (start, heard) = (Instant::now(), RefCell::new(Vec::new()));
+        let mut requests = Requests::default();
+        for millis in [0, 0, 20, 900, 1100] {
+            let at = start + Duration::from_millis(millis);
+            requests.take(at, || heard.borrow_mut().push(("end", millis)), || heard.borrow_mut().push(("now", millis)));
+        }
+        assert_eq!(heard.into_inner(), [("end", 0), ("now", 1100)]);
+    }
 }

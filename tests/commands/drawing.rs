@@ -1,6 +1,6 @@
 //! `stack`, `render`, and the program without a display.
 
-use super::support::{names, run_badly, run_well};
+use super::support::{names, program, run_badly, run_well, stderr};
 use burstscope::detector::stack::motion_stack;
 use burstscope::detector::{Interpolation, Slope};
 use burstscope::synth::demo_burst;
@@ -67,6 +67,15 @@ fn render_draws_the_window() {
     assert!(colours.len() > 50, "only {} colours", colours.len());
     let error = run_badly(home.path(), &["render", "gone", "--out", "x.png"], 1);
     assert!(error.contains("gone"), "{error}");
+}
+
+#[test]
+fn the_missing_display_is_no_message() {
+    let home = tempfile::tempdir().expect("a folder");
+    let arguments = ["render", "--out", "window.png", "--size", "300x200", "--no-detect", "--quiet"];
+    let drawn = program(home.path(), &arguments).env_remove("XDG_RUNTIME_DIR").output().expect("it starts");
+    assert!(drawn.status.success());
+    assert_eq!(stderr(&drawn), "");
 }
 
 #[test]

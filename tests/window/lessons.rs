@@ -45,9 +45,9 @@ fn fulfil(window: &mut Window, goal: &Goal) {
             Layout::Single => "layout: single",
             Layout::FrameAndStack => "layout: frame and",
             Layout::TwoSlopes => "layout: two slopes",
-            Layout::ThreeSlopes => "strip of 3",
-            Layout::FiveSlopes => "strip of 5",
-            Layout::Scales => "strip of scales",
+            Layout::ThreeSlopes => "layout: 3 slopes",
+            Layout::FiveSlopes => "layout: 5 slopes",
+            Layout::Scales => "layout: scales",
             Layout::Slice => "stack and slice",
             Layout::TwoByTwo => "2 × 2",
         });

@@ -293,7 +293,7 @@ fn preset_nine_slopes_small() {
     let mut start = Start { size: [1024.0, 700.0], ..Start::default() };
     start.startup.params.detector.slopes = burstscope::detector::SlopeGrid::line(-3.0..=3.0, 13);
     let mut window = start.open();
-    window.run_action("strip of 9 slopes");
+    window.run_action("layout: 9 slopes");
     window.settle();
     window.snapshot("preset_nine_slopes");
 }
@@ -301,7 +301,7 @@ fn preset_nine_slopes_small() {
 #[test]
 fn preset_strip_of_scales() {
     let mut window = open();
-    window.run_action("strip of scales");
+    window.run_action("layout: scales");
     window.settle();
     window.snapshot("preset_strip_of_scales");
 }

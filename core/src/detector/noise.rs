@@ -234,7 +234,7 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
         NoiseGate::Strict => STRICT_FALSE_PER_MEGAPIXEL,
         NoiseGate::Auto => AUTO_FALSE_PER_MEGAPIXEL,
     };
-    let maxima = match params.slope_extrema {
+    let maxima = match params.used_extrema() {
         SlopeExtrema::Each => MAXIMA_PER_PIXEL,
         SlopeExtrema::Joint => JOINT_MAXIMA_PER_PIXEL,
     };

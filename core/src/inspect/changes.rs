@@ -3,13 +3,14 @@
 //!
 //! Two features are the same when one finds the other by the rule of [`crate::evaluate::score`], taken as a disc of
 //! radius √2·σ, and both are bright or both dark as far as that is known. Each is the same as at most one other; the
-//! features of the later list choose in order of strength, each the nearest free one. The orientations of one
-//! keypoint count as one.
+//! features of the later list choose in order of strength, each the nearest free one. The features of one keypoint,
+//! which differ in their orientation, choose together; then they are the same one by one, in the order of their list.
 
 use crate::detector::{Feature, Slope};
 use crate::evaluate::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use crate::export::{COLUMNS, ExportError, read_colmap, read_features_csv};
 use serde::Serialize;
+use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
 use std::path::Path;
 
@@ -101,41 +102,46 @@ const MOVED_SCALE: f32 = 1.1;
 
 /// Compares two lists of features, each strongest first.
 pub fn compare(before: &[Spot], after: &[Spot]) -> Changes {
-    let (before_once, after_once) = (once(before), once(after));
-    let cells = Cells::new(before, &before_once);
-    let mut free = vec![true; before.len()];
+    let mut free = keypoints(before);
+    let cells = Cells::new(before, free.keys().copied());
     let mut changes = Changes::default();
-    for &index in &after_once {
+    for (index, features) in keypoints(after) {
         let spot = &after[index];
-        let near = cells.around(spot).filter(|&other| free[other] && finds(spot, &before[other]));
+        let near = cells.around(spot).filter(|other| free.contains_key(other) && finds(spot, &before[*other]));
         let nearest = near.min_by(|&a, &b| apart(spot, &before[a]).total_cmp(&apart(spot, &before[b])).then(a.cmp(&b)));
-        match nearest {
-            None => changes.gained.push(index),
-            Some(other) => {
-                free[other] = false;
-                let slopes = spot.slope.zip(before[other].slope);
-                changes.same.push(Same {
-                    before: other,
-                    after: index,
-                    moved_px: apart(spot, &before[other]),
-                    slope_moved: slopes.map_or(0.0, |(a, b)| (a.u - b.u).hypot(a.v - b.v)),
-                    scale_ratio: spot.sigma / before[other].sigma,
-                });
+        let earlier = nearest.and_then(|other| free.remove(&other)).unwrap_or_default();
+        let both = earlier.len().min(features.len());
+        changes.same.extend(earlier.iter().zip(&features).map(|(&was, &is)| {
+            let (was_spot, is_spot) = (&before[was], &after[is]);
+            let slopes = is_spot.slope.zip(was_spot.slope);
+            Same {
+                before: was,
+                after: is,
+                moved_px: apart(is_spot, was_spot),
+                slope_moved: slopes.map_or(0.0, |(a, b)| (a.u - b.u).hypot(a.v - b.v)),
+                scale_ratio: is_spot.sigma / was_spot.sigma,
             }
-        }
+        }));
+        changes.gained.extend(&features[both..]);
+        changes.lost.extend(&earlier[both..]);
     }
-    changes.lost = before_once.into_iter().filter(|&index| free[index]).collect();
+    changes.lost.extend(free.into_values().flatten());
+    changes.lost.sort_unstable();
+    changes.gained.sort_unstable();
+    changes.same.sort_unstable_by_key(|same| same.after);
     changes
 }
 
-/// Indices of the first feature of each keypoint: features that differ only in their orientation are one.
-fn once(spots: &[Spot]) -> Vec<usize> {
-    let mut seen = std::collections::HashSet::with_capacity(spots.len());
-    let key = |s: &Spot| {
-        let slope = s.slope.unwrap_or_default();
-        [s.pos_image[0], s.pos_image[1], s.sigma, slope.u, slope.v].map(f32::to_bits)
-    };
-    (0..spots.len()).filter(|&index| seen.insert(key(&spots[index]))).collect()
+/// Features of each keypoint, by the index of its first one: those that differ only in their orientation.
+fn keypoints(spots: &[Spot]) -> BTreeMap<usize, Vec<usize>> {
+    let mut first = HashMap::with_capacity(spots.len());
+    let mut keypoints = BTreeMap::<usize, Vec<usize>>::new();
+    for (index, spot) in spots.iter().enumerate() {
+        let slope = spot.slope.unwrap_or_default();
+        let key = [spot.pos_image[0], spot.pos_image[1], spot.sigma, slope.u, slope.v].map(f32::to_bits);
+        keypoints.entry(*first.entry(key).or_insert(index)).or_default().push(index);
+    }
+    keypoints
 }
 
 fn apart(a: &Spot, b: &Spot) -> f32 {
@@ -156,7 +162,7 @@ fn finds(spot: &Spot, earlier: &Spot) -> bool {
 /// Spots by position, in squares; each class of scales has its own, so that no square holds much smaller spots.
 struct Cells {
     /// Indices of spots by class of scale and square.
-    squares: std::collections::HashMap<(i32, i32, i32), Vec<usize>>,
+    squares: HashMap<(i32, i32, i32), Vec<usize>>,
 }
 
 /// The class of a scale: the whole number of doublings of σ.
@@ -170,9 +176,9 @@ fn side(class: i32) -> f32 {
 }
 
 impl Cells {
-    fn new(spots: &[Spot], which: &[usize]) -> Self {
-        let mut squares: std::collections::HashMap<_, Vec<usize>> = std::collections::HashMap::new();
-        for &index in which {
+    fn new(spots: &[Spot], which: impl IntoIterator<Item = usize>) -> Self {
+        let mut squares: HashMap<_, Vec<usize>> = HashMap::new();
+        for index in which {
             let class = class(spots[index].sigma);
             squares.entry(Self::square(&spots[index], class)).or_default().push(index);
         }
@@ -303,6 +309,10 @@ mod tests {
         assert_eq!((changes.gained.as_slice(), changes.lost.as_slice()), ([2].as_slice(), [2].as_slice()));
         assert_eq!(changes.moved().map(|s| (s.before, s.after)).collect::<Vec<_>>(), [(1, 1)]);
         assert_eq!(changes.summary(), "1 gained, 1 lost, 1 moved, 1 as before");
+        let [one, two, three] = [1, 2, 3].map(|orientations| vec![before[0]; orientations]);
+        assert_eq!(compare(&two, &two).summary(), "0 gained, 0 lost, 0 moved, 2 as before");
+        assert_eq!(compare(&one, &three).gained, [1, 2]);
+        assert_eq!(compare(&three, &two).lost, [2]);
         let dark = Spot { is_bright: Some(false), ..before[0] };
         let bright = Spot { is_bright: Some(true), ..before[0] };
         assert_eq!(compare(&[dark], &[bright]).same, []);
@@ -310,7 +320,10 @@ mod tests {
     }
 
     fn spots() -> impl Strategy<Value = Vec<Spot>> {
-        prop::collection::vec((0.0f32..60.0, 0.0f32..40.0, 0.7f32..12.0).prop_map(|(u, v, s)| spot(u, v, s)), 0..40)
+        // Each keypoint has one to three features.
+        let keypoint = (0.0f32..60.0, 0.0f32..40.0, 0.7f32..12.0, 1usize..4);
+        let features = keypoint.prop_map(|(u, v, s, orientations)| vec![spot(u, v, s); orientations]);
+        prop::collection::vec(features, 0..40).prop_map(|keypoints| keypoints.concat())
     }
 
     proptest! {
@@ -321,15 +334,16 @@ mod tests {
             let mut of_b: Vec<usize> = changes.same.iter().map(|s| s.after).chain(changes.gained.iter().copied()).collect();
             of_a.sort_unstable();
             of_b.sort_unstable();
-            prop_assert_eq!(of_a, once(&a));
-            prop_assert_eq!(of_b, once(&b));
+            prop_assert_eq!(of_a, (0..a.len()).collect::<Vec<_>>());
+            prop_assert_eq!(of_b, (0..b.len()).collect::<Vec<_>>());
             let own = compare(&a, &a);
             prop_assert!(own.gained.is_empty() && own.lost.is_empty() && own.moved().count() == 0);
+            prop_assert!(own.same.iter().map(|same| (same.before, same.after)).eq((0..a.len()).map(|k| (k, k))));
         }
 
         #[test]
         fn squares_lose_nobody(a in spots(), b in spots()) {
-            let cells = Cells::new(&a, &(0..a.len()).collect::<Vec<_>>());
+            let cells = Cells::new(&a, 0..a.len());
             for spot in &b {
                 let near: std::collections::HashSet<usize> = cells.around(spot).collect();
                 for (index, other) in a.iter().enumerate() {

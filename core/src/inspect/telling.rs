@@ -185,7 +185,7 @@ impl Telling<'_> {
         let Sample { x, y, slope_index, .. } = *self.sample;
         let (params, index) = (self.trail.params(), self.sample.level_index());
         let (grid, sign) = (params.used_slopes(), self.judgement.value.signum());
-        let joint = params.slope_extrema == SlopeExtrema::Joint;
+        let joint = params.used_extrema() == SlopeExtrema::Joint;
         let all = !joint || params.slope_neighbours == SlopeNeighbours::All;
         let (i, j) = grid.coordinates(slope_index);
         let compared = |&other: &usize| {

@@ -9,6 +9,7 @@ use crate::app::pane::{Direction, Link, Preset};
 use crate::app::project::against::With;
 use crate::app::project::cursor::{ViewKind, snapped, stepped};
 use crate::app::project::effect::{ExportKind, Purpose};
+use crate::app::project::method::plane_of;
 use crate::app::project::panes::Change;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
@@ -248,7 +249,7 @@ fn change_values(id: ActionId, model: &mut Model) {
         }
         A::Preset2d => {
             (model.params.method, model.slopes) = (Method::Buff, SlopeChoice::Given);
-            model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
+            model.params.slopes = plane_of(model.params.slopes);
         }
         A::PresetSift => model.params.method = Method::Sift,
         A::NextFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(true),
@@ -319,4 +320,27 @@ fn move_cursor(model: &mut Model, id: ActionId) {
         _ => id.shown().into_iter().for_each(|shown| pane.show_kind(shown)),
     }
     model.check_params();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::history::Settings;
+    use crate::app::project::tests::Bench;
+
+    #[test]
+    fn a_plane_keeps_the_slopes_that_were_found_and_one_step_back_returns_to_them() {
+        let Bench { mut model, engine } = Bench::new();
+        (model.slopes, model.params.slopes) = (SlopeChoice::AUTO, SlopeGrid::line(-6.0..=-3.0, 4));
+        let found = (model.params.clone(), model.slopes);
+        let before = Settings::of(&model);
+        assert!(change(ActionId::Preset2d, &mut model, &engine).is_none());
+        model.keep_history(before, false);
+        assert_eq!(model.params.slopes, SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5));
+        assert!(!model.slopes.is_auto());
+        model.undo();
+        assert!((model.params.clone(), model.slopes) == found && !model.history.can_undo());
+        model.redo();
+        assert!(model.params.slopes.is_plane() && !model.slopes.is_auto());
+    }
 }

@@ -184,12 +184,12 @@ actions! {
     LayoutSingle, Panes 1, "Layout: single pane", [NONE Num5], "Show the pane in focus alone";
     LayoutFrameAndStack, Panes 1, "Layout: frame and motion stack", [NONE Num6], "Show one frame beside the motion stack";
     LayoutTwoSlopes, Panes 1, "Layout: two slopes", [NONE Num7], "Show the slope beside the grid's next one, each moved on its own";
-    LayoutThreeSlopes, Panes 1, "Layout: strip of 3 slopes", [], "Show three neighbouring slopes of the grid, which move together";
-    LayoutFiveSlopes, Panes 1, "Layout: strip of 5 slopes", [NONE Num8], "Show five neighbouring slopes of the grid, which move together";
-    LayoutSevenSlopes, Panes 1, "Layout: strip of 7 slopes", [], "Show seven neighbouring slopes of the grid, which move together";
-    LayoutNineSlopes, Panes 1, "Layout: strip of 9 slopes", [], "Show nine neighbouring slopes of the grid, which move together";
+    LayoutThreeSlopes, Panes 1, "Layout: 3 slopes", [], "Show three neighbouring slopes of the grid, which move together";
+    LayoutFiveSlopes, Panes 1, "Layout: 5 slopes", [NONE Num8], "Show five neighbouring slopes of the grid, which move together";
+    LayoutSevenSlopes, Panes 1, "Layout: 7 slopes", [], "Show seven neighbouring slopes of the grid, which move together";
+    LayoutNineSlopes, Panes 1, "Layout: 9 slopes", [], "Show nine neighbouring slopes of the grid, which move together";
     LayoutSlice, Panes 1, "Layout: stack and slice", [], "Show the motion stack above the slice of the frames through the probed place, in which motion is a slanted line";
-    LayoutScales, Panes 1, "Layout: strip of scales", [], "Show the DoG responses of all levels of the octave";
+    LayoutScales, Panes 1, "Layout: scales of the octave", [], "Show the DoG responses of all levels of the octave";
     LayoutTwoByTwo, Panes 1, "Layout: 2 × 2", [NONE Num9], "Show frame, motion stack, DoG response and merged frames of the same place";
     NextLayout, Panes 2, "Next way to compare", [NONE W], "Lay the next pane over this one: as a wipe, as a flip, or not at all";
     Flip, Panes 2, "Flip", [NONE Y], "Show the other of two pictures in the same place";
@@ -213,7 +213,7 @@ actions! {
     Cancel, Detect 0, "Cancel", [], "Stop the detection or the opening";
     AutoDetect, Detect 0, "Detect after each change", [NONE A], "Detect by itself whenever a parameter or the burst changes";
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame";
-    Preset2d, Detect 1, "Preset BuFF 2D", [], "Search 7 × 7 slopes over ±3 px/frame in both directions";
+    Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: those that are set or were found, and some to both sides of them";
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline";
     CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled";
     OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light";

@@ -9,6 +9,7 @@ use crate::app::project::datasets::pairs::{BurstPair, PairColumn, PairTable, pai
 use crate::app::project::datasets::{BurstState, Dataset};
 use crate::app::style;
 use crate::plane::display::ColourMap;
+use egui::epaint::TextShape;
 use egui::{
     Align, Align2, Color32, FontId, Label, Layout, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, pos2,
     vec2,
@@ -22,8 +23,8 @@ const CELL_WITH_NUMBER: f32 = 22.0;
 const CELL_WITH_NAMES: f32 = 11.0;
 /// Space for the names of rows, in points.
 const NAMES_WIDTH: f32 = 96.0;
-/// Space for the numbers of columns, in points.
-const HEAD_HEIGHT: f32 = 18.0;
+/// Space for the names of columns, which are written upwards, in points.
+const HEAD_HEIGHT: f32 = 72.0;
 
 /// Geometry of the cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -224,8 +225,7 @@ fn draw(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>
     }
 }
 
-/// Draws the bursts' names beside the rows and their numbers above the columns; the hovered and the selected ones stand
-/// out.
+/// Draws the bursts' names beside the rows and, upwards, above the columns; the hovered and selected ones stand out.
 fn names(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>) {
     let (painter, visuals) = (ui.painter(), ui.visuals());
     let marked = |place: usize| {
@@ -248,10 +248,9 @@ fn names(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)
         let place_ui = pos2(room.right() - name.size().x, room.center().y - 0.5 * name.size().y);
         painter.with_clip_rect(room.expand2(vec2(0.0, 4.0)).intersect(ui.clip_rect())).galley(place_ui, name, colour);
         let column = grid.cell(0, place);
-        if grid.cell >= 18.0 || marked(place) {
-            let at = pos2(column.center().x, column.top() - 3.0);
-            painter.text(at, Align2::CENTER_BOTTOM, (place + 1).to_string(), font, colour);
-        }
+        let name = middle_elided(painter, &burst.name, &font, colour, HEAD_HEIGHT - 6.0);
+        let foot = pos2(column.center().x - 0.5 * name.size().y, column.top() - 3.0);
+        painter.add(TextShape::new(foot, name, colour).with_angle(-0.25 * std::f32::consts::TAU));
     }
 }
 
@@ -353,6 +352,35 @@ mod tests {
         }
         assert_eq!(Grid::cell_side(5, vec2(900.0, 700.0)), 64.0);
         assert_eq!(Grid::cell_side(1000, vec2(900.0, 700.0)), 7.0);
+    }
+
+    #[test]
+    fn rows_and_columns_have_the_names_of_their_bursts() {
+        let burst = |name: &str| crate::burst::BurstFiles { name: name.to_owned(), paths: Vec::new() };
+        let mut dataset = Dataset::new(crate::requests::OpenDataset {
+            strays: Vec::new(),
+            source: crate::dataset::DatasetSource::of_bursts(Vec::new()),
+            bursts: std::sync::Arc::new(vec![burst("0"), burst("dusk")]),
+            frames_of_one: None,
+            folder: None,
+            folder_error: None,
+            params: Default::default(),
+            open: Default::default(),
+            finished: vec![None; 2],
+            other_params: None,
+        });
+        let context = egui::Context::default();
+        let screen = Rect::from_min_size(Pos2::ZERO, vec2(600.0, 500.0));
+        let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
+        let output = context.run_ui(input, |ui| assert_eq!(matrix_ui(ui, &mut dataset), None));
+        let text = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+            egui::Shape::Text(text) => Some((text.galley.text().to_owned(), text.angle != 0.0)),
+            _ => None,
+        };
+        let mut texts: Vec<(String, bool)> = output.shapes.iter().filter_map(text).collect();
+        texts.sort();
+        let both = |name: &str| [false, true].map(|upwards| (name.to_owned(), upwards));
+        assert_eq!(texts, [both("0"), both("dusk")].concat());
     }
 
     #[test]

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 pub struct Question {
     /// Purpose of the files.
     pub purpose: Purpose,
-    /// Suggested name of a new file.
+    /// Suggested name of a new file, or path of a folder that is written; empty for none.
     pub suggested_name: String,
     /// Folder in which the dialog starts.
     pub folder: Option<PathBuf>,

@@ -12,8 +12,7 @@ use crate::app::canvas::{self, number};
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
-use crate::app::panel::picture::describe;
-use crate::app::panel::picture::{at_time, frames_from_middle};
+use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::compare::Contender;
 use crate::app::project::figure::FigureChoice;
@@ -118,7 +117,7 @@ pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -
 fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureChoice) -> Option<FigurePanel> {
     let picture = model.panes.get(id)?.picture.as_ref()?;
     let shown = crate::app::panel::picture::canvas_picture(picture);
-    let visible = widgets.get(id).and_then(|widget| widget.picture.visible_image).filter(|_| !choice.whole_picture);
+    let visible = widgets.get(id).and_then(|widget| part_in_view(&widget.picture)).filter(|_| !choice.whole_picture);
     let region = shown.region(visible.unwrap_or_else(|| shown.rect_image()));
     if region.is_empty() {
         return None;
@@ -150,6 +149,17 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
         legend,
         bar: (choice.colour_bar && picture.motion.is_none()).then(|| colour_bar(&display, model.range_class(id))),
     })
+}
+
+/// Shortest side of what is seen of a picture, in points of the window, below which its pane counts as squeezed.
+const SQUEEZED: f32 = 48.0;
+
+/// Part of a picture that its pane shows, image pixels; `None` where the pane is squeezed so much that it shows none to
+/// speak of: the whole picture is drawn instead.
+fn part_in_view(state: &PictureState) -> Option<egui::Rect> {
+    let (visible, picture) = (state.visible_image?, state.shown()?.rect_image());
+    let seen = state.ui_from_image?.rect(visible.intersect(picture));
+    (seen.size().min_elem() >= SQUEEZED).then_some(visible)
 }
 
 /// Marks of the features as the window draws them: faint ones below, the selected one on top.
@@ -295,4 +305,30 @@ fn numbers_ui(ui: &mut Ui, choice: &mut FigureChoice) {
             ui.end_row();
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::open;
+    use crate::requests::{Picture, PictureKind, PictureRequest};
+    use egui::{Rect, pos2, vec2};
+
+    #[test]
+    fn a_squeezed_pane_is_drawn_with_its_whole_picture() {
+        let plane = Arc::new(Plane::from_fn(200, 100, |u, _| u as f32));
+        let request = PictureRequest::new(open((200, 100), 3), PictureKind::Frame(0), Default::default());
+        let picture = Picture { request, plane, motion: None };
+        let mut state = PictureState::default();
+        state.refresh(Some(&picture));
+        assert_eq!(part_in_view(&state), None, "never drawn");
+        for (width, is_drawn) in [(400.0, true), (50.0, true), (5.0, false)] {
+            // Two points a pixel.
+            let visible = Rect::from_min_size(pos2(20.0, 10.0), vec2(0.5 * width, 60.0));
+            state.visible_image = Some(visible);
+            let pane = Rect::from_min_size(pos2(300.0, 40.0), vec2(width, 120.0));
+            state.ui_from_image = Some(crate::app::canvas::RectTransform::new(visible.min, pane.min, 2.0));
+            assert_eq!(part_in_view(&state), is_drawn.then_some(visible), "{width}");
+        }
+    }
 }

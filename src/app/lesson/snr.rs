@@ -174,6 +174,7 @@ fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
         .allow_scroll(false)
         .x_axis_label("frames N")
         .y_axis_label("SNR")
+        .y_grid_spacer(crate::app::ticks::of_height)
         .include_x(0.0)
         .include_x(all as f64 + 0.5)
         .include_y(0.0)

@@ -8,6 +8,7 @@ use crate::app::gpu::PictureId;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
+use crate::app::ticks;
 use crate::plane::sample::{RegionStatistics, region_statistics};
 use crate::plane::statistics::{Histogram, Region, histogram};
 use egui::{Color32, RichText, ScrollArea, Ui};
@@ -206,6 +207,7 @@ pub fn profile_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
         .allow_zoom(false)
         .allow_drag(false)
         .x_axis_label("Distance along the line, px")
+        .y_grid_spacer(ticks::of_height)
         .y_axis_formatter(|mark, _| number(mark.value as f32, 3))
         .height(ui.available_height().max(60.0));
     let drawn = plot.show(ui, |plot| {

@@ -20,6 +20,8 @@ const MAX_STEPS: usize = 200;
 pub struct Settings {
     params: DetectorParams,
     slopes: SlopeChoice,
+    /// The slopes that were given, or found: what is found is no step, but a step back returns to it.
+    grid: SlopeGrid,
     matching: MatchParams,
     cursors: Vec<(PaneId, Slope)>,
 }
@@ -28,20 +30,19 @@ impl Settings {
     /// The present settings of `model`.
     pub fn of(model: &Model) -> Self {
         let mut params = model.params.clone();
+        let grid = params.slopes;
         if model.slopes.is_auto() {
             // Slopes that were found are not set by the user.
             params.slopes = SlopeGrid::default();
         }
         let cursors = model.panes.iter().map(|(id, pane)| (id, pane.cursor.slope)).collect();
-        Self { params, slopes: model.slopes, matching: model.pair.params.clone(), cursors }
+        Self { params, slopes: model.slopes, grid, matching: model.pair.params.clone(), cursors }
     }
 
     fn apply(self, model: &mut Model) {
-        let found = model.params.slopes;
-        model.params = self.params;
-        if self.slopes.is_auto() && model.slopes.is_auto() {
-            model.params.slopes = found;
-        }
+        let is_found_still = self.slopes.is_auto() && model.slopes.is_auto();
+        let slopes = if is_found_still { model.params.slopes } else { self.grid };
+        model.params = DetectorParams { slopes, ..self.params };
         (model.slopes, model.pair.params) = (self.slopes, self.matching);
         for (id, slope) in self.cursors {
             if let Some(pane) = model.panes.get_mut(id) {

@@ -81,14 +81,29 @@ impl Contender {
             }
             Self::Buff2d => {
                 params.method = Method::Buff;
-                if !grid.is_plane() {
-                    let axis = [grid.u, grid.v].into_iter().find(|axis| axis.count > 1).unwrap_or(usual);
-                    params.slopes = SlopeGrid { u: axis, v: axis, ..grid };
-                }
+                params.slopes = plane_of(grid);
             }
         }
         params
     }
+}
+
+/// Plane of slopes that keeps those of `grid`: an axis with a range keeps it; one with a single slope gets a range
+/// around that, as fine as that of the other axis and of at most the usual number of slopes.
+pub fn plane_of(grid: SlopeGrid) -> SlopeGrid {
+    let usual = SlopeAxis::new(-USUAL.0..=USUAL.0, USUAL.1);
+    let around = |middle: f32, other: &SlopeAxis| {
+        let steps = other.count.min(USUAL.1) / 2;
+        let reach = steps as f32 * other.step();
+        SlopeAxis::new(middle - reach..=middle + reach, 2 * steps + 1)
+    };
+    let (u, v) = match (grid.u.count > 1, grid.v.count > 1) {
+        (true, true) => (grid.u, grid.v),
+        (true, false) => (grid.u, around(grid.v.min, &grid.u)),
+        (false, true) => (around(grid.u.min, &grid.v), grid.v),
+        (false, false) => (around(grid.u.min, &usual), around(grid.v.min, &usual)),
+    };
+    SlopeGrid { u, v, ..grid }
 }
 
 #[cfg(test)]
@@ -102,6 +117,9 @@ mod tests {
         assert_eq!(Contender::Buff2d.params(&line).slopes, SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5));
         let plane = DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3), ..line.clone() };
         assert_eq!(Contender::Buff2d.params(&plane), plane);
+        let forwards = DetectorParams { slopes: SlopeGrid::line(-6.0..=-3.0, 4), ..line.clone() };
+        let around_zero = SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5);
+        assert_eq!(Contender::Buff2d.params(&forwards).slopes, around_zero, "v has no slopes of u's range");
         assert_eq!(Contender::Buff1d.params(&plane).slopes, SlopeGrid::line(-3.0..=3.0, 7));
         let sift = DetectorParams { method: Method::Sift, peak_threshold: 0.01, ..line };
         assert_eq!(Contender::Sift.params(&sift), sift);

@@ -3,7 +3,8 @@
 use super::DatasetEvent;
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{
-    CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, ImageKind, export_colmap,
+    CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, FeatureStore, ImageKind,
+    export_colmap_from, gather,
 };
 use crate::detector::SearchParams;
 use crate::matching::{CameraModel, MatchParams, PairSelection};
@@ -15,6 +16,8 @@ use std::path::PathBuf;
 pub struct ColmapRequest {
     /// Folder that is written.
     pub out: PathBuf,
+    /// Folder in which the dataset's features are kept: those of the same parameters are copied, not found again.
+    pub kept: Option<PathBuf>,
     /// Parameters of the detection.
     pub params: SearchParams,
     /// Options with which bursts are opened.
@@ -51,10 +54,11 @@ pub struct ColmapDone {
     pub left_out: Vec<(String, String)>,
 }
 
-/// Runs the export and tells `tell` of each burst. Bursts whose features are in the folder are not searched again.
+/// Runs the export and tells `tell` of each burst. Bursts whose features are in the folder, or where the dataset keeps
+/// them, are not searched again.
 ///
 /// # Errors
-/// As [`export_colmap`].
+/// As [`gather`] and [`export_colmap_from`].
 pub(super) fn run(
     bursts: &[BurstFiles],
     request: &ColmapRequest,
@@ -74,6 +78,11 @@ pub(super) fn run(
         }
         Event::Matching { .. } => {}
     };
-    let report = export_colmap(bursts, &request.out, &request.job(), &mut on, monitor)?;
+    let job = request.job();
+    let mut store = FeatureStore::open(&request.out, &job.features)?;
+    if let Some(kept) = request.kept.clone().filter(|kept| *kept != request.out && kept.is_dir()) {
+        gather(&mut store, bursts, &[kept], monitor)?;
+    }
+    let report = export_colmap_from(&mut store, bursts, &job, &mut on, monitor)?;
     Ok(ColmapDone { report, left_out })
 }

@@ -6,6 +6,8 @@ use crate::detector::{DetectorParams, SearchParams};
 use crate::monitor::Monitor;
 use crate::requests::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, Keeping, OpenDataset};
 use crate::requests::{Request, Work};
+#[cfg(feature = "colmap")]
+use crate::{matching::PairSelection, requests::ColmapRequest};
 use std::path::Path;
 use std::sync::Mutex;
 
@@ -101,4 +103,33 @@ fn parameters_that_make_no_sense_and_a_cancel_end_it_before_a_burst_is_begun() {
     let (end, told) = detect(&bursts, &keeping(home.path(), params().into()), &cancelled);
     assert_eq!(end, Err(JobError::Cancelled));
     assert!(!told.iter().any(|event| matches!(event, DatasetEvent::Done { .. })));
+}
+
+#[cfg(feature = "colmap")]
+#[test]
+fn an_export_to_a_new_folder_takes_the_features_that_are_kept() {
+    let home = tempfile::tempdir().expect("a folder");
+    let bursts = look(home.path(), nights(home.path()), params()).bursts;
+    let keeping = keeping(home.path(), params().into());
+    assert_eq!(detect(&bursts, &keeping, &Monitor::default()).0, Ok(()));
+    let exported = |out: &str, params: DetectorParams| {
+        let request = ColmapRequest {
+            out: home.path().join(out),
+            kept: Some(keeping.folder.clone()),
+            params: params.into(),
+            open: Default::default(),
+            matching: Default::default(),
+            pairs: PairSelection::All,
+        };
+        let request = DatasetRequest::Colmap { bursts: bursts.clone(), request: Box::new(request) };
+        match request.compute(&Work::alone(&Monitor::default())) {
+            Ok(DatasetAnswer::Colmap(done)) => done.report.images.iter().map(|image| image.resumed).collect::<Vec<_>>(),
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(exported("new", params()), [true, true], "the broken burst is left out");
+    assert!(home.path().join("new/features/a.png.txt").is_file() && home.path().join("new/images/c.png").is_file());
+    // Features of other parameters are found anew; the dataset's own folder can be exported into too.
+    assert_eq!(exported("other", DetectorParams { levels: 3, ..params() }), [false, false]);
+    assert_eq!(exported("kept", params()), [true, true]);
 }

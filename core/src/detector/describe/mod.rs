@@ -112,7 +112,7 @@ impl Describing<'_> {
     fn at_slope_limit(&self, located: &Keypoint) -> bool {
         let (i, j) = self.grid.coordinates(located.slope_index);
         self.grid.on_rim(i, j)
-            || (self.params.slope_extrema == SlopeExtrema::Each && self.grid.nearest_on_rim(located.slope))
+            || (self.params.used_extrema() == SlopeExtrema::Each && self.grid.nearest_on_rim(located.slope))
     }
 
     /// Appends the features of one keypoint, one for each of its orientations. `kernels` lead to the levels, `planes`

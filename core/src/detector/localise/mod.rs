@@ -145,7 +145,7 @@ impl Describing<'_> {
             Some(found) => found,
             // Where no kernel gives a place, that of the fit is kept. A joint search has refined the slope; otherwise
             // it is refined here.
-            None if self.params.slope_extrema == SlopeExtrema::Joint => return *keypoint,
+            None if self.params.used_extrema() == SlopeExtrema::Joint => return *keypoint,
             None => (at, SOFT),
         };
         let own = self.grid.coordinates(keypoint.slope_index);

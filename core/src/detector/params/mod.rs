@@ -49,6 +49,12 @@ impl DetectorParams {
         }
     }
 
+    /// Rule for candidates that takes part: with one slope there is no other to compare with, so that each slope is
+    /// searched for itself.
+    pub fn used_extrema(&self) -> SlopeExtrema {
+        if self.used_slopes().len() == 1 { SlopeExtrema::Each } else { self.slope_extrema }
+    }
+
     /// Texts of the parameters that decide the result of `stage`: those of this stage and of the ones before it.
     pub fn deciding(&self, stage: Stage) -> Vec<String> {
         doc::ALL.iter().filter(|record| record.stage <= stage).map(|record| record.text(self)).collect()

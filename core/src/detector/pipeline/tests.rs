@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::detector::memory::estimate;
-use crate::detector::params::{Distinct, Localisation, SlopeExtrema, SlopeNeighbours};
+use crate::detector::params::{Distinct, Localisation, Method, SlopeExtrema, SlopeNeighbours};
 use crate::detector::{Slope, SlopeGrid};
 use crate::plane::tile::Region;
 use crate::synth::{SceneParams, synth_scene};
@@ -146,6 +146,21 @@ fn two_three_and_many_groups_by_any_number_of_threads() {
         assert!(expected.iter().all(|count| counts.contains(count)), "{slopes:?} {slope_extrema:?}: {counts:?}");
         assert!(!one.features.is_empty() && one.features == three.features && one.descriptors == three.descriptors);
         assert_eq!(one.tally, three.tally);
+    }
+}
+
+#[test]
+fn one_slope_has_no_others_to_compare_with() {
+    let burst = scene(3, (120, 90));
+    for method in [Method::Buff, Method::Sift] {
+        let [each, joint] = [SlopeExtrema::Each, SlopeExtrema::Joint].map(|slope_extrema| {
+            let slopes = SlopeGrid::single(Slope::default());
+            let params = DetectorParams { method, slopes, slope_extrema, octaves: 3, ..DetectorParams::default() };
+            search_within(&burst, &params, None).expect("fits").detection
+        });
+        assert!(!each.features.is_empty());
+        assert_eq!((&each.features, &each.descriptors), (&joint.features, &joint.descriptors), "{method:?}");
+        assert_eq!((each.noise_gate_factor, &each.tally), (joint.noise_gate_factor, &joint.tally));
     }
 }
 

@@ -75,6 +75,23 @@ fn what_is_cut_off_is_refused_in_every_format_wherever_it_is_cut() {
 }
 
 #[test]
+fn what_begins_wrongly_is_damaged_and_need_not_be_converted() {
+    let folder = folder();
+    for name in one_of_each(folder.path()) {
+        let path = folder.path().join(name);
+        let mut bytes = fs::read(&path).expect("read");
+        bytes[..4].fill(0);
+        let anonymous = folder.path().join("no extension");
+        fs::write(&path, &bytes).expect("written");
+        fs::write(&anonymous, &bytes).expect("written");
+        let told = |path: &Path| open(&[path.to_path_buf()]).expect_err(name).to_string();
+        assert!(told(&path).contains("copy it again") && !told(&path).contains("convert"), "{}", told(&path));
+        // A PNG is known by what follows its signature.
+        assert_eq!(told(&anonymous).contains("this PNG file is truncated or damaged"), name.ends_with("png"));
+    }
+}
+
+#[test]
 fn a_jpeg_that_is_cut_and_ended_is_refused_too() {
     let folder = folder();
     let path = folder.path().join("a.jpg");

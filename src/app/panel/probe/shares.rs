@@ -100,6 +100,7 @@ fn plot_ui(ui: &mut Ui, shares: &Shares) {
         .show_x(false)
         .show_y(false)
         .x_axis_label("frame")
+        .y_grid_spacer(crate::app::ticks::of_height)
         .y_axis_formatter(|mark, _| number(mark.value as f32, 3))
         .x_axis_formatter(
             |mark, _| if mark.value.fract() == 0.0 { format!("{:.0}", mark.value) } else { String::new() },

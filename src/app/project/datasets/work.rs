@@ -141,6 +141,7 @@ impl Model {
         let Some(dataset) = &self.datasets.open else { return };
         let request = ColmapRequest {
             out,
+            kept: dataset.folder.clone(),
             params: self.asked(),
             open: self.calibration.clone(),
             matching: self.pair.params.clone(),

@@ -287,7 +287,7 @@ pub(super) fn named_kind(path: &Path) -> Option<&'static str> {
 pub(super) fn unknown(path: &Path, start: &[u8]) -> OpenError {
     let path = path.to_path_buf();
     // A PNG's signature is made to show a transfer as text, which changes it.
-    if start.get(1..4) == Some(b"PNG") {
+    if start.get(1..4) == Some(b"PNG") || start.get(12..16) == Some(b"IHDR") {
         let reason = "its first bytes are changed, as by a transfer as text or of seven bits".to_owned();
         return OpenError::Corrupt { path, kind: "PNG", reason };
     }
