@@ -5,8 +5,10 @@
 
 use crate::app::pane::Pane;
 use crate::app::project::Model;
+use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
+use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope, SlopeChoice, SlopeGrid};
 use crate::engine::{Engine, Wanted};
 use crate::inspect::probe::Wanted as Subject;
@@ -39,6 +41,9 @@ pub struct ProbeModel {
     pub follows: bool,
     /// The question; `None` while nothing is probed.
     pub question: Option<ProbeQuestion>,
+    /// Scale σ near which candidates come first, input pixels: that of the DoG in view as the place was asked about,
+    /// until another is chosen; `None` for all scales alike.
+    pub near_sigma: Option<f32>,
     /// The trail from which answers come.
     pub traced: Option<Traced>,
     /// The last answer.
@@ -91,7 +96,7 @@ impl ProbeModel {
 
     /// Request for the question about the present trail; `None` without either.
     pub fn wanted(&self) -> Option<ProbeRequest> {
-        Some(ProbeRequest { traced: self.traced.clone()?, question: self.question? })
+        Some(ProbeRequest { traced: self.traced.clone()?, question: self.question?, near_sigma: self.near_sigma })
     }
 
     /// The probe of the burst of `side` for a session file; `None` while no place in it is known.
@@ -169,15 +174,13 @@ impl Model {
 
     /// Requests the trail and the answer that are missing. A running detection comes first: it leaves its trail.
     pub(in crate::app) fn ask_for_probed(&mut self, engine: &Engine, dragging: bool) {
-        let probe = &mut self.probe;
-        if let Some((side, place)) = probe.pointer.filter(|_| probe.follows) {
-            probe.turn_to(side);
-            probe.question = Some(ProbeQuestion::At { place, wanted: Subject::Best });
+        if let Some((side, place)) = self.probe.pointer.filter(|_| self.probe.follows) {
+            self.set_question(side, ProbeQuestion::At { place, wanted: Subject::Best });
         }
-        if !probe.is_on() {
+        if !self.probe.is_on() {
             return;
         }
-        let side = probe.side;
+        let side = self.probe.side;
         if !dragging && !self.slots[side].detecting.is_pending() && self.probe.problem.is_none() {
             match self.untraced() {
                 Some(source) => self.probe.wanted_trail.want(engine, Some(source)),
@@ -224,9 +227,23 @@ impl Model {
             self.messages.note("That place lies outside the picture at mid-burst");
             return;
         }
+        self.set_question(side, question);
+        (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
+    }
+
+    /// Sets the question about the burst of `side`, with the scale in view. A question about a feature has its own scale.
+    fn set_question(&mut self, side: Side, question: ProbeQuestion) {
         self.probe.turn_to(side);
         self.probe.question = Some(question);
-        (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
+        let has_scale = matches!(question, ProbeQuestion::At { wanted: Subject::Feature(_), .. });
+        self.probe.near_sigma = if has_scale { None } else { self.sigma_in_view() };
+    }
+
+    /// Scale σ of the DoG that the pane of the probed burst shows, input pixels; `None` for other content.
+    fn sigma_in_view(&self) -> Option<f32> {
+        let (pane, params) = (self.probed_pane(), self.usable_params_of(self.probe.side));
+        let space = ScaleSpace::of(&params);
+        pane.shows(ViewKind::Dog).then(|| space.sigma_image(pane.cursor.octave, f64::from(pane.cursor.level)) as f32)
     }
 
     /// The detection of the probed burst, if the present trail is not of it.
