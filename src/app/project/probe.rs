@@ -446,6 +446,32 @@ mod tests {
     }
 
     #[test]
+    fn the_scale_of_the_dog_in_view_comes_first_and_another_one_can_be_chosen() {
+        let mut bench = Bench::with_two_charts();
+        let place = [50.0, 30.0];
+        bench.model.probe_place(Side::A, place);
+        assert_eq!(bench.model.probe.near_sigma, None, "a stack shows all scales");
+        let pane = bench.model.panes.of_mut(Side::A);
+        (pane.cursor.octave, pane.cursor.level) = (1, 2);
+        pane.show(ViewKind::Dog);
+        bench.model.probe_place(Side::A, place);
+        bench.settle();
+        let scales = |model: &Model| model.probe.answer.as_ref().expect("answered").probe.response.scales.clone();
+        let shown = scales(&bench.model).into_iter().find(|s| (s.octave, s.level) == (1, 2)).expect("searched");
+        assert_eq!(bench.model.probe.near_sigma, Some(shown.sigma));
+        let finest = scales(&bench.model)[0].sigma;
+        bench.model.probe.near_sigma = Some(finest);
+        assert!(!bench.model.probe.is_current(), "another scale is another question");
+        bench.settle();
+        let (model, traced) = (&bench.model, bench.model.probe.traced.clone().expect("a trail"));
+        let options = ProbeOptions { near_sigma: Some(finest), ..ProbeOptions::default() };
+        let expected = probe(&traced.cache, place, &options, &Monitor::default()).expect("inside");
+        assert_eq!(model.probe.answer.as_ref().expect("answered").probe.fates, expected.fates);
+        bench.model.probe_feature(Side::A, 0);
+        assert_eq!(bench.model.probe.near_sigma, None, "a feature has its own scale");
+    }
+
+    #[test]
     fn a_probe_stays_with_its_burst_and_ends_with_it() {
         let mut bench = Bench::with_two_charts();
         bench.model.probe_place(Side::B, [20.0, 40.0]);
