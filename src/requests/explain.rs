@@ -182,6 +182,8 @@ pub struct ProbeRequest {
     pub traced: Traced,
     /// The question.
     pub question: ProbeQuestion,
+    /// Scale σ near which candidates come first, input pixels; `None` for all scales alike.
+    pub near_sigma: Option<f32>,
 }
 
 impl Request for ProbeRequest {
@@ -193,7 +195,8 @@ impl Request for ProbeRequest {
     }
 
     fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.traced.cache, &other.traced.cache) && self.question == other.question
+        Arc::ptr_eq(&self.traced.cache, &other.traced.cache)
+            && (self.question, self.near_sigma) == (other.question, other.near_sigma)
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Probed, JobError> {
@@ -205,7 +208,8 @@ impl Request for ProbeRequest {
                 (mark.pos_image, Wanted::Candidate(mark.of_sample()))
             }
         };
-        let probe = probe(cache, place, &ProbeOptions { wanted, ..ProbeOptions::default() }, monitor)?;
+        let options = ProbeOptions { wanted, near_sigma: self.near_sigma, ..ProbeOptions::default() };
+        let probe = probe(cache, place, &options, monitor)?;
         Ok(Probed { request: self, probe: Arc::new(probe) })
     }
 }

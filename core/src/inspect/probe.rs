@@ -11,7 +11,7 @@ use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
 use crate::detector::{Sample, Slope, Tally, Test, Trail};
 use crate::inspect::telling::fate;
-use crate::inspect::words::{number, slope_text};
+use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::tile::Region;
 use serde::Serialize;
@@ -57,7 +57,8 @@ pub enum ProbeError {
 /// Subject that the probe examines more closely.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Wanted {
-    /// The strongest kept candidate near the place, or else the candidate that came closest to being kept.
+    /// The first candidate of the list that lies within [`AT_PLACE_PX`] of the place; without one the place itself, at
+    /// the slope and scale of the list's first candidate.
     #[default]
     Best,
     /// A feature of the detection, by its index.
@@ -83,13 +84,16 @@ pub struct ProbeOptions {
     pub reach_sigmas: f32,
     /// Subject to examine more closely.
     pub wanted: Wanted,
+    /// Scale σ near which candidates come first, input pixels: the one in view. For [`Wanted::Feature`] without one, the
+    /// feature's.
+    pub near_sigma: Option<f32>,
     /// Pixels to each side in the slices.
     pub slice_half_px: usize,
 }
 
 impl Default for ProbeOptions {
     fn default() -> Self {
-        Self { reach_sigmas: 2.0, wanted: Wanted::Best, slice_half_px: 60 }
+        Self { reach_sigmas: 2.0, wanted: Wanted::Best, near_sigma: None, slice_half_px: 60 }
     }
 }
 
@@ -115,8 +119,13 @@ pub struct Subject {
 pub struct Probe {
     /// Place, input pixels.
     pub pos_image: [f32; 2],
-    /// Fates of the candidates near it: kept ones first, then in order of how far they came and of their strength.
+    /// Fates of the candidates near it: the nearest first, by distance and, where a scale was given, by scale. Of those
+    /// at the place itself ([`AT_PLACE_PX`]) kept ones come first, then those with the largest SNR. Larger blobs that
+    /// only reach over the place come last.
     pub fates: Vec<Fate>,
+    /// Number of fates before the larger blobs.
+    #[serde(skip)]
+    pub near: usize,
     /// Number of samples of D examined near the place, candidates or not.
     pub samples: usize,
     /// Subject that is examined more closely.
@@ -139,6 +148,80 @@ impl Probe {
     pub fn subject_fate(&self) -> Option<&Fate> {
         self.subject.fate.map(|index| &self.fates[index])
     }
+
+    /// The candidates near the place, without larger blobs that only reach over it.
+    pub fn near_fates(&self) -> &[Fate] {
+        &self.fates[..self.near]
+    }
+
+    /// The larger blobs that only reach over the place.
+    pub fn larger_fates(&self) -> &[Fate] {
+        &self.fates[self.near..]
+    }
+}
+
+/// Largest distance from the place, input pixels, of a candidate that is examined without having been chosen. A click is
+/// no more exact than that, so candidates within it count as equally near.
+pub const AT_PLACE_PX: f32 = 3.0;
+/// Distance and σ, input pixels, above which a candidate beside the place is a larger blob.
+const LARGE_PX: f32 = 8.0;
+/// Ratio of two scales within which they count as the same.
+const SAME_SCALE: f32 = 1.3;
+
+/// Nearness of candidates to the place and to the scale that are asked about.
+#[derive(Debug, Clone, Copy)]
+struct Nearness {
+    place: [f32; 2],
+    sigma: Option<f32>,
+}
+
+impl Nearness {
+    /// Distance from the place, input pixels.
+    fn distance(&self, fate: &Fate) -> f32 {
+        (fate.pos_image[0] - self.place[0]).hypot(fate.pos_image[1] - self.place[1])
+    }
+
+    /// Whether the candidate lies at the place, as far as a click can tell.
+    fn is_here(&self, fate: &Fate) -> bool {
+        self.distance(fate) <= AT_PLACE_PX
+    }
+
+    /// The larger of the candidate's scale and the given one over the smaller; 1 without a given one.
+    fn scale_ratio(&self, fate: &Fate) -> f32 {
+        self.sigma.map_or(1.0, |sigma| (fate.sigma / sigma).max(sigma / fate.sigma))
+    }
+
+    /// Whether the candidate is a larger blob, whose centre is elsewhere.
+    fn is_larger(&self, fate: &Fate) -> bool {
+        let own_scale = self.sigma.filter(|_| self.scale_ratio(fate) <= SAME_SCALE);
+        match own_scale {
+            _ if self.is_here(fate) => false,
+            Some(sigma) => self.distance(fate) > sigma.max(LARGE_PX),
+            None => self.distance(fate) > LARGE_PX || fate.sigma > LARGE_PX,
+        }
+    }
+
+    /// Distance in place and scale together, at least 1: that of a candidate at the place and of the given scale.
+    fn apart(&self, fate: &Fate) -> f32 {
+        (self.distance(fate) / AT_PLACE_PX).max(1.0) * (self.scale_ratio(fate) / SAME_SCALE).max(1.0)
+    }
+
+    /// Sorts candidates as [`Probe::fates`]; returns the number of those before the larger blobs.
+    fn sort(&self, fates: &mut [Fate]) -> usize {
+        fates.sort_by(|a, b| {
+            let apart = |fate: &Fate| self.apart(fate);
+            (self.is_larger(a).cmp(&self.is_larger(b)))
+                .then(apart(a).total_cmp(&apart(b)))
+                .then(b.is_kept().cmp(&a.is_kept()))
+                .then(strength(b).total_cmp(&strength(a)))
+        });
+        fates.partition_point(|fate| !self.is_larger(fate))
+    }
+}
+
+/// Strength of a candidate among others: its SNR, or |D| in a burst without noise.
+fn strength(fate: &Fate) -> f32 {
+    if fate.snr.is_finite() { fate.snr } else { fate.value.abs() }
 }
 
 /// Explains what happened at `place` (u, v), input pixels of the mid-burst picture.
@@ -152,14 +235,15 @@ pub fn probe(
     monitor: &Monitor,
 ) -> Result<Probe, ProbeError> {
     let trail = &cache.trail;
-    let place = match options.wanted {
+    let nearness = match options.wanted {
         Wanted::Feature(index) => {
             let features = &trail.detection().features;
             let feature = features.get(index).ok_or(ProbeError::NoFeature { index, count: features.len() })?;
-            [feature.u, feature.v]
+            Nearness { place: [feature.u, feature.v], sigma: options.near_sigma.or(Some(feature.sigma)) }
         }
-        _ => place,
+        _ => Nearness { place, sigma: options.near_sigma },
     };
+    let place = nearness.place;
     check_place(trail, place)?;
     let (mut fates, mut samples) = (Vec::new(), 0);
     for octave in trail.octaves() {
@@ -168,8 +252,8 @@ pub fn probe(
     if let Wanted::Feature(index) = options.wanted {
         add_feature(trail, index, monitor, &mut fates)?;
     }
-    sort(&mut fates);
-    let subject = subject(trail, place, &fates, options.wanted)?;
+    let near = nearness.sort(&mut fates);
+    let subject = subject(trail, &nearness, &fates, options.wanted)?;
     if let Some(fate) = subject.fate.map(|index| &mut fates[index]).filter(|fate| fate.remedy.is_none()) {
         fate.remedy = duplicate_remedy(trail, fate);
     }
@@ -183,8 +267,8 @@ pub fn probe(
     };
     let direction = direction_of(subject.slope);
     let slices = [direction, across(direction)].map(|d| slice(trail, subject.pos_image, d, options.slice_half_px));
-    let summary = summary_of(&fates, &response);
-    Ok(Probe { pos_image: place, fates, samples, subject, response, shares, suspicions, slices, summary })
+    let summary = summary_of(&nearness, &fates, near, &response);
+    Ok(Probe { pos_image: place, fates, near, samples, subject, response, shares, suspicions, slices, summary })
 }
 
 fn check_place(trail: &Trail, [u, v]: [f32; 2]) -> Result<(), ProbeError> {
@@ -193,8 +277,8 @@ fn check_place(trail: &Trail, [u, v]: [f32; 2]) -> Result<(), ProbeError> {
     if inside(u, width) && inside(v, height) { Ok(()) } else { Err(ProbeError::Outside { u, v, width, height }) }
 }
 
-fn subject(trail: &Trail, place: [f32; 2], fates: &[Fate], wanted: Wanted) -> Result<Subject, ProbeError> {
-    let grid = trail.params().used_slopes();
+fn subject(trail: &Trail, nearness: &Nearness, fates: &[Fate], wanted: Wanted) -> Result<Subject, ProbeError> {
+    let (grid, place) = (trail.params().used_slopes(), nearness.place);
     if let Wanted::Scale { octave, level, slope_index } = wanted {
         let levels = 0..trail.space().levels as i32;
         if !trail.octaves().contains(&octave) || !levels.contains(&level) || slope_index >= grid.len() {
@@ -203,45 +287,30 @@ fn subject(trail: &Trail, place: [f32; 2], fates: &[Fate], wanted: Wanted) -> Re
         let fate = fates.iter().position(|f| (f.octave, f.level, f.slope_index) == (octave, level, slope_index));
         return Ok(Subject { fate, pos_image: place, slope: grid.slope(slope_index), slope_index, octave, level });
     }
-    let by_sample = match wanted {
+    let chosen = match wanted {
         Wanted::Candidate(sample) => fates.iter().position(|fate| fate.of_sample() == sample),
+        Wanted::Feature(feature) => fates.iter().position(|fate| fate.features.contains(&feature)),
         _ => None,
     };
-    let index = match wanted {
-        _ if by_sample.is_some() => by_sample,
-        Wanted::Feature(feature) => fates.iter().position(|fate| fate.features.contains(&feature)),
-        // Kept candidates come first; then strong and near ones, with distances in their own scale.
-        _ => {
-            let weight = |index: usize| {
-                let fate: &Fate = &fates[index];
-                let apart = (fate.pos_image[0] - place[0]).hypot(fate.pos_image[1] - place[1]) / fate.sigma;
-                let strength = if fate.snr.is_finite() { fate.snr } else { fate.value.abs() };
-                (fate.is_kept(), strength * (-0.5 * apart * apart).exp())
-            };
-            (0..fates.len()).max_by(|&a, &b| {
-                let (a, b) = (weight(a), weight(b));
-                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-            })
-        }
+    let index = chosen.or_else(|| fates.iter().position(|fate| nearness.is_here(fate)));
+    let of = |fate: &Fate| Subject {
+        fate: index,
+        pos_image: if index.is_some() { fate.pos_image } else { place },
+        slope: if index.is_some() { fate.slope } else { grid.slope(fate.slope_index) },
+        slope_index: fate.slope_index,
+        octave: fate.octave,
+        level: fate.level,
     };
-    let subject = match index.map(|index| (index, &fates[index])) {
-        Some((index, fate)) => Subject {
-            fate: Some(index),
-            pos_image: fate.pos_image,
-            slope: fate.slope,
-            slope_index: fate.slope_index,
-            octave: fate.octave,
-            level: fate.level,
-        },
-        None => {
+    Ok(fates.get(index.unwrap_or(0)).map_or_else(
+        || {
             let slope_index = (0..grid.len())
                 .min_by(|&a, &b| grid.slope(a).magnitude().total_cmp(&grid.slope(b).magnitude()))
                 .unwrap_or(0);
             let (octave, slope) = (trail.octaves().start, grid.slope(slope_index));
             Subject { fate: None, pos_image: place, slope, slope_index, octave, level: 0 }
-        }
-    };
-    Ok(subject)
+        },
+        of,
+    ))
 }
 
 /// The fates of all candidates near a place (u, v), input pixels, within `reach_sigmas` of their σ: kept ones first,
@@ -259,16 +328,11 @@ pub fn fates_near(
     for octave in trail.octaves() {
         candidates_near(trail, place, octave, reach_sigmas, monitor, &mut fates)?;
     }
-    sort(&mut fates);
-    Ok(fates)
-}
-
-fn sort(fates: &mut [Fate]) {
     fates.sort_by(|a, b| {
         let stage = |fate: &Fate| fate.first_failed.map_or(Test::ALL.len(), |test| test as usize);
-        let strength = |fate: &Fate| if fate.snr.is_finite() { fate.snr } else { fate.value.abs() };
         stage(b).cmp(&stage(a)).then(strength(b).total_cmp(&strength(a)))
     });
+    Ok(fates)
 }
 
 /// Appends the fates of an octave's candidates near a place; returns the number of samples examined.
@@ -332,38 +396,145 @@ pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Opti
     }))
 }
 
-/// The summary, a sentence or two.
-fn summary_of(fates: &[Fate], response: &ResponseMap) -> String {
-    let kept = fates.iter().filter(|f| f.is_kept()).count();
+/// The summary, a sentence or two, about the place itself; `near` fates come before the larger blobs.
+fn summary_of(nearness: &Nearness, fates: &[Fate], near: usize, response: &ResponseMap) -> String {
+    let here: Vec<&Fate> = fates.iter().filter(|fate| nearness.is_here(fate)).collect();
+    let kept = here.iter().filter(|f| f.is_kept()).count();
     if kept > 0 {
-        let covered = fates.iter().filter(|f| f.first_failed == Some(Test::Duplicate)).count();
-        let also = match covered {
+        let also = match fates[..near].iter().filter(|f| f.first_failed == Some(Test::Duplicate)).count() {
             0 => String::new(),
-            1 => "; 1 weaker keypoint lies on the same blob".to_owned(),
-            n => format!("; {n} weaker keypoints lie on the same blob"),
+            1 => "; 1 duplicate on a blob nearby was removed".to_owned(),
+            n => format!("; {n} duplicates on blobs nearby were removed"),
         };
         return match kept {
             1 => format!("One candidate here was kept{also}."),
             n => format!("{n} candidates here were kept{also}."),
         };
     }
+    if let Some(first) = here.first() {
+        let who = match nearness.sigma {
+            _ if here.len() == 1 => "The candidate here".to_owned(),
+            Some(sigma) => format!("The candidate nearest to σ {} px", number(sigma, 1)),
+            None => "The strongest candidate here".to_owned(),
+        };
+        let strength = if first.snr.is_finite() {
+            format!("SNR {}", number(first.snr, 1))
+        } else {
+            format!("|D| {:.2e}", first.value.abs())
+        };
+        let sigma = number(first.sigma, 1);
+        return format!("Nothing was kept here. {who} has {strength} at σ {sigma} px: {}.", first.verdict);
+    }
+    let nothing = format!("No candidate lies within {AT_PLACE_PX} px of this place");
+    if let Some(first) = fates[..near].first() {
+        let nearest = if nearness.sigma.is_some() { "The nearest in place and scale" } else { "The nearest" };
+        let (px, sigma) = (number(nearness.distance(first), 1), number(first.sigma, 1));
+        return format!("{nothing}. {nearest} is {px} px away, with σ {sigma} px: {}.", first.verdict);
+    }
+    if !fates.is_empty() {
+        let reach = if fates.len() == 1 { "reaches" } else { "reach" };
+        return format!("{nothing}; {} {reach} over it.", counted(fates.len(), "larger blob"));
+    }
     let (column, row, strongest) = response.strongest();
-    let Some(best) = fates.iter().max_by(|a, b| a.snr.total_cmp(&b.snr)) else {
-        let scale = response.scales.get(row).map_or(0.0, |scale| scale.sigma);
-        let slope = response.columns.get(column).copied().unwrap_or_default();
-        let strength = if response.is_noiseless { format!("{strongest:+.1e}") } else { format!("{strongest:+.1} σ") };
-        return format!(
-            "Nothing here is an extremum at any slope and scale. The strongest response is {strength}, at scale {} px and slope {}.",
-            number(scale, 1),
-            slope_text(slope)
+    let scale = response.scales.get(row).map_or(0.0, |scale| scale.sigma);
+    let slope = response.columns.get(column).copied().unwrap_or_default();
+    let strength = if response.is_noiseless { format!("{strongest:+.1e}") } else { format!("{strongest:+.1} σ") };
+    format!(
+        "Nothing here is an extremum at any slope and scale. The strongest response is {strength}, at scale {} px and slope {}.",
+        number(scale, 1),
+        slope_text(slope)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::burst::Burst;
+    use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeGrid};
+    use crate::plane::Plane;
+    use crate::synth::random::Stream;
+
+    /// A small blob at (80, 80), and a large one whose centre is 13 px away and which reaches over it.
+    fn small_under_large(gate: NoiseGate) -> ProbeCache {
+        let blobs = [(80.0, 80.0, 2.0, 0.1), (93.0, 80.0, 16.0, 0.2)];
+        let mut stream = Stream::new(5, 0);
+        let mut frame = |_| {
+            Plane::from_fn(192, 160, |u, v| {
+                let of = |(bu, bv, sigma, height): (f32, f32, f32, f32)| {
+                    let (du, dv) = (u as f32 - bu, v as f32 - bv);
+                    height * (-(du * du + dv * dv) / (2.0 * sigma * sigma)).exp()
+                };
+                0.3 + 0.01 * stream.normal() as f32 + blobs.into_iter().map(of).sum::<f32>()
+            })
+        };
+        let burst = Burst::from_planes("blobs", (0..6).map(&mut frame).collect());
+        let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), noise_gate: gate, ..Default::default() };
+        ProbeCache::new(&burst, &SearchParams::from(params), &Monitor::default()).expect("valid parameters")
+    }
+
+    fn at(cache: &ProbeCache, place: [f32; 2], options: ProbeOptions) -> Probe {
+        probe(cache, place, &options, &Monitor::default()).expect("inside")
+    }
+
+    #[test]
+    fn the_small_blob_under_the_click_comes_before_the_large_one_over_it() {
+        for gate in [NoiseGate::Auto, NoiseGate::Factor(1000.0)] {
+            let place = [81.0, 80.5];
+            let probe = at(&small_under_large(gate), place, ProbeOptions::default());
+            let apart = |fate: &Fate| (fate.pos_image[0] - place[0]).hypot(fate.pos_image[1] - place[1]);
+            let first = probe.subject_fate().expect("it is at the place");
+            assert_eq!(probe.subject.fate, Some(0));
+            assert!(apart(first) < AT_PLACE_PX && (1.4..4.0).contains(&first.sigma), "{first:?}");
+            assert_eq!(first.is_kept(), gate == NoiseGate::Auto);
+            // The large one responds more clearly, and is last all the same.
+            let large = probe.larger_fates().iter().find(|fate| fate.sigma > 10.0).expect("it reaches over the place");
+            assert!(large.snr > first.snr && apart(large) > AT_PLACE_PX, "{large:?}");
+            assert!(probe.near_fates().iter().all(|fate| fate.sigma < 10.0 || apart(fate) <= AT_PLACE_PX));
+            let beyond = probe.near_fates().iter().map(|fate| apart(fate).max(AT_PLACE_PX));
+            assert!(beyond.is_sorted(), "the nearest come first");
+        }
+    }
+
+    #[test]
+    fn with_a_scale_in_view_candidates_of_that_scale_come_first_but_the_place_stays() {
+        let (cache, place) = (small_under_large(NoiseGate::Auto), [81.0, 80.5]);
+        let plain = at(&cache, place, ProbeOptions::default());
+        let large = plain.larger_fates().iter().find(|fate| fate.sigma > 10.0).expect("over the place");
+        let near_sigma = Some(large.sigma);
+        let scaled = at(&cache, place, ProbeOptions { near_sigma, ..ProbeOptions::default() });
+        assert!((scaled.fates[0].sigma / large.sigma).ln().abs() < SAME_SCALE.ln(), "{:?}", scaled.fates[0]);
+        assert!(scaled.near > 0 && scaled.fates.len() == plain.fates.len());
+        let apart = (scaled.subject.pos_image[0] - place[0]).hypot(scaled.subject.pos_image[1] - place[1]);
+        assert!(apart <= AT_PLACE_PX, "{:?}", scaled.subject);
+        // Chosen candidates are examined wherever they are.
+        let wanted = Wanted::Candidate(large.of_sample());
+        let chosen = at(&cache, place, ProbeOptions { wanted, ..ProbeOptions::default() });
+        assert_eq!(chosen.subject_fate().map(Fate::of_sample), Some(large.of_sample()));
+    }
+
+    #[test]
+    fn a_place_without_a_candidate_stays_and_the_summary_says_what_is_near() {
+        let cache = small_under_large(NoiseGate::Factor(1000.0));
+        let place = [81.0, 80.5];
+        let probe = at(&cache, place, ProbeOptions::default());
+        let one = |du: f32, sigma| Fate { pos_image: [place[0] + du, place[1]], sigma, ..probe.fates[0].clone() };
+        let nearness = Nearness { place, sigma: None };
+        let mut fates = [one(30.0, 20.0), one(5.0, 12.0), one(7.0, 4.0), one(4.0, 2.0)];
+        assert_eq!(nearness.sort(&mut fates), 2);
+        assert_eq!(fates.each_ref().map(|fate| fate.sigma), [2.0, 4.0, 12.0, 20.0]);
+        let summary = |fates: &[Fate], near| summary_of(&nearness, fates, near, &probe.response);
+        let text = summary(&fates, 2);
+        assert!(
+            text.starts_with(
+                "No candidate lies within 3 px of this place. The nearest is 4 px away, with σ 2 px: below"
+            )
         );
-    };
-    let strength = if response.is_noiseless {
-        format!("The strongest candidate here has |D| {:.2e}", best.value.abs())
-    } else if best.snr.is_finite() {
-        format!("The strongest candidate here has {:.1} σ (the gate requires {:.2})", best.snr, response.gate)
-    } else {
-        format!("The strongest response here is {strongest:.1} σ")
-    };
-    format!("Nothing was kept here. {strength}: {}.", best.verdict)
+        assert_eq!(
+            summary(&fates[2..], 0),
+            "No candidate lies within 3 px of this place; 2 larger blobs reach over it."
+        );
+        assert!(summary(&[one(1.0, 2.0)], 1).starts_with("Nothing was kept here. The candidate here has SNR"));
+        let subject = subject(&cache.trail, &nearness, &fates, Wanted::Best).expect("valid");
+        assert_eq!((subject.fate, subject.pos_image, subject.level), (None, place, fates[0].level));
+    }
 }

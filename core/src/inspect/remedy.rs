@@ -92,7 +92,7 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
         Test::Duplicate => rival.map_or_else(
             || test.reason().to_owned(),
             |rival| {
-                let who = rival.feature.map_or_else(|| "a stronger keypoint".to_owned(), |f| format!("feature {f}"));
+                let who = rival.feature.map_or_else(|| "another keypoint".to_owned(), |f| format!("feature {f}"));
                 format!(
                     "the same blob as {who} at ({}, {}) with σ {} and slope {}, {} σ away",
                     number(rival.pos_image[0], 1),

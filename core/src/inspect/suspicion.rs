@@ -91,29 +91,36 @@ fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion
         })
         .map(|other| {
             let f = &features[other];
-            (
-                other,
-                (f.u - feature.u).hypot(f.v - feature.v) / f.sigma,
-                f.sigma.max(feature.sigma) / f.sigma.min(feature.sigma),
-            )
+            (other, (f.u - feature.u).hypot(f.v - feature.v) / f.sigma, f.sigma / feature.sigma)
         })
-        .filter(|(_, apart, ratio)| *apart < NEAR_SIGMAS && *ratio < NEAR_SCALES)
+        .filter(|(_, apart, ratio)| *apart < NEAR_SIGMAS && ratio.max(ratio.recip()) < NEAR_SCALES)
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let (other, apart, ratio) = nearest;
+    let (other, apart, _) = nearest;
     let stronger = &features[other];
     Some(Suspicion {
         kind: Kind::Duplicate,
-        evidence: format!(
-            "feature {other}, which is stronger, lies {} σ away, of {} times the scale, with slope {}",
-            number(apart, 2),
-            number(ratio, 2),
-            slope_text(stronger.slope)
-        ),
+        evidence: same_blob(other, stronger, feature, apart),
         number: apart,
         other: Some(other),
         other_slope: Some(stronger.slope),
         change: None,
     })
+}
+
+/// Evidence that feature `other`, which ranks before `feature`, shows the same blob. The one is the stronger by the
+/// number that is given: its SNR, or else its response.
+fn same_blob(other: usize, stronger: &Feature, feature: &Feature, apart_sigmas: f32) -> String {
+    let by = if stronger.snr.is_finite() && stronger.snr > feature.snr {
+        format!("SNR {} against {}", number(stronger.snr, 1), number(feature.snr, 1))
+    } else {
+        format!("|D| {:.2e} against {:.2e}", stronger.response.abs(), feature.response.abs())
+    };
+    format!(
+        "feature {other}, which is stronger ({by}), lies {} σ away, has {} times the scale of this one, and slope {}",
+        number(apart_sigmas, 2),
+        number(stronger.sigma / feature.sigma, 2),
+        slope_text(stronger.slope)
+    )
 }
 
 /// Suspicion that the feature is a ghost of a stronger one whose path crosses its own, where only a part of the frames
@@ -280,4 +287,43 @@ pub(super) fn stack_around(
     let parts: Vec<&Plane> = parts.iter().collect();
     let stack = motion_stack(&parts, Slope::default(), trail.params().interpolation, monitor)?;
     Ok((stack, [u - columns.start as f32, v - rows.start as f32]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn feature(sigma: f32, response: f32, snr: f32) -> Feature {
+        Feature {
+            u: 10.0,
+            v: 20.0,
+            sigma,
+            orientation: 0.0,
+            slope: Slope::new(-1.5, 0.0),
+            response,
+            snr,
+            octave: 0,
+            level: 1,
+            slope_index: 0,
+            at_slope_limit: false,
+        }
+    }
+
+    #[test]
+    fn a_ratio_of_scales_is_that_of_the_other_one_to_this_one() {
+        let (fine, coarse) = (feature(2.0, -0.02, 9.0), feature(3.6, -0.01, 8.0));
+        let says = |a: &Feature, b: &Feature| same_blob(0, a, b, 1.4);
+        assert!(says(&fine, &coarse).contains("has 0.56 times the scale"), "{}", says(&fine, &coarse));
+        assert!(says(&coarse, &fine).contains("has 1.8 times the scale"), "{}", says(&coarse, &fine));
+    }
+
+    #[test]
+    fn the_stronger_one_has_the_larger_of_the_numbers_given() {
+        let says = |a, b| same_blob(3, &a, &b, 1.4);
+        let by_snr = says(feature(2.0, -0.02, 9.0), feature(2.0, -0.03, 8.0));
+        assert!(by_snr.starts_with("feature 3, which is stronger (SNR 9 against 8), lies 1.4 σ away"), "{by_snr}");
+        // Features rank by |D|·√SNR: with less SNR, its |D| is the larger.
+        let by_response = says(feature(2.0, -0.04, 7.0), feature(2.0, 0.03, 8.0));
+        assert!(by_response.contains("stronger (|D| 4.00e-2 against 3.00e-2)"), "{by_response}");
+    }
 }

@@ -10,7 +10,8 @@ use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
-use crate::detector::Slope;
+use crate::detector::{Feature, Slope};
+use crate::inspect::probe::AT_PLACE_PX;
 use crate::requests::PictureKind;
 use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
 
@@ -107,8 +108,12 @@ pub(super) fn probe_ui(ui: &egui::Ui, model: &mut Model, drawn: &[(PaneId, Drawn
         return;
     }
     if is_with_shift(ui) {
-        // Features can be pointed at where they are listed.
-        let feature = model.hovered.filter(|_| model.workspace == Workspace::Inspect);
+        // Features can be pointed at where they are listed, and with their circle; the place clicked stays the subject.
+        let is_at = |[u, v]: [f32; 2], feature: &Feature| (feature.u - u).hypot(feature.v - v) <= AT_PLACE_PX;
+        let feature = model.hovered.filter(|index| {
+            let (place, feature) = (model.probe.pointer.map(|(_, place)| place), model.features().get(*index));
+            model.workspace == Workspace::Inspect && place.zip(feature).is_some_and(|(place, f)| is_at(place, f))
+        });
         match (feature, model.probe.pointer) {
             (Some(feature), _) => model.probe_feature(Side::A, feature),
             (None, Some((side, place))) => model.probe_place(side, place),

@@ -5,8 +5,10 @@
 
 use crate::app::pane::Pane;
 use crate::app::project::Model;
+use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
+use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope, SlopeChoice, SlopeGrid};
 use crate::engine::{Engine, Wanted};
 use crate::inspect::probe::Wanted as Subject;
@@ -39,6 +41,9 @@ pub struct ProbeModel {
     pub follows: bool,
     /// The question; `None` while nothing is probed.
     pub question: Option<ProbeQuestion>,
+    /// Scale σ near which candidates come first, input pixels: that of the DoG in view as the place was asked about,
+    /// until another is chosen; `None` for all scales alike.
+    pub near_sigma: Option<f32>,
     /// The trail from which answers come.
     pub traced: Option<Traced>,
     /// The last answer.
@@ -91,7 +96,7 @@ impl ProbeModel {
 
     /// Request for the question about the present trail; `None` without either.
     pub fn wanted(&self) -> Option<ProbeRequest> {
-        Some(ProbeRequest { traced: self.traced.clone()?, question: self.question? })
+        Some(ProbeRequest { traced: self.traced.clone()?, question: self.question?, near_sigma: self.near_sigma })
     }
 
     /// The probe of the burst of `side` for a session file; `None` while no place in it is known.
@@ -169,15 +174,13 @@ impl Model {
 
     /// Requests the trail and the answer that are missing. A running detection comes first: it leaves its trail.
     pub(in crate::app) fn ask_for_probed(&mut self, engine: &Engine, dragging: bool) {
-        let probe = &mut self.probe;
-        if let Some((side, place)) = probe.pointer.filter(|_| probe.follows) {
-            probe.turn_to(side);
-            probe.question = Some(ProbeQuestion::At { place, wanted: Subject::Best });
+        if let Some((side, place)) = self.probe.pointer.filter(|_| self.probe.follows) {
+            self.set_question(side, ProbeQuestion::At { place, wanted: Subject::Best });
         }
-        if !probe.is_on() {
+        if !self.probe.is_on() {
             return;
         }
-        let side = probe.side;
+        let side = self.probe.side;
         if !dragging && !self.slots[side].detecting.is_pending() && self.probe.problem.is_none() {
             match self.untraced() {
                 Some(source) => self.probe.wanted_trail.want(engine, Some(source)),
@@ -224,9 +227,23 @@ impl Model {
             self.messages.note("That place lies outside the picture at mid-burst");
             return;
         }
+        self.set_question(side, question);
+        (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
+    }
+
+    /// Sets the question about the burst of `side`, with the scale in view. A question about a feature has its own scale.
+    fn set_question(&mut self, side: Side, question: ProbeQuestion) {
         self.probe.turn_to(side);
         self.probe.question = Some(question);
-        (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
+        let has_scale = matches!(question, ProbeQuestion::At { wanted: Subject::Feature(_), .. });
+        self.probe.near_sigma = if has_scale { None } else { self.sigma_in_view() };
+    }
+
+    /// Scale σ of the DoG that the pane of the probed burst shows, input pixels; `None` for other content.
+    fn sigma_in_view(&self) -> Option<f32> {
+        let (pane, params) = (self.probed_pane(), self.usable_params_of(self.probe.side));
+        let space = ScaleSpace::of(&params);
+        pane.shows(ViewKind::Dog).then(|| space.sigma_image(pane.cursor.octave, f64::from(pane.cursor.level)) as f32)
     }
 
     /// The detection of the probed burst, if the present trail is not of it.
@@ -426,6 +443,32 @@ mod tests {
             bench.model.focus_on_side(side);
             assert_eq!(bench.model.feature_to_probe(), Some((side, index)));
         }
+    }
+
+    #[test]
+    fn the_scale_of_the_dog_in_view_comes_first_and_another_one_can_be_chosen() {
+        let mut bench = Bench::with_two_charts();
+        let place = [50.0, 30.0];
+        bench.model.probe_place(Side::A, place);
+        assert_eq!(bench.model.probe.near_sigma, None, "a stack shows all scales");
+        let pane = bench.model.panes.of_mut(Side::A);
+        (pane.cursor.octave, pane.cursor.level) = (1, 2);
+        pane.show(ViewKind::Dog);
+        bench.model.probe_place(Side::A, place);
+        bench.settle();
+        let scales = |model: &Model| model.probe.answer.as_ref().expect("answered").probe.response.scales.clone();
+        let shown = scales(&bench.model).into_iter().find(|s| (s.octave, s.level) == (1, 2)).expect("searched");
+        assert_eq!(bench.model.probe.near_sigma, Some(shown.sigma));
+        let finest = scales(&bench.model)[0].sigma;
+        bench.model.probe.near_sigma = Some(finest);
+        assert!(!bench.model.probe.is_current(), "another scale is another question");
+        bench.settle();
+        let (model, traced) = (&bench.model, bench.model.probe.traced.clone().expect("a trail"));
+        let options = ProbeOptions { near_sigma: Some(finest), ..ProbeOptions::default() };
+        let expected = probe(&traced.cache, place, &options, &Monitor::default()).expect("inside");
+        assert_eq!(model.probe.answer.as_ref().expect("answered").probe.fates, expected.fates);
+        bench.model.probe_feature(Side::A, 0);
+        assert_eq!(bench.model.probe.near_sigma, None, "a feature has its own scale");
     }
 
     #[test]

@@ -191,7 +191,9 @@ fn questions_about_a_detection_are_answered_by_inspect() {
     let cache = NothingKept.get_or_make(&source(), &no_monitor()).expect("valid");
     let traced = Traced { burst: open().id, cache: cache.clone() };
     let ask = |question| {
-        ProbeRequest { traced: traced.clone(), question }.compute(&Work::alone(&no_monitor())).expect("an answer")
+        ProbeRequest { traced: traced.clone(), question, near_sigma: None }
+            .compute(&Work::alone(&no_monitor()))
+            .expect("an answer")
     };
     let wanted = Wanted::Feature(0);
     let answer = ask(ProbeQuestion::At { place: [0.0, 0.0], wanted });

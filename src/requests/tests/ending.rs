@@ -33,7 +33,11 @@ fn what_was_cancelled_before_it_began_has_no_answer() {
     let detection = detected().detection;
     let matching = MatchRequest { a: detection.clone(), b: detection.clone(), params: Default::default() };
     let cache = none.get_or_make(&source(), &Monitor::default()).expect("valid");
-    let probe = ProbeRequest { traced: Traced { burst: open().id, cache }, question: ProbeQuestion::Strongest };
+    let probe = ProbeRequest {
+        traced: Traced { burst: open().id, cache },
+        question: ProbeQuestion::Strongest,
+        near_sigma: None,
+    };
     let earlier = Reference::Earlier { burst: open(), asked: params().into(), detection: None };
     let explain = ExplainRequest { of: source(), question: ExplainQuestion::Slopes };
     let poses = PosesRequest { estimate: None, truth: None, study: Default::default() };
@@ -109,7 +113,11 @@ fn in_a_burst_without_anything_there_is_no_strongest_candidate() {
     let burst = empty((32, 32), 3);
     let of = crate::requests::DetectionSource { burst, ..source() };
     let cache = NothingKept.get_or_make(&of, &Monitor::default()).expect("valid");
-    let request = ProbeRequest { traced: Traced { burst: of.burst.id, cache }, question: ProbeQuestion::Strongest };
+    let request = ProbeRequest {
+        traced: Traced { burst: of.burst.id, cache },
+        question: ProbeQuestion::Strongest,
+        near_sigma: None,
+    };
     assert!(why(request.compute(&Work::alone(&Monitor::default()))).contains("nothing in this burst is an extremum"));
 }
 

@@ -111,12 +111,14 @@ fn a_question_is_of_one_detection() {
     let cache = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
     let traced = |cache| Traced { burst: open().id, cache };
     let at = |place| ProbeQuestion::At { place, wanted: Wanted::Best };
-    let ask = |question| ProbeRequest { traced: traced(cache.clone()), question };
+    let ask = |question| ProbeRequest { traced: traced(cache.clone()), question, near_sigma: None };
     assert!(ask(at([3.0, 4.0])).is_same(&ask(at([3.0, 4.0]))));
     assert!(!ask(at([3.0, 4.0])).is_same(&ask(at([3.0, 5.0]))));
     assert!(!ask(at([3.0, 4.0])).is_same(&ask(ProbeQuestion::Strongest)));
+    let near_a_scale = ProbeRequest { near_sigma: Some(2.0), ..ask(at([3.0, 4.0])) };
+    assert!(!ask(at([3.0, 4.0])).is_same(&near_a_scale));
     let anew = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
-    let of_another = ProbeRequest { traced: traced(anew), question: ProbeQuestion::Strongest };
+    let of_another = ProbeRequest { traced: traced(anew), question: ProbeQuestion::Strongest, near_sigma: None };
     assert!(!ask(ProbeQuestion::Strongest).is_same(&of_another));
 
     let explain = |of, question| ExplainRequest { of, question };

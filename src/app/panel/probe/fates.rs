@@ -8,13 +8,14 @@ use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::style;
 use crate::detector::Test;
-use crate::inspect::Fate;
 use crate::inspect::fate::{Outcome, Rival, TestReport};
 use crate::inspect::probe::Wanted;
-use crate::inspect::report::value_text;
+use crate::inspect::report::{test_name, test_sentence, value_text};
 use crate::inspect::words::{counted_from_one, number, slope_text};
-use crate::requests::Probed;
+use crate::inspect::{Fate, Probe};
+use crate::requests::{ProbeQuestion, Probed};
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
+use std::ops::Range;
 
 /// Height of a row of the list, points.
 const ROW: f32 = 18.0;
@@ -38,59 +39,105 @@ fn short_name(test: Test) -> &'static str {
     }
 }
 
-/// Draws the list, and below it the selected candidate's tests.
+/// Draws the lists, and below them the selected candidate's tests.
 pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
-    let fates = &answer.probe.fates;
-    if fates.is_empty() {
+    let (probe, subject) = (&answer.probe, answer.probe.subject.fate);
+    scale_ui(ui, model, answer);
+    if probe.fates.is_empty() {
         ui.weak("No sample here is an extremum in place and scale.");
         return;
     }
-    heading_ui(ui);
-    let seen = fates.len().min(ROWS_SEEN) as f32;
-    ui.spacing_mut().item_spacing.y = 0.0;
-    ScrollArea::vertical().id_salt("fates").max_height(seen * ROW).auto_shrink([false, true]).show_rows(
-        ui,
-        ROW,
-        fates.len(),
-        |ui, rows| {
-            for index in rows {
-                if row_ui(ui, index, &fates[index], answer.probe.subject.fate == Some(index)) {
-                    model.probe.look_at(Wanted::Candidate(fates[index].of_sample()));
-                }
-            }
-        },
-    );
-    ui.spacing_mut().item_spacing.y = 3.0;
+    let near = 0..probe.near;
+    if near.is_empty() {
+        ui.weak("No candidate is centred near this place.");
+    } else {
+        list_ui(ui, model, answer, near.clone());
+    }
+    let larger = probe.near..probe.fates.len();
+    if !larger.is_empty() {
+        // Folded unless the selected candidate is there, or no other.
+        let is_open = near.is_empty() || subject.is_some_and(|index| larger.contains(&index));
+        egui::CollapsingHeader::new(format!("Larger blobs over this place ({})", larger.len()))
+            .id_salt(("larger blobs", is_open))
+            .default_open(is_open)
+            .show_unindented(ui, |ui| list_ui(ui, model, answer, larger));
+    }
     ui.add_space(4.0);
     match answer.probe.subject_fate() {
         Some(fate) => fate_ui(ui, model, fate, queue),
         None => {
-            ui.add(Label::new(RichText::new("No candidate at this slope and scale.").weak()).wrap());
+            let hint = match answer.request.question {
+                ProbeQuestion::At { wanted: Wanted::Scale { .. }, .. } => "No candidate at this slope and scale.",
+                _ => "Click a candidate to see its tests.",
+            };
+            ui.add(Label::new(RichText::new(hint).weak()).wrap());
         }
     }
 }
 
-/// Positions of the list's columns, as fractions of its width: σ, slope and strength end there, the test begins there.
-const COLUMNS: [f32; 4] = [0.12, 0.42, 0.58, 0.61];
+/// Draws the choice of the scale near which candidates come first.
+fn scale_ui(ui: &mut Ui, model: &mut Model, answer: &Probed) {
+    let sigma_text = |sigma: f32| format!("Near σ {} px", number(sigma, 1));
+    let chosen = model.probe.near_sigma;
+    let text = chosen.map_or_else(|| "All scales".to_owned(), sigma_text);
+    let combo = egui::ComboBox::from_id_salt("scale of candidates").selected_text(&text).show_ui(ui, |ui| {
+        ui.selectable_value(&mut model.probe.near_sigma, None, "All scales");
+        for scale in &answer.probe.response.scales {
+            ui.selectable_value(&mut model.probe.near_sigma, Some(scale.sigma), sigma_text(scale.sigma));
+        }
+    });
+    combo
+        .response
+        .on_hover_text("Candidates near this scale come first; a probe begins with the scale of the DoG in view")
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, format!("Scale of candidates: {text}")));
+}
+
+/// Draws a list of candidates, some rows of which are visible.
+fn list_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, listed: Range<usize>) {
+    let (fates, first) = (&answer.probe.fates[listed.clone()], listed.start);
+    heading_ui(ui);
+    let seen = fates.len().min(ROWS_SEEN) as f32;
+    let spacing = std::mem::replace(&mut ui.spacing_mut().item_spacing.y, 0.0);
+    let area = ScrollArea::vertical().id_salt(("fates", first > 0)).max_height(seen * ROW).auto_shrink([false, true]);
+    area.show_rows(ui, ROW, fates.len(), |ui, rows| {
+        for row in rows {
+            let (index, fate) = (first + row, &fates[row]);
+            if row_ui(ui, &answer.probe, index, answer.probe.subject.fate == Some(index)) {
+                model.probe.look_at(Wanted::Candidate(fate.of_sample()));
+            }
+        }
+    });
+    ui.spacing_mut().item_spacing.y = spacing;
+}
+
+/// Positions of the list's columns, as fractions of its width: distance, σ, slope and strength end there, the test
+/// begins there.
+const COLUMNS: [f32; 5] = [0.11, 0.22, 0.46, 0.59, 0.62];
 
 fn heading_ui(ui: &mut Ui) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let colour = ui.visuals().weak_text_color();
     let font = TextStyle::Small.resolve(ui.style());
-    let names = ["σ px", "slope", "SNR", "fails first at"];
+    let names = ["away", "σ px", "slope", "SNR", "fails first at"];
     for ((name, x), align) in names.into_iter().zip(COLUMNS).zip(ALIGNS) {
         let pos = egui::pos2(rect.left() + x * rect.width(), rect.center().y);
         ui.painter().text(pos, align, name, font.clone(), colour);
     }
     response.on_hover_text(
-        "Samples that are extrema in place and scale at their own slope, however weak; what came farthest is first",
+        "Samples that are extrema in place and scale at their own slope, however weak; away: px from the place\n\
+         The nearest come first; of those within 3 px the kept ones, then those with the largest SNR",
     );
 }
 
-const ALIGNS: [Align2; 4] = [Align2::RIGHT_CENTER, Align2::RIGHT_CENTER, Align2::RIGHT_CENTER, Align2::LEFT_CENTER];
+const ALIGNS: [Align2; 5] = {
+    let right = Align2::RIGHT_CENTER;
+    [right, right, right, right, Align2::LEFT_CENTER]
+};
 
 /// Draws one candidate; returns whether it was clicked.
-fn row_ui(ui: &mut Ui, index: usize, fate: &Fate, selected: bool) -> bool {
+fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
+    let fate = &probe.fates[index];
+    let ([u, v], [at_u, at_v]) = (fate.pos_image, probe.pos_image);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let visuals = ui.visuals();
     if selected || response.hovered() {
@@ -106,9 +153,10 @@ fn row_ui(ui: &mut Ui, index: usize, fate: &Fate, selected: bool) -> bool {
         }
     };
     let strength = if fate.snr.is_finite() { number(fate.snr, 1) } else { "∞".to_owned() };
+    let away = number((u - at_u).hypot(v - at_v), 1);
     let font = FontId::proportional(12.0);
     for ((text, x), align) in
-        [number(fate.sigma, 1), slope_text(fate.slope), strength, outcome.clone()].iter().zip(COLUMNS).zip(ALIGNS)
+        [away, number(fate.sigma, 1), slope_text(fate.slope), strength, outcome.clone()].iter().zip(COLUMNS).zip(ALIGNS)
     {
         let pos = egui::pos2(rect.left() + x * rect.width(), rect.center().y);
         let good = *text == outcome && fate.is_kept() && !selected;
@@ -117,7 +165,6 @@ fn row_ui(ui: &mut Ui, index: usize, fate: &Fate, selected: bool) -> bool {
     }
     let name = format!("Candidate {}: {}", index + 1, outcome.trim());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &name));
-    let [u, v] = fate.pos_image;
     let clicked = response.clicked();
     response.on_hover_text(format!(
         "At ({}, {}), octave {}, level {}\nD {:+.2e}, its noise {:.2e}\n{}",
@@ -159,11 +206,9 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, fate: &Fate, queue: &mut Queue) {
         rival_ui(ui, model, &rival);
     }
     ui.add_space(2.0);
-    egui::Grid::new("tests").num_columns(5).spacing([6.0, 1.0]).striped(true).show(ui, |ui| {
-        for report in &fate.tests {
-            test_ui(ui, report, fate.first_failed == Some(report.test));
-        }
-    });
+    for report in &fate.tests {
+        test_ui(ui, report, fate.first_failed == Some(report.test));
+    }
 }
 
 /// Makes a sentence: adds a capital letter and a full stop.
@@ -174,9 +219,8 @@ pub(super) fn sentence(text: &str) -> String {
 }
 
 fn rival_ui(ui: &mut Ui, model: &mut Model, rival: &Rival) {
-    let label = rival
-        .feature
-        .map_or_else(|| "Go to the stronger one".to_owned(), |index| format!("Go to feature {}", index + 1));
+    let label =
+        rival.feature.map_or_else(|| "Go to the other one".to_owned(), |index| format!("Go to feature {}", index + 1));
     let [u, v] = rival.pos_image;
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(rival.slope));
     if ui.button(label).on_hover_text(tip).clicked() {
@@ -195,7 +239,7 @@ fn rival_ui(ui: &mut Ui, model: &mut Model, rival: &Rival) {
     }
 }
 
-/// Draws one test: its outcome, name, value, limit and margin.
+/// Draws one test in words after its mark; the numbers are shown on hovering.
 fn test_ui(ui: &mut Ui, report: &TestReport, first: bool) {
     let (mark, colour, says) = match report.outcome {
         Outcome::Passes => ("✔", style::good(ui), "passes"),
@@ -206,23 +250,18 @@ fn test_ui(ui: &mut Ui, report: &TestReport, first: bool) {
     };
     let (value, limit) = numbers_of(report);
     let margin = report.margin().map(margin_text).unwrap_or_default();
-    let tip = format!("{}: {says}", crate::inspect::report::test_name(report.test));
-    let small = |text: String| RichText::new(text).size(12.0);
-    let accessible = format!("{tip} {value} {limit}");
-    ui.label(RichText::new(mark).color(colour));
-    let mut name = small(short_name(report.test).to_owned());
-    if first {
-        name = name.strong();
-    }
-    let response = ui.label(name);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &accessible));
-    response.on_hover_text(&tip);
-    for text in [value, limit, margin] {
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(small(text).color(ui.visuals().text_color())).on_hover_text(&tip);
-        });
-    }
-    ui.end_row();
+    let tip = format!("{}: {says} {value} {limit} {margin}", test_name(report.test));
+    let is_weak = matches!(report.outcome, Outcome::NotAsked | Outcome::Unknown);
+    let text = format!("{}: {}", short_name(report.test), counted_from_one(&test_sentence(report)));
+    let mut text = RichText::new(text).size(12.0);
+    text = if is_weak { text.weak() } else { text };
+    text = if first { text.strong() } else { text };
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let (rect, _) = ui.allocate_exact_size(vec2(12.0, 14.0), Sense::hover());
+        ui.painter().text(rect.center(), Align2::CENTER_CENTER, mark, FontId::proportional(12.0), colour);
+        ui.add(Label::new(text).wrap()).on_hover_text(tip.trim_end());
+    });
 }
 
 fn numbers_of(report: &TestReport) -> (String, String) {
