@@ -7,6 +7,7 @@ use burstscope::Monitor;
 use burstscope::app::Startup;
 use burstscope::app::pane::{Content, SliceAxis};
 use burstscope::app::project::cursor::ViewKind;
+use burstscope::app::project::look::FeaturesShown;
 use burstscope::app::project::side::Side;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
@@ -72,7 +73,7 @@ fn a_feature_says_why_it_was_kept() {
 fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     let mut window = demo();
     // Shown features would be probed instead of the places beside them.
-    window.app_mut().model.look.overlay = false;
+    window.app_mut().model.look.overlay = FeaturesShown::None;
     let ui = |window: &Window, u: f32, v: f32| window.app().ui_from_image(pos2(u, v)).unwrap();
     let near = |window: &Window, u: f32, v: f32| {
         let place = window.app().model.probe.place().expect("a place");

@@ -226,7 +226,7 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::CompareAgain => model.compare.forget_failures(),
         A::ToggleOverlay if model.workspace == Workspace::Methods => model.compare.look.features ^= true,
         A::ToggleOverlay if model.workspace == Workspace::Pair => model.pair.look.features ^= true,
-        A::ToggleOverlay => model.look.overlay ^= true,
+        A::ToggleOverlay => model.look.overlay = model.look.overlay.next(),
         A::ToggleMotion => model.look.motion_vectors ^= true,
         A::ToggleOrientation => model.look.orientations ^= true,
         A::ToggleLegend => model.look.legend ^= true,

@@ -5,6 +5,7 @@ use crate::app::measure::Tool;
 use crate::app::pane::{Link, MAX_PANES, Over};
 use crate::app::project::Model;
 use crate::app::project::against::With;
+use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Method, SearchParams};
@@ -150,7 +151,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ToggleAlone => Some(matches.alone),
         A::ToggleEpipolar => Some(matches.geometry),
         A::ToggleOverlay if model.workspace == Workspace::Pair => Some(matches.features),
-        A::ToggleOverlay => Some(model.look.overlay),
+        A::ToggleOverlay => Some(model.look.overlay != FeaturesShown::None),
         A::ToggleMotion => Some(model.look.motion_vectors),
         A::ToggleOrientation => Some(model.look.orientations),
         A::ToggleLegend => Some(model.look.legend),

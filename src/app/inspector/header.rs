@@ -6,6 +6,8 @@ use super::widgets::{PaneWidgets, long_description, short_description};
 use crate::app::actions::Queue;
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::project::Model;
+use crate::app::project::look::FeaturesShown;
+use crate::app::project::workspace::Workspace;
 use crate::app::{canvas, style};
 use egui::{
     Align, Button, CursorIcon, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind,
@@ -18,6 +20,8 @@ const ONE_LINE: f32 = 440.0;
 const ROOM_FOR_NUMBERS: f32 = 560.0;
 /// As `ROOM_FOR_NUMBERS`, for a single pane, which has no links.
 const ROOM_FOR_NUMBERS_ALONE: f32 = 400.0;
+/// Minimum width of a single pane's header with the switch of its features, in points.
+const ROOM_FOR_FEATURES: f32 = 620.0;
 /// Minimum width of a header with the split buttons, in points; narrower ones have them in the menu only.
 const ROOM_FOR_SPLITS: f32 = 190.0;
 
@@ -56,6 +60,9 @@ pub fn header_ui(
                 let is_slice = matches!(model.panes.get(id).map(|pane| pane.content), Some(Content::Slice(_)));
                 if !is_slice && width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
                     numbers_ui(ui, model, id);
+                }
+                if !is_slice {
+                    drawn_ui(ui, model, widgets.of(id).picture.drawn_of, !many && width >= ROOM_FOR_FEATURES);
                 }
                 let current = model.is_current(id);
                 let has_picture = model.panes.get(id).is_some_and(|pane| pane.picture.is_some());
@@ -98,6 +105,22 @@ fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> He
         label.on_hover_cursor(CursorIcon::Grab);
     }
     response
+}
+
+/// Draws how many features are drawn in full of those in view, and where there is room the switch of features.
+fn drawn_ui(ui: &mut Ui, model: &mut Model, drawn_of: Option<(usize, usize)>, has_switch: bool) {
+    if let Some((drawn, in_view)) = drawn_of.filter(|(drawn, in_view)| drawn < in_view) {
+        ui.weak(format!("{drawn} of {in_view} drawn"))
+            .on_hover_text("The strongest features of each part of the view; the others are dots. Zoom in for more");
+    }
+    if has_switch && model.workspace == Workspace::Inspect {
+        // From the right end of the line the buttons are drawn in reverse.
+        for choice in FeaturesShown::ALL.into_iter().rev() {
+            let text = RichText::new(choice.label()).small();
+            let button = ui.selectable_value(&mut model.look.overlay, choice, text);
+            button.on_hover_text(format!("{} (O)", choice.help()));
+        }
+    }
 }
 
 /// Draws zoom and range.

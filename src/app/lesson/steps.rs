@@ -3,6 +3,7 @@
 use crate::app::canvas::{View, Zoom};
 use crate::app::pane::{Content, PaneId, PaneLinks, Preset};
 use crate::app::project::cursor::{Cursor, ViewKind};
+use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model, Panels};
@@ -23,7 +24,8 @@ pub(super) fn set_up(model: &mut Model, state: &State) {
     model.panels =
         Panels { left: true, right: state.select.is_some(), bottom: state.tab.is_some() || in_pair, filmstrip: false };
     model.auto_detect = state.detect.unwrap_or(false);
-    model.look.overlay = state.features.unwrap_or(model.auto_detect);
+    let has_features = state.features.unwrap_or(model.auto_detect);
+    model.look.overlay = if has_features { FeaturesShown::ThisSlope } else { FeaturesShown::None };
     model.bottom_tab = match state.tab.unwrap_or(Tab::Table) {
         Tab::Table => BottomTab::Table,
         Tab::Tally => BottomTab::Tally,

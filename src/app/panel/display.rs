@@ -5,11 +5,13 @@ use crate::app::canvas::overlay::{ColourBy, ColourScale};
 use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
-use crate::app::panel::widgets::section_ui;
+use crate::app::panel::widgets::{label_ui, section_ui};
 use crate::app::project::Model;
-use crate::app::project::look::RangeClass;
+use crate::app::project::look::{FeaturesShown, RangeClass};
 use crate::plane::display::Display;
-use egui::{Align2, Color32, Mesh, Rect, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2};
+use egui::{
+    Align2, Color32, Mesh, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2,
+};
 
 /// State of the panel, kept between passes: a histogram for each class of picture.
 #[derive(Default)]
@@ -65,7 +67,6 @@ fn overlay_ui(ui: &mut Ui, model: &mut Model) {
         ui.spacing_mut().item_spacing.x = 6.0;
         ui.spacing_mut().icon_spacing = 3.0;
         let boxes = [
-            (&mut model.look.overlay, "Features", "Features over the picture (O)"),
             (&mut model.look.motion_vectors, "Motion", "Each feature's motion over the burst (M)"),
             (&mut model.look.orientations, "Ticks", "Each feature's orientation (R)"),
             (&mut model.look.legend, "Legend", "What the colours mean (L)"),
@@ -74,12 +75,24 @@ fn overlay_ui(ui: &mut Ui, model: &mut Model) {
             ui.checkbox(on, label).on_hover_text(tip);
         }
     });
+    ui.horizontal(|ui| {
+        label_ui(ui, "Features", 69.0);
+        features_shown_ui(ui, &mut model.look.overlay);
+    });
+}
+
+/// Draws the switch of the features over the pictures.
+pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown) {
+    for choice in FeaturesShown::ALL {
+        let button = ui.selectable_value(shown, choice, RichText::new(choice.label()).small());
+        button.on_hover_text(format!("{} (O)", choice.help()));
+    }
 }
 
 /// Draws the choice of the features' colours.
 fn colouring_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
-        let label = crate::app::panel::widgets::label_ui(ui, "Colour by", 69.0);
+        let label = label_ui(ui, "Colour by", 69.0);
         egui::ComboBox::from_id_salt("colour by")
             .selected_text(model.colour_by.name())
             .width(ui.available_width() - 6.0)

@@ -6,6 +6,7 @@ use crate::app::panel::against::{self, marks_ui};
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::explained::coherence_words;
+use crate::app::project::look::FeaturesShown;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
@@ -58,7 +59,7 @@ impl FeatureLayer {
         let are_drawn = match model.workspace {
             Workspace::Pair => model.pair.look.features,
             Workspace::Methods => model.compare.look.features,
-            _ => model.look.overlay,
+            _ => model.look.overlay != FeaturesShown::None,
         };
         let pane = model.panes.get(id).filter(|_| are_drawn)?;
         let detection = model.detection_in(pane)?.clone();
@@ -70,7 +71,7 @@ impl FeatureLayer {
             None => detection.features.clone(),
         };
         let shown = if is_listed { model.listed_flags() } else { vec![true; detection.features.len()] };
-        Some(Self {
+        let mut layer = Self {
             placed,
             in_frame: dt.is_some(),
             shown,
@@ -83,13 +84,43 @@ impl FeatureLayer {
             is_listed,
             method: pane.method,
             detection,
-        })
+        };
+        if layer.slope.is_some() && model.look.overlay == FeaturesShown::ThisSlope {
+            for index in 0..layer.shown.len() {
+                layer.shown[index] &= !layer.is_faint(index);
+            }
+        }
+        Some(layer)
     }
 
     /// Colours of the features.
     pub fn scale(&self, model: &Model) -> overlay::ColourScale {
         let scale = overlay::ColourScale::of(model.colour_by, &self.detection.features);
         scale.with_coherences(model.coherence.of(&self.detection))
+    }
+
+    /// Choice of the features that are drawn in full over the canvas of `output`: the strongest of each part of it, and
+    /// those selected or pointed at. Features of other slopes than the picture's take no place from its own.
+    fn in_full(&self, output: &CanvasOutput) -> overlay::Drawn {
+        let choose = |faint: bool| {
+            let shown: Vec<bool> =
+                self.shown.iter().enumerate().map(|(i, shown)| *shown && self.is_faint(i) == faint).collect();
+            let always = |i: usize| [self.selected, self.hovered].contains(&Some(i));
+            overlay::drawn(&self.placed, Some(&shown), output.ui_from_image, output.visible_image, always)
+        };
+        let (mut all, faint) = (choose(false), choose(true));
+        all.flags.iter_mut().zip(faint.flags).for_each(|(flag, faint)| *flag |= faint);
+        (all.drawn, all.in_view) = (all.drawn + faint.drawn, all.in_view + faint.in_view);
+        all
+    }
+
+    /// The feature at `pos_ui`: one that is drawn in full, otherwise one whose dot lies there.
+    fn at(&self, output: &CanvasOutput, in_full: &overlay::Drawn, pos_ui: Pos2) -> Option<usize> {
+        let drawn = overlay::feature_at(&self.placed, Some(&in_full.flags), output.ui_from_image, pos_ui);
+        drawn.or_else(|| {
+            let dots: Vec<bool> = self.shown.iter().zip(&in_full.flags).map(|(shown, full)| *shown && !full).collect();
+            overlay::dot_at(&self.placed, &dots, output.ui_from_image, pos_ui)
+        })
     }
 
     /// Whether the feature moves by another slope than that of the picture, in which it is blurred then.
@@ -110,6 +141,7 @@ pub fn features_ui(
     output: &CanvasOutput,
     options: FeatureOptions,
 ) {
+    state.drawn_of = None;
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
     let Some(pane) = model.panes.get(id) else { return };
     let (side, is_of_burst) = (pane.side, matches!(model.workspace, Workspace::Inspect | Workspace::Pair));
@@ -127,15 +159,15 @@ pub fn features_ui(
     let on_top = layer.is_listed && model.explained.pointed.is_none();
     let can_be_pointed_at = on_top || layer.method.is_some();
     let pointer = output.pointer_ui.filter(|pos| can_be_pointed_at && output.painter.clip_rect().contains(*pos));
-    let pointed =
-        pointer.and_then(|pos| overlay::feature_at(&layer.placed, Some(&layer.shown), output.ui_from_image, pos));
+    let in_full = layer.in_full(output);
+    let pointed = pointer.and_then(|pos| layer.at(output, &in_full, pos));
     if pointer.is_some() {
         layer.hovered = pointed;
         if on_top {
             model.hovered = pointed;
         }
     }
-    draw(&layer, &scale, output);
+    state.drawn_of = Some(draw(&layer, &scale, output));
     let clicked_here = |pos: Pos2| output.painter.clip_rect().contains(pos);
     if on_top && output.response.clicked() && output.response.interact_pointer_pos().is_none_or(clicked_here) {
         model.selected = pointed;
@@ -148,14 +180,18 @@ pub fn features_ui(
         tip_ui(ui, &name, &layer.placed[i], coherence);
     }
     if options.legend && model.look.legend && !layer.placed.is_empty() {
-        let notes = [layer.slope.map(|_| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
+        let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
+        let notes = [has_faint.then(|| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
         legend_ui(ui, &scale, &notes.into_iter().flatten().collect::<Vec<_>>(), output.response.rect);
     }
 }
 
-fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutput) {
+/// Draws the layer; returns the numbers of features drawn in full and in view.
+fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutput) -> (usize, usize) {
+    let in_full = layer.in_full(output);
+    let numbers = (in_full.drawn, in_full.in_view);
     let style = overlay::OverlayStyle {
-        shown: Some(&layer.shown),
+        shown: Some(&in_full.flags),
         selected: layer.selected,
         hovered: layer.hovered,
         stale: layer.stale,
@@ -163,15 +199,21 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
         motion: layer.motions,
         ..overlay::OverlayStyle::new(scale, layer.detection.frames_used.len())
     };
+    overlay::draw_dots(
+        output,
+        &layer.placed,
+        &overlay::OverlayStyle { shown: Some(&layer.shown), ..style },
+        &in_full.flags,
+    );
     if layer.in_frame {
         // The motion over the whole burst stays; the circles move along it.
         let ways = overlay::OverlayStyle { circles: false, orientations: false, ..style };
         overlay::draw_features(output, &layer.detection.features, &ways);
         overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { motion: false, ..style });
-        return;
+        return numbers;
     }
     let flags = |faint: bool| -> Vec<bool> {
-        layer.shown.iter().enumerate().map(|(i, shown)| *shown && layer.is_faint(i) == faint).collect()
+        in_full.flags.iter().enumerate().map(|(i, shown)| *shown && layer.is_faint(i) == faint).collect()
     };
     let (faint, full) = (flags(true), flags(false));
     let below = overlay::OverlayStyle {
@@ -185,6 +227,7 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
     };
     overlay::draw_features(output, &layer.placed, &below);
     overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { shown: Some(&full), ..style });
+    numbers
 }
 
 /// Maximum distance in slope of features that belong to the picture, in pixels per frame: slightly more than half-way

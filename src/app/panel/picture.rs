@@ -2,7 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{self, Quantity, Readout, overlay};
-use crate::app::project::look::RangeClass;
+use crate::app::project::look::{FeaturesShown, RangeClass};
 use crate::app::project::{Model, Stale};
 use crate::app::style;
 use crate::detector::{Detection, Feature, Slope};
@@ -23,6 +23,8 @@ pub struct PictureState {
     /// Colours of a map that has its own, on the card.
     colours: Option<(Arc<MotionMap>, egui::TextureHandle)>,
     scale: Option<(Arc<Detection>, overlay::ColourScale)>,
+    /// Numbers of features drawn in full, and in view, as last drawn; `None` without features.
+    pub drawn_of: Option<(usize, usize)>,
 }
 
 impl PictureState {
@@ -178,7 +180,7 @@ pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
 /// Draws a warning over a picture whose features belong to other parameters.
 pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
-    if !model.look.overlay || model.slots.a.detecting.is_pending() {
+    if model.look.overlay == FeaturesShown::None || model.slots.a.detecting.is_pending() {
         return;
     }
     let text = match stale {

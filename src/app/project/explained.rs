@@ -2,6 +2,7 @@
 //! each feature of either burst (its coherence).
 
 use crate::app::project::Model;
+use crate::app::project::look::FeaturesShown;
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
 use crate::app::view::ColourBy;
@@ -216,7 +217,9 @@ impl Model {
     pub fn missing_coherence(&self, side: Side) -> Option<CoherenceRequest> {
         let is_shown = match self.workspace {
             Workspace::Pair => true,
-            Workspace::Inspect => self.look.overlay && self.panes.iter().any(|(_, pane)| pane.side == side),
+            Workspace::Inspect => {
+                self.look.overlay != FeaturesShown::None && self.panes.iter().any(|(_, pane)| pane.side == side)
+            }
             _ => false,
         };
         if self.colour_by != ColourBy::Coherence || !is_shown || self.slots[side].detecting.is_pending() {

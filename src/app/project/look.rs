@@ -125,6 +125,75 @@ impl Ranges {
     }
 }
 
+/// Features that are drawn over a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FeaturesShown {
+    /// Those that move by the picture's slope. All, over a picture that belongs to no slope.
+    #[default]
+    ThisSlope,
+    /// All; those at other slopes are fainter.
+    All,
+    /// None.
+    None,
+}
+
+impl FeaturesShown {
+    /// All choices, in the order of their switch.
+    pub const ALL: [Self; 3] = [Self::ThisSlope, Self::All, Self::None];
+
+    /// Name in the window.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::ThisSlope => "This slope",
+            Self::All => "All",
+            Self::None => "None",
+        }
+    }
+
+    /// Description, for a tooltip.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::ThisSlope => "Features that move by the slope of the picture",
+            Self::All => "Features of all slopes; those of other slopes are fainter",
+            Self::None => "No features",
+        }
+    }
+
+    /// The next choice.
+    pub fn next(self) -> Self {
+        match self {
+            Self::ThisSlope => Self::All,
+            Self::All => Self::None,
+            Self::None => Self::ThisSlope,
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for FeaturesShown {
+    /// Reads a choice, or the switch of older sessions: features over the picture or none.
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        enum Word {
+            ThisSlope,
+            All,
+            None,
+        }
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Saved {
+            Before(bool),
+            Now(Word),
+        }
+        Ok(match Saved::deserialize(deserializer)? {
+            Saved::Before(false) | Saved::Now(Word::None) => Self::None,
+            Saved::Before(true) | Saved::Now(Word::All) => Self::All,
+            Saved::Now(Word::ThisSlope) => Self::ThisSlope,
+        })
+    }
+}
+
 /// Look of pictures and features.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -132,8 +201,8 @@ pub struct Look {
     /// The value ranges that panes share.
     #[serde(flatten)]
     pub ranges: Ranges,
-    /// Whether features are drawn over the picture.
-    pub overlay: bool,
+    /// The features that are drawn over the picture.
+    pub overlay: FeaturesShown,
     /// Whether each feature's motion over the burst is drawn.
     pub motion_vectors: bool,
     /// Whether each feature's orientation is drawn.
@@ -144,6 +213,12 @@ pub struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Self { ranges: Ranges::default(), overlay: true, motion_vectors: true, orientations: true, legend: true }
+        Self {
+            ranges: Ranges::default(),
+            overlay: FeaturesShown::default(),
+            motion_vectors: true,
+            orientations: true,
+            legend: true,
+        }
     }
 }

@@ -2,7 +2,7 @@
 //! table of their numbers in the columns of the paper.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines};
+use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines, drawn_lines};
 use crate::app::inspector::{Change, Drawn, chip_ui, inspector_ui};
 use crate::app::pane::{MethodsPreset, Over, PaneId};
 use crate::app::panel;
@@ -142,6 +142,9 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
         for canvases in views.canvases().iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
             let rows = matches.rows().filter(|row| look.shows(row.inlier));
             let lines: Vec<MatchLine> = rows.map(|row| line_of(&row, canvases.shifts)).collect();
+            let flags = drawn_lines(&lines, &canvases.panes[0], |_| false);
+            let lines: Vec<MatchLine> =
+                lines.into_iter().zip(flags).filter(|(_, flag)| *flag).map(|(line, _)| line).collect();
             draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &lines, &style);
             let counts = matches.result.counts;
             let text = match counts.inliers {

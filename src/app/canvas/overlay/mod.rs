@@ -9,17 +9,19 @@
 //! with a line from the compared place. Candidates and other marks are plain circles.
 
 mod colour_by;
+mod density;
 mod match_lines;
 mod strokes;
 
 pub use crate::app::view::ColourBy;
 pub use colour_by::ColourScale;
+pub use density::{Drawn, drawn, drawn_lines};
 pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 
 use super::{CanvasOutput, RectTransform};
 use crate::detector::feature::Feature;
 use crate::detector::localise::rim_radius;
-use egui::{Color32, Mesh, Pos2, Shape, pos2};
+use egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, pos2};
 use rayon::prelude::*;
 use strokes::Strokes;
 
@@ -89,6 +91,25 @@ const MAX_WITH_EDGE: usize = 1500;
 
 /// Minimum radius of a drawn circle, in points, so that a feature never vanishes.
 const MIN_RADIUS_POINTS: f32 = 1.5;
+
+/// Radius of the dot of a feature that is not drawn in full, in points.
+const DOT_RADIUS_POINTS: f32 = 0.9;
+
+/// Draws a faint dot at the centre of each shown feature in view that `in_full` leaves out.
+pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>, in_full: &[bool]) {
+    let mut mesh = Mesh::default();
+    for (i, feature) in features.iter().enumerate().filter(|&(i, _)| is_shown(style.shown, i) && !in_full[i]) {
+        let at = pos2(feature.u, feature.v);
+        if output.visible_image.contains(at) {
+            let colour = style.scale.colour(i, feature).gamma_multiply(if style.stale { 0.3 } else { 0.6 });
+            let centre = output.ui_from_image.pos(at);
+            mesh.add_colored_rect(Rect::from_center_size(centre, Vec2::splat(2.0 * DOT_RADIUS_POINTS)), colour);
+        }
+    }
+    if !mesh.is_empty() {
+        output.painter.add(Shape::mesh(mesh));
+    }
+}
 
 /// Draws `features` over the canvas of `output`. Invisible features cost nothing; thousands are drawn at display rate.
 pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
@@ -167,6 +188,13 @@ fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
 
 /// Maximum distance of the pointer from a centre or a circle line, in points.
 const TOLERANCE_POINTS: f32 = 7.0;
+
+/// Index of the feature whose dot is nearest to `pos_ui`, within a few points; `dots` flags the features that are dots.
+pub fn dot_at(features: &[Feature], dots: &[bool], ui_from_image: RectTransform, pos_ui: Pos2) -> Option<usize> {
+    let distance = |i: usize| ui_from_image.pos(pos2(features[i].u, features[i].v)).distance(pos_ui);
+    let near = (0..features.len()).filter(|&i| dots[i]).map(|i| (distance(i), i));
+    near.filter(|(distance, _)| *distance <= TOLERANCE_POINTS).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
+}
 
 /// Index of the feature under `pos_ui`: that with the nearest centre or circle line within a few points; otherwise the
 /// smallest circle around the pointer. `shown` is as in [`OverlayStyle`].

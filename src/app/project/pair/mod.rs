@@ -60,6 +60,8 @@ pub struct PairState {
     pub selected: Option<usize>,
     /// Index of the match under the pointer, between the pictures or in the table.
     pub hovered: Option<usize>,
+    /// Numbers of match lines that are drawn, and of those that could be, as last drawn.
+    pub lines_drawn: (usize, usize),
     /// Match to select when the next matching ends.
     pub reselect: Option<SavedMatch>,
     /// The request for the matches.

@@ -48,9 +48,18 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option
     }
     let style =
         MatchLineStyle { opacity: look.opacity, selected: model.pair.selected, hovered, others_faint: focus.is_some() };
+    let always = |index| [model.pair.selected, hovered].contains(&Some(index));
+    // An unmatched feature that is asked about stands alone.
+    let lines: Vec<_> = if model.pair.lost.selected.is_some() { Vec::new() } else { lines };
+    let mut numbers = (0, 0);
     for (canvases, lines) in &lines {
-        overlay::draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, lines, &style);
+        let flags = overlay::drawn_lines(lines, &canvases.panes[0], always);
+        let drawn: Vec<MatchLine> =
+            lines.iter().zip(&flags).filter(|(_, flag)| **flag).map(|(line, _)| *line).collect();
+        overlay::draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &drawn, &style);
+        numbers = (numbers.0 + drawn.len(), numbers.1 + lines.len());
     }
+    model.pair.lines_drawn = numbers;
     if let Some(row) = focus.and_then(|index| matches.row(index)) {
         for view in &views.views {
             let feature = if view.side == Side::A { row.a } else { row.b };

@@ -1,0 +1,199 @@
+//! Choice of the features that are drawn in full, and of the lines of matches: as many of the strongest as each part of
+//! the picture can bear.
+//!
+//! The image is divided into square cells whose side is a power of two, in image pixels, and lies between
+//! [`CELL_POINTS`] and half of it on the screen. In each cell the strongest [`IN_A_CELL`] features are drawn. Cells of
+//! one zoom nest in those of the next coarser one, so zooming in only adds features; and because the cells belong to
+//! the image, panning changes none.
+
+use super::is_shown;
+use super::match_lines::{LineKind, MatchLine, Pane};
+use crate::app::canvas::RectTransform;
+use crate::detector::feature::Feature;
+use egui::{Pos2, Rect, pos2};
+
+/// Largest side of a cell on the screen, in points.
+const CELL_POINTS: f32 = 96.0;
+
+/// Number of features that are drawn in a cell.
+const IN_A_CELL: u16 = 2;
+
+/// Largest number of cells along a side of the view and its surroundings; larger views share the cells at their rim.
+const MAX_CELLS: usize = 256;
+
+/// Side of a cell in image pixels, for a picture of `points_per_pixel` points an image pixel.
+fn cell_image(points_per_pixel: f32) -> f32 {
+    (CELL_POINTS / points_per_pixel.clamp(1e-6, 1e6)).log2().floor().exp2()
+}
+
+/// The features that are drawn in full, and their number beside that of all that are in view.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Drawn {
+    /// Flag of each feature: drawn in full.
+    pub flags: Vec<bool>,
+    /// Number of features drawn in full whose centre is in view.
+    pub drawn: usize,
+    /// Number of shown features whose centre is in view.
+    pub in_view: usize,
+}
+
+/// Chooses among `features`, strongest first, those drawn in full where `view_image` is visible at the scale of
+/// `ui_from_image`. `shown` is as in [`super::OverlayStyle`]; features for which `always` holds are drawn whatever
+/// stands around them. Takes time in proportion to the number of features.
+pub fn drawn(
+    features: &[Feature],
+    shown: Option<&[bool]>,
+    ui_from_image: RectTransform,
+    view_image: Rect,
+    always: impl Fn(usize) -> bool,
+) -> Drawn {
+    let places = (0..features.len()).filter(|&i| is_shown(shown, i)).map(|i| (i, pos2(features[i].u, features[i].v)));
+    let mut cells = Cells::new(ui_from_image.scale(), view_image, IN_A_CELL);
+    let mut out = Drawn { flags: vec![false; features.len()], ..Drawn::default() };
+    for (i, place) in places {
+        let is_drawn = cells.take(place) || always(i);
+        out.flags[i] = is_drawn;
+        if view_image.contains(place) {
+            out.in_view += 1;
+            out.drawn += usize::from(is_drawn);
+        }
+    }
+    out
+}
+
+/// Chooses among `lines` those that are drawn: one for each part of A's picture, inliers before others, in their order;
+/// and those for which `always` holds. Returns a flag for each line.
+pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, always: impl Fn(usize) -> bool) -> Vec<bool> {
+    let t = pane_a.ui_from_image;
+    let view_image = t.inverse().rect(pane_a.rect_ui);
+    let mut cells = Cells::new(t.scale(), view_image, 1);
+    let mut flags = vec![false; lines.len()];
+    for is_inlier in [true, false] {
+        for (flag, line) in flags.iter_mut().zip(lines).filter(|(_, l)| (l.kind == LineKind::Inlier) == is_inlier) {
+            *flag = cells.take(line.a) || always(line.index);
+        }
+    }
+    flags
+}
+
+/// Square cells over a view and its surroundings, with the number of marks in each.
+struct Cells {
+    side: f32,
+    first: (f32, f32),
+    size: (usize, usize),
+    held: Vec<u16>,
+    most: u16,
+}
+
+impl Cells {
+    /// Empty cells for a picture of `points_per_pixel` that is visible in `view_image`, each for up to `most` marks.
+    fn new(points_per_pixel: f32, view_image: Rect, most: u16) -> Self {
+        let side = cell_image(points_per_pixel);
+        // Circles reach into the view from outside: cells one view around it are counted too.
+        let around = view_image.expand2(view_image.size());
+        let first = ((around.min.x / side).floor(), (around.min.y / side).floor());
+        let count = |to: f32, first: f32| (((to / side).floor() - first) as usize + 1).clamp(1, MAX_CELLS);
+        let size = (count(around.max.x, first.0), count(around.max.y, first.1));
+        Self { side, first, size, held: vec![0; size.0 * size.1], most }
+    }
+
+    /// Whether the cell of `place` has room for one more mark, which takes it.
+    fn take(&mut self, place: Pos2) -> bool {
+        let index =
+            |at: f32, first: f32, count: usize| (((at / self.side).floor() - first).max(0.0) as usize).min(count - 1);
+        let at = index(place.y, self.first.1, self.size.1) * self.size.0 + index(place.x, self.first.0, self.size.0);
+        let has_room = self.held[at] < self.most;
+        self.held[at] = self.held[at].saturating_add(1);
+        has_room
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::feature;
+    use super::*;
+    use egui::vec2;
+
+    /// A crowd of features, strongest first, spread over 400×300 pixels with a dense middle.
+    fn crowd(count: usize) -> Vec<Feature> {
+        let fraction = |i: usize, step: f32| (i as f32 * step).fract();
+        (0..count)
+            .map(|i| {
+                let (u, v) = (fraction(i, 0.618_034), fraction(i, 0.754_878));
+                let (u, v) = if i % 3 == 0 { (0.4 + 0.2 * u, 0.4 + 0.2 * v) } else { (u, v) };
+                feature(400.0 * u, 300.0 * v, 2.0, (0.0, 0.0), 1.0 / (1.0 + i as f32))
+            })
+            .collect()
+    }
+
+    fn view(corner: egui::Pos2, zoom: f32) -> (RectTransform, Rect) {
+        let size = vec2(800.0, 600.0) / zoom;
+        (RectTransform::new(corner, pos2(0.0, 0.0), zoom), Rect::from_min_size(corner, size))
+    }
+
+    fn flags(features: &[Feature], corner: egui::Pos2, zoom: f32) -> Vec<bool> {
+        let (transform, rect) = view(corner, zoom);
+        drawn(features, None, transform, rect, |_| false).flags
+    }
+
+    #[test]
+    fn a_view_bears_a_few_hundred_of_the_strongest_in_every_part() {
+        let features = crowd(5000);
+        let (transform, rect) = view(pos2(0.0, 0.0), 2.0);
+        let all = drawn(&features, None, transform, rect, |_| false);
+        assert!((100..600).contains(&all.drawn), "{}", all.drawn);
+        assert_eq!(all.in_view, 5000);
+        assert_eq!(all.drawn, all.flags.iter().filter(|flag| **flag).count());
+        // Each quarter of the picture has some, and the strongest is there.
+        for (u, v) in [(0.0, 0.0), (200.0, 0.0), (0.0, 150.0), (200.0, 150.0)] {
+            let quarter = Rect::from_min_size(pos2(u, v), vec2(200.0, 150.0));
+            let inside = |i: &usize| all.flags[*i] && quarter.contains(pos2(features[*i].u, features[*i].v));
+            assert!((0..features.len()).filter(inside).count() > 20);
+        }
+        assert!(all.flags[0]);
+    }
+
+    #[test]
+    fn zooming_in_only_adds_and_panning_changes_nothing() {
+        let features = crowd(3000);
+        let mut before = flags(&features, pos2(0.0, 0.0), 0.5);
+        for zoom in [0.7, 1.0, 1.3, 2.0, 3.9, 8.0, 30.0] {
+            let here = flags(&features, pos2(0.0, 0.0), zoom);
+            let seen = view(pos2(0.0, 0.0), zoom).1;
+            for (i, feature) in features.iter().enumerate().filter(|(_, f)| seen.contains(pos2(f.u, f.v))) {
+                assert!(here[i] || !before[i], "zoom {zoom}: ({}, {})", feature.u, feature.v);
+            }
+            before = here;
+        }
+        let seen = |corner| view(corner, 4.0).1;
+        let (a, b) = (pos2(20.0, 30.0), pos2(63.0, 47.0));
+        let (in_a, in_b) = (flags(&features, a, 4.0), flags(&features, b, 4.0));
+        let both = seen(a).intersect(seen(b));
+        let compared = (0..features.len()).filter(|&i| both.contains(pos2(features[i].u, features[i].v)));
+        let compared: Vec<usize> = compared.collect();
+        assert!(compared.len() > 50 && compared.iter().all(|&i| in_a[i] == in_b[i]));
+    }
+
+    #[test]
+    fn some_are_drawn_whatever_stands_around_them_and_hidden_ones_take_no_place() {
+        let features = crowd(5000);
+        let (transform, rect) = view(pos2(0.0, 0.0), 1.0);
+        let chosen = drawn(&features, None, transform, rect, |i| i == 4999);
+        assert!(chosen.flags[4999] && !flags(&features, pos2(0.0, 0.0), 1.0)[4999]);
+        let only_weak: Vec<bool> = (0..features.len()).map(|i| i >= 4900).collect();
+        let weak = drawn(&features, Some(&only_weak), transform, rect, |_| false);
+        assert!(weak.drawn > 40 && weak.in_view == 100 && !weak.flags[0]);
+    }
+
+    #[test]
+    fn odd_views_and_places_are_borne() {
+        let mut features = crowd(100);
+        features[3].u = f32::NAN;
+        features[4].v = f32::INFINITY;
+        features[5].u = -1e30;
+        for zoom in [1e-9, 1e-3, 1.0, 1e4, 1e9] {
+            let (transform, rect) = view(pos2(-1e5, 2e5), zoom);
+            assert_eq!(drawn(&features, None, transform, rect, |_| false).flags.len(), 100);
+        }
+    }
+}
