@@ -84,8 +84,8 @@ pub struct ProbeOptions {
     pub reach_sigmas: f32,
     /// Subject to examine more closely.
     pub wanted: Wanted,
-    /// Scale σ near which candidates come first, input pixels: the one in view. For [`Wanted::Feature`] without one, the
-    /// feature's.
+    /// Scale σ near which candidates come first, input pixels: the one in view. For [`Wanted::Feature`] without one,
+    /// the feature's.
     pub near_sigma: Option<f32>,
     /// Pixels to each side in the slices.
     pub slice_half_px: usize,
@@ -160,8 +160,8 @@ impl Probe {
     }
 }
 
-/// Largest distance from the place, input pixels, of a candidate that is examined without having been chosen. A click is
-/// no more exact than that, so candidates within it count as equally near.
+/// Largest distance from the place, input pixels, of a candidate that is examined without having been chosen. A click
+/// is no more exact than that, so candidates within it count as equally near.
 pub const AT_PLACE_PX: f32 = 3.0;
 /// Distance and σ, input pixels, above which a candidate beside the place is a larger blob.
 const LARGE_PX: f32 = 8.0;

@@ -231,7 +231,8 @@ impl Model {
         (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
     }
 
-    /// Sets the question about the burst of `side`, with the scale in view. A question about a feature has its own scale.
+    /// Sets the question about the burst of `side`, with the scale in view. A question about a feature has its own
+    /// scale.
     fn set_question(&mut self, side: Side, question: ProbeQuestion) {
         self.probe.turn_to(side);
         self.probe.question = Some(question);
