@@ -48,7 +48,7 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     }
     let exposure = params.exposure(&levels)?;
     let names: Vec<String> = inputs.iter().map(|i| safe_file_name(&i.name)).collect();
-    let open = |k: usize| -> Result<Burst, Failure> { Ok(inputs[k].open(&options, &console.monitor.silent())?) };
+    let open = |k: usize| -> Result<Burst, Failure> { inputs[k].open(&options, &console.monitor.silent()) };
     console.begin(String::new());
     let truth = write_noisy(&args.out, &names, names.len() > 1, &params, &exposure, open, &console.monitor)?;
     let noise = truth.noise.map_or_else(

@@ -58,8 +58,8 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     let counts = expected(home.path(), (0, 2));
     assert!(window.shows(&format!("{} putative matches, {} inliers", counts.putative, counts.inliers.unwrap())));
     let matrix = window.harness.get_by_role_and_label(Role::Image, "Match matrix").rect();
-    // Cells are 64 points large; the first row is 18 points below the top, the first column 96 to the right.
-    window.click_at(matrix.min + egui::vec2(96.0 + 1.5 * 64.0, 18.0 + 2.5 * 64.0));
+    // Cells are 64 points large; the first row is 72 points below the top, the first column 96 to the right.
+    window.click_at(matrix.min + egui::vec2(96.0 + 1.5 * 64.0, 72.0 + 2.5 * 64.0));
     assert_eq!(dataset(&window).pair, [Some(1), Some(2)]);
     window.key(Key::ArrowUp);
     assert_eq!(dataset(&window).pair, [Some(0), Some(2)], "arrow keys move through the matrix");

@@ -2,6 +2,7 @@
 
 use crate::support::{Start, noisy_stack};
 use burstscope::app::project::filter::Column;
+use burstscope::app::project::look::FeaturesShown;
 use burstscope::detector::{Method, SlopeGrid};
 use burstscope::inspect::words::counted;
 use egui::Key;
@@ -24,6 +25,8 @@ fn detect_finds_what_the_detector_finds() {
 #[test]
 fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    window.app_mut().model.look.overlay = FeaturesShown::All;
+    window.settle();
     let strongest = &window.app().model.features()[0];
     let in_picture = window.app().ui_from_image(egui::pos2(strongest.u, strongest.v)).unwrap();
     let in_table = window.harness.get_by_role_and_label(Role::Row, "Feature 2").rect().center();
@@ -45,6 +48,7 @@ fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
 #[test]
 fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     let mut window = Start::default().open();
+    window.app_mut().model.look.overlay = FeaturesShown::All;
     let features = window.app().model.features().to_vec();
     // Zoomed in enough to tell features apart, on one with no other nearby, so that the click is unambiguous.
     const POINTS_PER_PX: f32 = 8.0;

@@ -147,7 +147,7 @@ fn tooltips_of_kinds_of_picture_of_sliders_and_of_columns_lead_to_their_words() 
     let mut window = open();
     window.click("Menu of pane");
     follow_the_tooltip(&mut window, Role::RadioButton, "Coverage", "Coverage");
-    assert!(window.shows("Which share of the frames sees a place"));
+    assert!(window.shows("Share of the frames that see a place"));
 }
 
 #[test]

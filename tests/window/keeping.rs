@@ -4,6 +4,7 @@ use crate::support::{Memory, Start, noisy_stack};
 use burstscope::app::Startup;
 use burstscope::app::canvas::View;
 use burstscope::app::pane::SavedPanes;
+use burstscope::app::project::look::FeaturesShown;
 use burstscope::app::project::pair::Side;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
@@ -189,6 +190,7 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
 fn features_pictures_and_figures_are_exported() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::default().open();
+    window.app_mut().model.look.overlay = FeaturesShown::All;
     let count = window.app().model.features().len();
     let exports = [
         ("features as csv", "f.csv"),

@@ -12,7 +12,7 @@ use egui_kittest::kittest::Queryable;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-const OFFER: &str = "did not end in the ordinary way";
+const OFFER: &str = "ended unexpectedly";
 
 /// Start of a window that saves its session in `folder`, after each change.
 fn keeping(folder: &Path, start: Start) -> Start {
@@ -67,6 +67,7 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     end_in_the_ordinary_way(next);
     let mut last = keeping(&folder, Start::nothing_open()).open();
     last.click("Discard…");
+    last.settle();
     assert!(last.shows(OFFER) && last.shows("Delete the saved session?"), "nothing is deleted unasked");
     last.click("Delete");
     assert!(!last.shows(OFFER));

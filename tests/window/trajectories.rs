@@ -116,7 +116,7 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     let row = |window: &Window, name: &str| window.harness.get_by_role_and_label(Role::Row, name).rect().center();
     let at = row(&window, "Camera burst_01.png");
     window.double_click_at(at);
-    assert!(window.shows("Open the dataset that burst_01.png is of"));
+    assert!(window.shows("Open the dataset of burst_01.png"));
     window.dialogs.will_choose(&nights);
     window.run_action("open");
     window.settle();

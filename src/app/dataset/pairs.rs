@@ -372,7 +372,8 @@ mod tests {
         let context = egui::Context::default();
         let screen = Rect::from_min_size(Pos2::ZERO, vec2(600.0, 500.0));
         let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
-        let output = context.run_ui(input, |ui| assert_eq!(matrix_ui(ui, &mut dataset), None));
+        let mut output = context.run_ui(input, |ui| assert_eq!(matrix_ui(ui, &mut dataset), None));
+        output.textures_delta.clear();
         let text = |shape: &egui::epaint::ClippedShape| match &shape.shape {
             egui::Shape::Text(text) => Some((text.galley.text().to_owned(), text.angle != 0.0)),
             _ => None,

@@ -22,6 +22,8 @@ const ROOM_FOR_NUMBERS: f32 = 560.0;
 const ROOM_FOR_NUMBERS_ALONE: f32 = 400.0;
 /// Minimum width of a single pane's header with the switch of its features, in points.
 const ROOM_FOR_FEATURES: f32 = 620.0;
+/// Minimum width of a single pane's header with that switch and the range, in points.
+const ROOM_FOR_ALL: f32 = 800.0;
 /// Minimum width of a header with the split buttons, in points; narrower ones have them in the menu only.
 const ROOM_FOR_SPLITS: f32 = 190.0;
 
@@ -59,7 +61,8 @@ pub fn header_ui(
                 ui.spacing_mut().item_spacing.x = 6.0;
                 let is_slice = matches!(model.panes.get(id).map(|pane| pane.content), Some(Content::Slice(_)));
                 if !is_slice && width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
-                    numbers_ui(ui, model, id);
+                    let has_range = many || !(ROOM_FOR_FEATURES..ROOM_FOR_ALL).contains(&width);
+                    numbers_ui(ui, model, id, has_range);
                 }
                 if !is_slice {
                     drawn_ui(ui, model, widgets.of(id).picture.drawn_of, !many && width >= ROOM_FOR_FEATURES);
@@ -123,12 +126,15 @@ fn drawn_ui(ui: &mut Ui, model: &mut Model, drawn_of: Option<(usize, usize)>, ha
     }
 }
 
-/// Draws zoom and range.
-fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId) {
+/// Draws the zoom and, where there is room, the range.
+fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId, has_range: bool) {
     let Some(pane) = model.panes.get(id) else { return };
     let display = model.display_of(id);
     let percent = 100.0 * pane.view.points_per_pixel() * ui.ctx().pixels_per_point();
     ui.weak(format!("{percent:.0} %")).on_hover_text("Zoom: screen pixels per image pixel");
+    if !has_range {
+        return;
+    }
     ui.weak("·");
     let (min, max) = (canvas::number(display.min, 3), canvas::number(display.max, 3));
     ui.weak(format!("{min} … {max}"))

@@ -243,7 +243,7 @@ impl Model {
     /// Scale σ of the DoG that the pane of the probed burst shows, input pixels; `None` for other content.
     fn sigma_in_view(&self) -> Option<f32> {
         let (pane, params) = (self.probed_pane(), self.usable_params_of(self.probe.side));
-        let space = ScaleSpace::of(&params);
+        let space = ScaleSpace::of(params);
         pane.shows(ViewKind::Dog).then(|| space.sigma_image(pane.cursor.octave, f64::from(pane.cursor.level)) as f32)
     }
 
@@ -439,7 +439,7 @@ mod tests {
         assert_eq!((bench.model.probe.side, bench.model.selected), (Side::A, Some(1)));
         // Of a match, the feature on the side in focus.
         bench.model.pair.selected = Some(0);
-        let found = bench.model.pair.matches.as_ref().and_then(|m| m.row(0)).expect("they match").found.clone();
+        let found = bench.model.pair.matches.as_ref().and_then(|m| m.row(0)).expect("they match").found;
         for (side, index) in [(Side::A, found.a), (Side::B, found.b)] {
             bench.model.focus_on_side(side);
             assert_eq!(bench.model.feature_to_probe(), Some((side, index)));

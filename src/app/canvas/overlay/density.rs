@@ -13,10 +13,13 @@ use crate::detector::feature::Feature;
 use egui::{Pos2, Rect, pos2};
 
 /// Largest side of a cell on the screen, in points.
-const CELL_POINTS: f32 = 96.0;
+const CELL_POINTS: f32 = 64.0;
 
 /// Number of features that are drawn in a cell.
 const IN_A_CELL: u16 = 2;
+
+/// Number of lines that begin in a cell.
+const LINES_IN_A_CELL: u16 = 3;
 
 /// Largest number of cells along a side of the view and its surroundings; larger views share the cells at their rim.
 const MAX_CELLS: usize = 256;
@@ -61,12 +64,12 @@ pub fn drawn(
     out
 }
 
-/// Chooses among `lines` those that are drawn: one for each part of A's picture, inliers before others, in their order;
+/// Chooses among `lines` those that are drawn: a few for each part of A's picture, inliers before others, in their order;
 /// and those for which `always` holds. Returns a flag for each line.
 pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);
-    let mut cells = Cells::new(t.scale(), view_image, 1);
+    let mut cells = Cells::new(t.scale(), view_image, LINES_IN_A_CELL);
     let mut flags = vec![false; lines.len()];
     for is_inlier in [true, false] {
         for (flag, line) in flags.iter_mut().zip(lines).filter(|(_, l)| (l.kind == LineKind::Inlier) == is_inlier) {

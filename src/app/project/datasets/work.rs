@@ -197,7 +197,7 @@ impl Model {
                 self.workspace = Workspace::Inspect;
             }
             Some((None, name)) => {
-                self.messages.note(format!("{name} has no burst with the name of the camera {label}"))
+                self.messages.note(format!("{name} has no burst with the name of the camera {label}"));
             }
             None => self.messages.note(format!("Open the dataset of {label} to show its burst")),
         }

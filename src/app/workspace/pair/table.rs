@@ -200,7 +200,7 @@ pub fn numbers_ui(ui: &mut Ui, model: &Model) {
         let (drawn, lines) = model.pair.lines_drawn;
         if drawn < lines {
             ui.weak(format!("{drawn} of {lines} lines drawn")).on_hover_text(
-                "One line for each part of A's picture, inliers first. Zoom in for more; a row or an end shows its line",
+                "A few lines for each part of A's picture, inliers first. Zoom in for more; a row or an end shows its line",
             );
         }
         if let Some(problem) = model.stale_matches().map(str::to_owned).or_else(|| without_geometry(matches)) {
