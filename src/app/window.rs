@@ -2,7 +2,7 @@
 //! middle, the status bar below.
 //!
 //! Each part of it is given what it reads and what it owns. What a part changes beyond that comes back as an
-//! [`Effect`](crate::app::project::Effect), which `effects` applies.
+//! [`Effect`], which `effects` applies.
 
 use super::actions::{self, ActionId, Queue, menu::menu_bar_ui};
 use super::canvas::Readout;

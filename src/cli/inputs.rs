@@ -18,6 +18,7 @@ use crate::requests::BurstSource;
 use std::path::{Path, PathBuf};
 
 /// Name of the built-in burst; a folder of that name is given as `./demo`.
+#[cfg(any(test, feature = "app"))]
 pub(super) const DEMO: &str = "demo";
 
 /// One burst named by the arguments.

@@ -5,7 +5,7 @@
 //! mixing of two rows into one.
 //!
 //! Inside, where every frame of a row covers the column and the next one, rows are weighted sums of the frames' rows
-//! ([`WeightedRows`]); the pixels that belong together and their weights are the same for all rows that the same frames
+//! (`WeightedRows`); the pixels that belong together and their weights are the same for all rows that the same frames
 //! cover, so they are computed once. Each frame pixel adds to two pixels of the sum, the one at its place and the one
 //! before, in proportion to the frame's fraction of a column. So two sums are made of the frames, both from the same
 //! loads and in registers, and finally added, the second one shifted by a pixel. Where no frame has a fraction there is

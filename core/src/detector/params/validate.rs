@@ -7,7 +7,7 @@ use super::{DetectorParams, MIN_OCTAVE_SIDE, Method, Param, doc};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{parameter}: {problem}; {remedy}")]
 pub struct ParamError {
-    /// [`ParamDoc::name`] of the parameter to change.
+    /// `ParamDoc::name` of the parameter to change.
     pub parameter: &'static str,
     /// The fault.
     pub problem: String,

@@ -14,5 +14,4 @@ mod text;
 pub use database::{
     DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
 };
-#[cfg(feature = "colmap")]
 pub use text::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};
