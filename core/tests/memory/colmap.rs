@@ -16,7 +16,7 @@ fn the_memory_of_an_export_does_not_grow_with_the_number_of_bursts() {
     let _alone = crate::alone();
     let home = tempfile::tempdir().expect("a folder");
     let most = 36;
-    let scene = SceneParams { width: 160, height: 120, frames: most, snr: 4.0, seed: 5, ..SceneParams::default() };
+    let scene = SceneParams { width: 400, height: 300, frames: most, snr: 4.0, seed: 5, ..SceneParams::default() };
     let (film, truth) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
     let folder = home.path().join("film");
     write_burst(&folder, &film, &truth, &Monitor::default()).expect("written");
@@ -25,7 +25,7 @@ fn the_memory_of_an_export_does_not_grow_with_the_number_of_bursts() {
     let bursts = cut_sequence(sequence, SequenceCut::new(1, None).expect("a cut")).expect("bursts");
     let params = DetectorParams {
         method: Method::Sift,
-        noise_gate: NoiseGate::Factor(0.5),
+        noise_gate: NoiseGate::Factor(0.25),
         peak_threshold: 1e-4,
         ..DetectorParams::default()
     };
