@@ -163,7 +163,7 @@ actions! {
     OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
     ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";
     ZoomOut, View 2, "Zoom out", [NONE Minus], "Reduce around the centre";
-    ToggleOverlay, View 3, "Features over the picture", [NONE O], "Show or hide the features";
+    ToggleOverlay, View 3, "Features over the picture", [NONE O], "Draw the features of this slope, all features, or none";
     ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst";
     ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation";
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours";
