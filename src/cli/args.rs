@@ -139,7 +139,7 @@ pub(super) fn parse_slope(text: &str) -> Result<Slope, String> {
     Ok(Slope::new(number(u)?, number(v)?))
 }
 
-/// How bursts are searched and opened, and what is said of it.
+/// Options of the search, of opening bursts, and of the output.
 #[derive(Debug, Clone, Args)]
 pub struct BurstSearchArgs {
     #[allow(missing_docs)]
@@ -153,7 +153,7 @@ pub struct BurstSearchArgs {
     pub output: OutputArgs,
 }
 
-/// How the values of files become light.
+/// Options that turn the values of files into linear light.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Calibration", allow_negative_numbers = true)]
 pub struct CalibrationArgs {
@@ -202,7 +202,7 @@ impl CalibrationArgs {
     }
 }
 
-/// What is printed, and with how many threads the work is done.
+/// Options of the output: JSON, quiet, number of threads.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Output")]
 pub struct OutputArgs {
@@ -222,7 +222,7 @@ pub struct OutputArgs {
     pub memory: Option<u64>,
 }
 
-/// What may be written over.
+/// Options for files that exist already.
 #[derive(Debug, Clone, Copy, Default, Args)]
 #[command(next_help_heading = "Output")]
 pub struct OverwriteArgs {

@@ -21,7 +21,7 @@ pub(super) const DETECTOR_KEY: &str = "detector";
 /// Record of a finished burst.
 pub(super) type BurstRecord = Record<KeptBurst>;
 
-/// What is recorded of a finished burst.
+/// Facts about a finished burst, kept in its record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct KeptBurst {
     /// Stamps of its files.

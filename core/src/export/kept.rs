@@ -59,7 +59,7 @@ pub(crate) struct Record<T> {
     /// Program and settings that made the result.
     #[serde(flatten)]
     pub made_from: MadeFrom,
-    /// What else is known of the result, such as checksums of its files; an object in JSON.
+    /// Facts about the result, such as checksums of its files; an object in JSON.
     #[serde(flatten)]
     pub of: T,
 }

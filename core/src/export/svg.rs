@@ -44,7 +44,7 @@ impl<W: Write> SvgWriter<W> {
         Ok(self.out)
     }
 
-    /// What the part was written to.
+    /// Writer that holds the part.
     pub fn into_inner(self) -> W {
         self.out
     }

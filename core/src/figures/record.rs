@@ -15,7 +15,7 @@ const PIECES_FOLDER: &str = "pieces";
 /// Record of a finished figure.
 pub(super) type FigureRecord = Record<KeptFigure>;
 
-/// What is recorded of a finished figure.
+/// Facts about a finished figure, kept in its record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct KeptFigure {
     /// The figure.
@@ -57,7 +57,7 @@ pub(super) struct Pieces {
     records: Records,
 }
 
-/// What is recorded of a part: the part itself.
+/// Part of a figure, as its record keeps it.
 #[derive(Serialize, Deserialize)]
 struct Piece<T> {
     value: T,

@@ -1,4 +1,4 @@
-//! What the panes of the inspector share: the state of their widgets between passes, their names (in headers, on
+//! State and names that the panes of the inspector share: their widgets between passes, their names (in headers, on
 //! tabs, for screen readers and tests), and the pairs of panes of A and of B that face each other, between which
 //! match lines are drawn.
 
