@@ -48,6 +48,7 @@ pub fn header_ui(
     let mut answer = HeaderResponse::default();
     let many = model.panes.are_many();
     let width = ui.available_width();
+    let is_slice = matches!(model.panes.get(id).map(|pane| pane.content), Some(Content::Slice(_)));
     widgets.of(id).picture.refresh(model.panes.get(id).and_then(|pane| pane.picture.as_ref()));
     let margin = if many { Margin::symmetric(4, 1) } else { Margin::symmetric(8, 3) };
     Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill).show(ui, |ui| {
@@ -59,12 +60,11 @@ pub fn header_ui(
                     links_ui(ui, model, id, true);
                 }
                 ui.spacing_mut().item_spacing.x = 6.0;
-                let is_slice = matches!(model.panes.get(id).map(|pane| pane.content), Some(Content::Slice(_)));
                 if !is_slice && width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
-                    let has_range = many || !(ROOM_FOR_FEATURES..ROOM_FOR_ALL).contains(&width);
+                    let has_range = many || width >= ROOM_FOR_ALL;
                     numbers_ui(ui, model, id, has_range);
                 }
-                if !is_slice {
+                if !is_slice && (!many || width >= ONE_LINE) {
                     drawn_ui(ui, model, widgets.of(id).picture.drawn_of, !many && width >= ROOM_FOR_FEATURES);
                 }
                 let current = model.is_current(id);
@@ -81,6 +81,9 @@ pub fn header_ui(
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 2.0;
                 links_ui(ui, model, id, false);
+                if !is_slice {
+                    drawn_ui(ui, model, widgets.of(id).picture.drawn_of, false);
+                }
             });
         }
     });
