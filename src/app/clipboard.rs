@@ -151,6 +151,7 @@ mod tests {
             full_scale: 255.0,
             image_from_picture_scale: 1.0,
             quantity: Default::default(),
+            smoothing_px: 0.0,
         };
         assert_eq!((value_text(&readout), place_text(&readout)), ("-0.25".to_owned(), "12.35, 6.00".to_owned()));
     }

@@ -53,6 +53,11 @@ pub fn want(ctx: &Context, wanted: &[Part]) {
     });
 }
 
+/// Whether `part` is pointed at: whatever hides it opens.
+pub fn is_wanted(ctx: &Context, part: Part) -> bool {
+    with(ctx, |parts| parts.wanted.contains(&part))
+}
+
 /// The parts that are pointed at, with their visible rectangles, as drawn last.
 pub fn drawn(ctx: &Context) -> Vec<(Part, Rect)> {
     with(ctx, |parts| parts.drawn.iter().map(|(part, rect)| (*part, *rect)).collect())

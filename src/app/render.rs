@@ -4,6 +4,7 @@ use super::offscreen::{OffscreenError, render_offscreen};
 use super::settings::Settings;
 use super::startup::Startup;
 use super::window::BurstscopeApp;
+use crate::app::project::Panels;
 use crate::app::project::cursor::ViewKind;
 use crate::burst::{Burst, OpenOptions};
 use crate::dataset::DatasetSource;
@@ -123,6 +124,8 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     let settings = Settings {
         theme: if options.light { egui::ThemePreference::Light } else { egui::ThemePreference::Dark },
         auto_detect: options.detect,
+        // A picture has no use for buttons.
+        panels: Panels { welcome: false, ..Panels::default() },
         ..Settings::default()
     };
     let startup = Startup {

@@ -145,6 +145,7 @@ impl BurstscopeApp {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.theme);
+        self.model.window_width_points = ctx.content_rect().width();
         self.model.refresh_workspace();
         let cursor_before = CursorBefore::of(&self.model);
         self.take_answers(&ctx);
@@ -296,6 +297,10 @@ impl BurstscopeApp {
             });
         } else {
             self.workspace_ui(ui, queue);
+            if let Some(rect_ui) = self.widgets.get(self.model.focus()).and_then(|widgets| widgets.rect_ui) {
+                let Self { model, lessons, .. } = self;
+                start_lesson = panel::first_start::card_ui(ui.ctx(), model, lessons, rect_ui, queue);
+            }
         }
         self.drop_hint_ui(ui);
         if let Some(place) = open_burst {

@@ -6,6 +6,7 @@ use super::open::{BurstId, OpenBurst};
 use crate::detector::params::Stage;
 use crate::detector::{DetectorParams, FrameRange, Method, Slope};
 use crate::plane::Plane;
+use crate::plane::blur::smoothed;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::difference;
 use image::RgbaImage;
@@ -115,6 +116,8 @@ pub struct PictureRequest {
     pub kind: PictureKind,
     /// The parameters; only those that decide the picture make two requests differ.
     pub params: DetectorParams,
+    /// Standard deviation of the Gaussian by which the picture is smoothed for looking at it, in input pixels; 0 for none.
+    pub smoothing_px: f32,
     minus: Option<Box<PictureRequest>>,
 }
 
@@ -124,6 +127,7 @@ pub(crate) struct PictureKey {
     burst: BurstId,
     kind: KindKey,
     minus: Option<(BurstId, KindKey)>,
+    smoothing_bits: u32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -140,7 +144,15 @@ struct KindKey {
 impl PictureRequest {
     /// Picture `kind` of `burst`, made with `params`.
     pub fn new(burst: OpenBurst, kind: PictureKind, params: DetectorParams) -> Self {
-        Self { burst, kind, params, minus: None }
+        Self { burst, kind, params, smoothing_px: 0.0, minus: None }
+    }
+
+    /// The picture smoothed for looking at it, by a Gaussian of `sigma_px` input pixels; unchanged where the values are
+    /// no brightnesses or responses.
+    #[must_use]
+    pub fn smoothed(self, sigma_px: f32) -> Self {
+        let is_smooth = matches!(RangeClass::of(&self), RangeClass::Noise | RangeClass::Share | RangeClass::Motion);
+        Self { smoothing_px: if is_smooth { 0.0 } else { sigma_px }, ..self }
     }
 
     /// The difference: this picture minus `other`, on this picture's pixels. Differences of differences are not made:
@@ -155,15 +167,16 @@ impl PictureRequest {
         self.minus.as_deref()
     }
 
-    /// The picture without what is subtracted from it.
+    /// The picture without what is subtracted from it, and without smoothing.
     #[must_use]
     pub fn alone(&self) -> Self {
-        Self { minus: None, ..self.clone() }
+        Self { minus: None, smoothing_px: 0.0, ..self.clone() }
     }
 
     pub(crate) fn key(&self) -> PictureKey {
         let minus = self.minus().map(|minus| (minus.burst.id, minus.kind_key()));
-        PictureKey { burst: self.burst.id, kind: self.kind_key(), minus }
+        let smoothing_bits = self.smoothing_px.to_bits();
+        PictureKey { burst: self.burst.id, kind: self.kind_key(), minus, smoothing_bits }
     }
 
     fn kind_key(&self) -> KindKey {
@@ -203,6 +216,8 @@ pub struct Picture {
     pub request: PictureRequest,
     /// Its pixels; fraction of full scale.
     pub plane: Arc<Plane>,
+    /// Its pixels as they are shown: the same, or smoothed.
+    pub drawn: Arc<Plane>,
     /// The winning slopes and their colours, for a map of winning slopes.
     pub motion: Option<Arc<MotionMap>>,
 }
@@ -212,24 +227,29 @@ impl Picture {
     pub fn bytes(&self) -> usize {
         let pixels = std::mem::size_of_val(self.plane.data());
         // Three planes and the colours, a number for each pixel.
-        if self.motion.is_some() { 5 * pixels } else { pixels }
+        let drawn = if Arc::ptr_eq(&self.plane, &self.drawn) { 0 } else { pixels };
+        drawn + if self.motion.is_some() { 5 * pixels } else { pixels }
     }
 
-    /// Renders the picture: one opaque pixel for each value, in `display`'s range and colours unless it has its own
+    /// Renders the picture as it is shown: one opaque pixel for each value, in `display`'s range and colours unless it has its own
     /// colours.
     pub fn rgba(&self, display: &Display) -> RgbaImage {
-        self.motion.as_ref().map_or_else(|| to_rgba8(&self.plane, display), |motion| motion.colours.clone())
+        self.motion.as_ref().map_or_else(|| to_rgba8(&self.drawn, display), |motion| motion.colours.clone())
     }
 
     /// This picture minus `other`, on this picture's pixels: between its pixels `other` is taken linearly; beside it
     /// the difference is NaN.
     pub(crate) fn minus(&self, other: &Self) -> Self {
         let (step, step_other) = (self.request.kind.input_px_per_pixel(), other.request.kind.input_px_per_pixel());
-        Self {
-            request: self.request.alone().less(&other.request),
-            plane: Arc::new(difference(&self.plane, &other.plane, step / step_other)),
-            motion: None,
-        }
+        let plane = Arc::new(difference(&self.plane, &other.plane, step / step_other));
+        let request = self.request.alone().less(&other.request);
+        Self { request, drawn: plane.clone(), plane, motion: None }
+    }
+
+    /// This picture, smoothed for looking at it by a Gaussian of `sigma_px` input pixels.
+    pub(crate) fn smoothed(self, sigma_px: f32) -> Self {
+        let sigma = f64::from(sigma_px / self.request.kind.input_px_per_pixel());
+        Self { drawn: Arc::new(smoothed(&self.plane, sigma)), request: self.request.smoothed(sigma_px), ..self }
     }
 
     pub(crate) fn is_frame(&self) -> bool {

@@ -41,7 +41,7 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
             Arc::new(plane)
         }
     };
-    Ok(Picture { request, plane, motion })
+    Ok(Picture { request, drawn: plane.clone(), plane, motion })
 }
 
 impl Request for PictureRequest {
@@ -67,6 +67,11 @@ impl Request for PictureRequest {
             return Ok(picture);
         }
         let picture = match self.minus().cloned() {
+            // The picture without smoothing is kept too, for another one.
+            _ if self.smoothing_px > 0.0 => {
+                let sigma_px = self.smoothing_px;
+                self.smoothed(0.0).compute(work)?.smoothed(sigma_px)
+            }
             None => plain(self, work)?,
             // Both pictures are kept too: they are mostly shown beside their difference.
             Some(minus) => self.alone().compute(work)?.minus(&minus.compute(work)?),

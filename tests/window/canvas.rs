@@ -6,13 +6,20 @@ use burstscope::app::canvas::overlay::{self, ColourBy, ColourScale, OverlayStyle
 use burstscope::app::canvas::{Canvas, Picture, RectTransform, View, Zoom};
 use burstscope::app::gpu::PictureRenderer;
 use burstscope::app::histogram::HistogramPanel;
-use burstscope::detector::params::slope_grid::Slope;
+use burstscope::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use burstscope::plane::Plane;
 use burstscope::plane::display::{ColourMap, Display};
 use egui::{Event, Modifiers, MouseWheelUnit, Pos2, Rect, TouchPhase, Vec2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
+
+/// Slopes of the features of these tests: a plane, whose colours are directions.
+const SLOPES: SlopeGrid = SlopeGrid {
+    u: SlopeAxis { min: -3.0, max: 3.0, count: 7 },
+    v: SlopeAxis { min: -3.0, max: 3.0, count: 7 },
+    direction_deg: 0.0,
+};
 
 /// A window with a canvas, its histogram and a legend.
 struct Window {
@@ -98,7 +105,7 @@ fn window() -> Window {
 }
 
 fn window_ui(ui: &mut egui::Ui, w: &mut Window) {
-    let scale = ColourScale::of(w.colour_by, &w.features);
+    let scale = ColourScale::of(w.colour_by, &w.features, &SLOPES);
     egui::Panel::right("side").exact_size(290.0).show(ui, |ui| {
         ui.heading("Display");
         if w.histogram.ui(ui, w.picture.as_ref(), w.visible, &mut w.display) {
@@ -361,7 +368,7 @@ fn thousands_of_features_draw_with_few_triangles() {
         })
         .collect();
     let picture = Picture::new(Arc::new(Plane::zeros(1600, 1200)), "frame");
-    let scale = ColourScale::of(ColourBy::SlopeDirection, &features);
+    let scale = ColourScale::of(ColourBy::SlopeDirection, &features, &SLOPES);
     let ctx = egui::Context::default();
     let input = || egui::RawInput {
         screen_rect: Some(Rect::from_min_size(Pos2::ZERO, Vec2::new(1600.0, 1000.0))),

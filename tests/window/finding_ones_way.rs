@@ -3,6 +3,7 @@
 use crate::support::Start;
 use burstscope::app::actions::{ACTIONS, ActionId};
 use burstscope::app::project::cursor::ViewKind;
+use burstscope::app::project::look::FeaturesShown;
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 
@@ -130,4 +131,28 @@ fn the_palette_is_as_high_as_its_list_and_begins_with_what_is_mostly_wanted() {
     window.key(Key::Enter);
     window.settle();
     assert!(window.app().model.slots.a.found.is_some(), "with nothing typed Enter detects");
+}
+
+#[test]
+fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
+    let mut window = Start::default().open();
+    window.app_mut().model.look.overlay = FeaturesShown::All;
+    window.settle();
+    let feature = window.app().model.features()[0];
+    let place = window.app().ui_from_image(egui::pos2(feature.u, feature.v)).expect("drawn");
+    window.harness.hover_at(place);
+    window.harness.run_steps(3);
+    assert!(window.shows("px/frame\nresponse"), "the tip");
+    window.ctrl(Key::P);
+    window.harness.run_steps(2);
+    assert!(window.shows("Find an action") && !window.shows("px/frame\nresponse"));
+    window.key(Key::Escape);
+    window.harness.run_steps(3);
+    assert!(window.shows("px/frame\nresponse"), "it comes back");
+    // A dialog that is no question to the whole window lies over the picture too.
+    window.run_action("Figure options");
+    let dialog = window.harness.get_by_label("Figure options").rect();
+    window.harness.hover_at(dialog.center_bottom() + egui::vec2(0.0, 40.0));
+    window.harness.run_steps(3);
+    assert!(!window.shows("px/frame\nresponse"));
 }

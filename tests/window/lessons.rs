@@ -3,6 +3,7 @@
 use crate::support::{Memory, Start, Window};
 use burstscope::app::pane::SavedPanes;
 use burstscope::app::parts;
+use burstscope::app::project::Panels;
 use burstscope::app::project::cursor::ViewKind;
 use burstscope::app::project::effect::Purpose;
 use burstscope::app::settings::Settings;
@@ -309,7 +310,7 @@ fn nothing_is_lost_of_what_was_open() {
     let mut memory = Memory::default();
     eframe::App::save(window.app_mut(), &mut memory);
     let settings = Settings::load(&memory);
-    assert!(settings.panels.bottom && settings.auto_detect, "the lesson's panels are nobody's setting");
+    assert!(settings.panels == Panels::all() && settings.auto_detect, "the lesson's panels are nobody's setting");
     assert_eq!(settings.lessons["out-of-the-dark"].done, [0].into());
 }
 

@@ -73,7 +73,7 @@ fn shortcuts() {
 
 #[test]
 fn light_theme() {
-    let settings = Settings { theme: egui::ThemePreference::Light, ..Settings::default() };
+    let settings = Settings { theme: egui::ThemePreference::Light, ..given().settings };
     let startup = Startup { settings, ..given() };
     let mut window = Start { size: PLAIN, startup, ..Start::default() }.open();
     window.key(Key::Home);

@@ -21,6 +21,7 @@ mod dataset_matches;
 mod datasets;
 mod detecting;
 mod finding_ones_way;
+mod first_start;
 mod help;
 mod keeping;
 mod lab;

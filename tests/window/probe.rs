@@ -161,7 +161,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
 
 #[test]
 fn the_probe_is_to_be_read_on_a_light_ground_too() {
-    let settings = Settings { theme: egui::ThemePreference::Light, ..Settings::default() };
+    let settings = Settings { theme: egui::ThemePreference::Light, ..given().settings };
     let startup = Startup { settings, ..given() };
     let mut window = Start { size: [1280.0, 800.0], startup, ..Start::default() }.open();
     window.key(Key::Home);

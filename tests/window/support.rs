@@ -2,6 +2,7 @@
 
 use crate::{harness as common, pictures};
 use burstscope::app::dialogs::{FileDialogs, Question};
+use burstscope::app::project::Panels;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
 use burstscope::app::{BurstscopeApp, Startup};
@@ -72,9 +73,14 @@ impl Default for Start {
     }
 }
 
+/// Settings of a window with all panels open, in which tests reach every part.
+fn all_open() -> Settings {
+    Settings { panels: Panels::all(), ..Settings::default() }
+}
+
 /// The demo, searched at the default slopes: for tests of given slopes.
 pub fn given() -> Startup {
-    Startup { params: DetectorParams::default().into(), ..Startup::default() }
+    Startup { params: DetectorParams::default().into(), settings: all_open(), ..Startup::default() }
 }
 
 /// Lets worker processes decode raw files, as the window of the program does.
@@ -86,9 +92,14 @@ fn with_decode_worker() {
 }
 
 impl Start {
-    /// Settings as the program starts: slopes are found.
+    /// Slopes are found, as the program does.
     pub fn automatic() -> Self {
-        Self { startup: Startup::default(), ..Self::default() }
+        Self { startup: Startup { settings: all_open(), ..Startup::default() }, ..Self::default() }
+    }
+
+    /// Very first start of the program, in a window of `size` points.
+    pub fn first(size: [f32; 2]) -> Self {
+        Self { size, startup: Startup::default(), ..Self::default() }
     }
 
     pub fn nothing_open() -> Self {
@@ -96,7 +107,7 @@ impl Start {
     }
 
     pub fn without_auto_detect() -> Self {
-        let settings = Settings { auto_detect: false, ..Settings::default() };
+        let settings = Settings { auto_detect: false, ..all_open() };
         Self { startup: Startup { settings, ..given() }, ..Self::default() }
     }
 

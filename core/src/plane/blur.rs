@@ -5,6 +5,7 @@
 //! [`gaussian_blur`] is the reference for its tests.
 
 use super::Plane;
+use rayon::prelude::*;
 
 /// A symmetric, normalised Gaussian kernel: its centre tap and the taps to one side.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +51,54 @@ pub fn gaussian_blur(plane: &Plane, kernel: &GaussianKernel) -> Plane {
     Plane::from_fn(width, height, |u, v| sum(&|k| columns.at(inside(u, k, width), v)))
 }
 
+/// The plane smoothed by a Gaussian of `sigma_px` pixels (0 or less: unchanged), cut at 3σ; for looking at, the detector
+/// has its own. NaN stays NaN and its neighbours are smoothed without it. The same for any number of threads.
+pub fn smoothed(plane: &Plane, sigma_px: f64) -> Plane {
+    if sigma_px <= 0.0 {
+        return plane.clone();
+    }
+    let kernel = GaussianKernel::with_cut(sigma_px, 3.0);
+    if !plane.data().iter().any(|x| x.is_nan()) {
+        return blurred_by_rows(plane, &kernel);
+    }
+    let of = |value: fn(f32) -> f32| {
+        let data = plane.data().iter().map(|&x| value(x)).collect();
+        blurred_by_rows(&Plane::from_vec(plane.width(), plane.height(), data), &kernel)
+    };
+    let known = of(|x| f32::from(!x.is_nan()));
+    let mut sum = of(|x| if x.is_nan() { 0.0 } else { x });
+    for ((sum, known), &x) in sum.data_mut().iter_mut().zip(known.data()).zip(plane.data()) {
+        *sum = if x.is_nan() { f32::NAN } else { *sum / known };
+    }
+    sum
+}
+
+/// As [`gaussian_blur`], in loops over whole rows.
+fn blurred_by_rows(plane: &Plane, kernel: &GaussianKernel) -> Plane {
+    let (width, height) = plane.size();
+    let reach = kernel.radius();
+    let mut blurred = Plane::zeros(width, height);
+    let row_of = |(v, out): (usize, &mut [f32])| {
+        let mut row = vec![0.0; width + 2 * reach];
+        for k in 0..=2 * reach {
+            let weight = kernel.half[k.abs_diff(reach)];
+            let from = plane.row((v + k).saturating_sub(reach).min(height - 1));
+            row[reach..reach + width].iter_mut().zip(from).for_each(|(sum, x)| *sum += weight * x);
+        }
+        let (first, last) = (row[reach], row[reach + width - 1]);
+        row[..reach].fill(first);
+        row[reach + width..].fill(last);
+        for k in 0..=2 * reach {
+            let weight = kernel.half[k.abs_diff(reach)];
+            out.iter_mut().zip(&row[k..]).for_each(|(sum, x)| *sum += weight * x);
+        }
+    };
+    if width > 0 {
+        blurred.data_mut().par_chunks_mut(width).enumerate().for_each(row_of);
+    }
+    blurred
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,6 +112,23 @@ mod tests {
             assert_eq!(kernel.radius(), (4.0 * sigma).ceil() as usize);
         }
         assert_eq!(GaussianKernel::new(0.0).half(), &[1.0]);
+    }
+
+    #[test]
+    fn smoothing_for_looking_at_is_the_blur_and_leaves_out_nan() {
+        let noise = |u: usize, v: usize| ((u * 7919 + v * 104_729) % 1000) as f32 / 1000.0;
+        let plane = Plane::from_fn(53, 31, noise);
+        let (fast, plain) = (smoothed(&plane, 1.7), gaussian_blur(&plane, &GaussianKernel::with_cut(1.7, 3.0)));
+        assert!(fast.data().iter().zip(plain.data()).all(|(a, b)| (a - b).abs() < 1e-6));
+        assert_eq!(smoothed(&plane, 0.0), plane);
+        let hole = |u: usize, v: usize| if (20..24).contains(&u) && v == 10 { f32::NAN } else { 0.25 };
+        let flat = smoothed(&Plane::from_fn(53, 31, hole), 2.0);
+        for v in 0..31 {
+            for u in 0..53 {
+                let x = flat.at(u, v);
+                assert!(if hole(u, v).is_nan() { x.is_nan() } else { (x - 0.25).abs() < 1e-6 }, "({u}, {v}): {x}");
+            }
+        }
     }
 
     #[test]

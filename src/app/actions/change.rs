@@ -13,7 +13,7 @@ use crate::app::project::method::plane_of;
 use crate::app::project::panes::Change;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Effect, Model};
+use crate::app::project::{BottomTab, Effect, Model, Visibility};
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice, SlopeGrid};
 use crate::engine::Engine;
 use crate::requests::{BurstSource, ProbeQuestion};
@@ -234,9 +234,10 @@ fn change_values(id: ActionId, model: &mut Model) {
             let place = ColourBy::ALL.iter().position(|c| *c == model.colour_by).unwrap_or(0);
             model.colour_by = ColourBy::ALL[(place + 1) % ColourBy::ALL.len()];
         }
-        A::ToggleLeft => model.panels.left ^= true,
-        A::ToggleRight => model.panels.right ^= true,
-        A::ToggleBottom => model.panels.bottom ^= true,
+        A::ToggleLeft if model.shows_left() => model.panels.left = Visibility::Closed,
+        A::ToggleLeft => model.open_left(),
+        A::ToggleRight => model.panels.right = Visibility::from(!model.shows_right()),
+        A::ToggleBottom => model.panels.bottom = Visibility::from(!model.shows_bottom()),
         A::ToggleFilmstrip => model.panels.filmstrip ^= true,
         A::ThemeSystem => model.theme = egui::ThemePreference::System,
         A::ThemeLight => model.theme = egui::ThemePreference::Light,

@@ -13,7 +13,8 @@
 //! # let display = burstscope::plane::display::Display::default();
 //! let canvas = Canvas::new("Motion-stack image").picture(Some(picture)).display(&display);
 //! let output = canvas.full_scale(255.0).show(ui, view);
-//! let scale = overlay::ColourScale::of(overlay::ColourBy::SlopeDirection, features);
+//! let grid = burstscope::detector::SlopeGrid::default();
+//! let scale = overlay::ColourScale::of(overlay::ColourBy::SlopeDirection, features, &grid);
 //! overlay::draw_features(&output, features, &overlay::OverlayStyle::new(&scale, 10));
 //! if output.response.clicked() {
 //!     let clicked = output.pointer_ui.and_then(|pos| overlay::feature_at(features, None, output.ui_from_image, pos));
@@ -228,7 +229,7 @@ impl<'a> Canvas<'a> {
         let paint = PicturePaint {
             pane,
             id: picture.id,
-            plane: picture.plane.clone(),
+            plane: picture.drawn.clone(),
             ui_from_picture: picture.ui_from_picture(output.ui_from_image),
             display: self.display,
             dim,

@@ -17,6 +17,8 @@ pub struct Picture {
     pub id: PictureId,
     /// The values.
     pub plane: Arc<Plane>,
+    /// The values that are drawn: the same, or smoothed ones of the same size.
+    pub drawn: Arc<Plane>,
     /// Image pixels from one pixel of the plane to the next: 1 for frames and motion-stack images, 2^octave for DoG
     /// responses.
     pub image_from_picture_scale: f32,
@@ -30,14 +32,16 @@ impl Picture {
     /// Creates a picture with a fresh id whose pixels are the input image's.
     pub fn new(plane: Arc<Plane>, label: impl Into<String>) -> Self {
         let image_size = plane.size();
-        Self { id: PictureId::fresh(), plane, image_from_picture_scale: 1.0, image_size, label: label.into() }
+        let (drawn, label) = (plane.clone(), label.into());
+        Self { id: PictureId::fresh(), plane, drawn, image_from_picture_scale: 1.0, image_size, label }
     }
 
     /// Creates a picture with a fresh id on the pixels of `octave` (−1: the doubled image) of an input image of
     /// `image_size`.
     pub fn of_octave(plane: Arc<Plane>, octave: i32, image_size: (usize, usize), label: impl Into<String>) -> Self {
         let image_from_picture_scale = 2f32.powi(octave);
-        Self { id: PictureId::fresh(), plane, image_from_picture_scale, image_size, label: label.into() }
+        let (drawn, label) = (plane.clone(), label.into());
+        Self { id: PictureId::fresh(), plane, drawn, image_from_picture_scale, image_size, label }
     }
 
     /// Part of the image that the picture's pixels cover, in image pixels.

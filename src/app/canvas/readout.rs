@@ -42,6 +42,8 @@ pub struct Readout {
     pub image_from_picture_scale: f32,
     /// Kind of the value.
     pub quantity: Quantity,
+    /// Standard deviation by which the picture is smoothed around the value, input pixels; the value itself is not.
+    pub smoothing_px: f32,
 }
 
 /// Reads the value of `picture` at `pos_image`, without interpolation; `None` outside the picture. `full_scale` is the
@@ -56,6 +58,7 @@ pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Re
         full_scale,
         image_from_picture_scale: picture.image_from_picture_scale,
         quantity: Quantity::Value,
+        smoothing_px: 0.0,
     })
 }
 
@@ -98,6 +101,9 @@ impl std::fmt::Display for Readout {
         }
         if self.full_scale != 1.0 && matches!(self.quantity, Quantity::Value | Quantity::Sigma) {
             write!(f, " = {} of {}", number(self.file_value(), 4), number(self.full_scale, 6))?;
+        }
+        if self.smoothing_px > 0.0 {
+            write!(f, "  (display smoothed, σ {} px)", number(self.smoothing_px, 2))?;
         }
         Ok(())
     }

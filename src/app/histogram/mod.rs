@@ -40,12 +40,12 @@ struct Counted {
 
 /// Range of the button "full range": the smallest and the largest value of the picture.
 pub fn full_range(picture: &Picture) -> Option<(f32, f32)> {
-    summary(&picture.plane, &Region::whole(&picture.plane)).range()
+    summary(&picture.drawn, &Region::whole(&picture.drawn)).range()
 }
 
 /// The range between the [`PERCENTILES`] of the picture's values in `region`.
 pub fn percentile_range(picture: &Picture, region: &Region) -> Option<(f32, f32)> {
-    percentiles(&picture.plane, region, &PERCENTILES).map(|p| (p[0], p[1]))
+    percentiles(&picture.drawn, region, &PERCENTILES).map(|p| (p[0], p[1]))
 }
 
 impl HistogramPanel {
@@ -150,7 +150,7 @@ impl HistogramPanel {
             id: picture.id,
             data_range,
             axis,
-            histogram: histogram(&picture.plane, &Region::whole(&picture.plane), axis.0, axis.1, BINS),
+            histogram: histogram(&picture.drawn, &Region::whole(&picture.drawn), axis.0, axis.1, BINS),
         });
         self.counted.insert(counted)
     }

@@ -5,6 +5,7 @@
 //! Requests of a pane's menu or buttons that change other panes are collected as [`Change`]s and run after all panes
 //! are drawn.
 
+mod aside;
 mod header;
 mod marks;
 mod menu;

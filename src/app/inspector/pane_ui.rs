@@ -10,9 +10,9 @@ use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::{FeatureOptions, features_ui};
 use crate::app::panel::picture::readout_of;
-use crate::app::project::Model;
 use crate::app::project::look::RangeClass;
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{Model, Visibility};
 use crate::app::{canvas, style};
 use crate::detector::Slope;
 use crate::inspect::shares::Slice;
@@ -54,6 +54,11 @@ pub(super) fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &m
     state.refresh(picture);
     let problem = problem_of(model, shown);
     let mut view = model.panes.get(id).map(|pane| pane.view).unwrap_or_default();
+    if !model.panes.are_many() {
+        let is_beside = model.panels.right == Visibility::Auto && model.shows_right();
+        widgets.of(id).aside.keep(&mut view, ui.available_rect_before_wrap(), is_beside);
+    }
+    let state = &mut widgets.of(shown).picture;
     let output = canvas_of(model, shown, name)
         .picture(state.shown().filter(|_| problem.is_none()))
         .empty_text(problem.unwrap_or("Computing the picture…"))

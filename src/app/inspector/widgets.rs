@@ -2,6 +2,7 @@
 //! tabs, for screen readers and tests), and the pairs of panes of A and of B that face each other, between which
 //! match lines are drawn.
 
+use super::aside::Aside;
 use crate::app::canvas;
 use crate::app::canvas::{Readout, RectTransform};
 use crate::app::pane::{Content, Pane, PaneId};
@@ -26,6 +27,8 @@ pub struct PaneWidget {
     pub display: DisplayState,
     /// Rectangle of the whole pane in the window, if it was drawn in this pass.
     pub rect_ui: Option<Rect>,
+    /// Place of the picture beside a panel that comes and goes.
+    pub(super) aside: Aside,
     /// Slice, if the pane shows one.
     pub(super) slice: PlaneTexture,
     /// Target of the picture's menu.

@@ -6,7 +6,7 @@ use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Model, Panels};
+use crate::app::project::{BottomTab, Model, Panels, Visibility};
 use crate::detector::DetectorParams;
 use crate::teach::{Holds, Layout, Place, Shown, State, Tab};
 
@@ -21,8 +21,14 @@ pub(super) fn set_up(model: &mut Model, state: &State) {
     model.set_search(state.params.clone().unwrap_or_else(|| DetectorParams::default().into()));
     model.pair.params = state.matching.clone().unwrap_or_default();
     let in_pair = place == Place::Pair;
-    model.panels =
-        Panels { left: true, right: state.select.is_some(), bottom: state.tab.is_some() || in_pair, filmstrip: false };
+    model.panels = Panels {
+        left: Visibility::Open,
+        right: Visibility::from(state.select.is_some()),
+        bottom: Visibility::from(state.tab.is_some() || in_pair),
+        filmstrip: false,
+        advanced: false,
+        welcome: false,
+    };
     model.auto_detect = state.detect.unwrap_or(false);
     let has_features = state.features.unwrap_or(model.auto_detect);
     model.look.overlay = if has_features { FeaturesShown::ThisSlope } else { FeaturesShown::None };
@@ -53,7 +59,7 @@ pub(super) fn set_up(model: &mut Model, state: &State) {
     if let Some(place) = state.probe {
         model.probe_place(Side::A, place);
         // Slices need the space that the probe's panel would take.
-        model.panels.right = state.layout != Some(Layout::Slice);
+        model.panels.right = Visibility::from(state.layout != Some(Layout::Slice));
     }
     model.settle_ranges();
     model.history.clear();
@@ -112,7 +118,7 @@ pub(super) fn seen(model: &Model) -> Holds<'_> {
         probe: model.probe.place().filter(|_| model.probe.side == Side::A && model.probe.is_current()),
         params: &model.params,
         matching: &model.pair.params,
-        tab: tab(model.bottom_tab).filter(|_| model.panels.bottom),
+        tab: tab(model.bottom_tab).filter(|_| model.shows_bottom()),
         workspace: place(model.workspace),
         inliers: matches.and_then(|matches| matches.result.counts.inliers),
         selected_match: model.pair.selected.is_some(),

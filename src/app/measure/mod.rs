@@ -13,7 +13,7 @@ use crate::app::canvas::{CanvasOutput, Picture};
 use crate::app::inspector::{PaneWidgets, compact_description, same_place};
 use crate::app::pane::{Link, PaneId};
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Model};
+use crate::app::project::{BottomTab, Model, Visibility};
 use crate::plane::sample::{ProfileSample, profile};
 use crate::plane::statistics::Region;
 use egui::{Color32, PointerButton, Pos2, Rect, Stroke, StrokeKind};
@@ -125,7 +125,7 @@ pub fn draw_ui(model: &mut Model, id: PaneId, output: &CanvasOutput) {
     if response.drag_stopped() {
         model.measure.drag = None;
         model.bottom_tab = if model.measure.tool == Tool::Line { BottomTab::Profile } else { BottomTab::Region };
-        model.panels.bottom = true;
+        model.panels.bottom = Visibility::Open;
     }
 }
 

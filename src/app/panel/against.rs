@@ -5,6 +5,7 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
 use crate::app::inspector::PaneWidgets;
+use crate::app::panel::legend;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::table::ROW_HEIGHT;
 use crate::app::panel::widgets::progress_text;
@@ -13,9 +14,7 @@ use crate::app::project::against::{Kind, Row, Shown, With};
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::requests::Picture;
-use egui::{
-    Align, Button, Color32, Frame, Label, Layout, Margin, ProgressBar, RichText, Sense, Ui, UiBuilder, pos2, vec2,
-};
+use egui::{Align, Button, Color32, Label, Layout, ProgressBar, RichText, Sense, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder};
 
 /// Colour of a comparison's outcome: distinct in hue and in lightness, and visible over a grey picture.
@@ -293,29 +292,20 @@ fn tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
     });
 }
 
-/// Draws the legend in the lower left corner of the picture.
-pub fn legend_ui(ui: &mut Ui, model: &Model, side: Side, shown: &Shown, output: &CanvasOutput) {
-    let rect = output.response.rect;
-    let fill = if ui.visuals().dark_mode {
-        egui::Color32::from_black_alpha(190)
-    } else {
-        egui::Color32::from_white_alpha(225)
-    };
+/// Draws the legend of the comparison.
+pub fn legend_ui(ui: &mut Ui, model: &mut Model, side: Side, shown: &Shown, output: &CanvasOutput) {
     let kinds: Vec<Kind> =
         Kind::of(shown.with).iter().copied().filter(|kind| model.slots[side].against.shows(*kind)).collect();
-    let height = 16.0 + 18.0 * kinds.len() as f32;
-    let corner = rect.left_bottom() + vec2(10.0, -10.0);
-    let room = egui::Rect::from_min_max(corner - vec2(0.0, height), corner + vec2(210.0, 0.0));
-    ui.scope_builder(UiBuilder::new().max_rect(room), |ui| {
+    let place = legend::Place { rect_ui: output.response.rect, has_colour_bar: false };
+    let size = vec2(196.0, 16.0 + 18.0 * kinds.len() as f32);
+    legend::legend_ui(ui, &mut model.look.legend, size, place, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
-        Frame::new().fill(fill).corner_radius(5).inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
-            for kind in kinds {
-                ui.horizontal(|ui| {
-                    key_ui(ui, shown, kind);
-                    ui.label(RichText::new(format!("{} {}", shown.label(kind), shown.count(kind))).small());
-                });
-            }
-        });
+        for kind in kinds {
+            ui.horizontal(|ui| {
+                key_ui(ui, shown, kind);
+                ui.label(RichText::new(format!("{} {}", shown.label(kind), shown.count(kind))).small());
+            });
+        }
     });
 }
 

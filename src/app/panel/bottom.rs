@@ -4,12 +4,43 @@ use crate::app::actions::Queue;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
 use crate::app::parts::mark;
-use crate::app::project::{BottomTab, Model};
+use crate::app::project::{BottomTab, Model, Visibility};
 use crate::teach::Part;
 use egui::{Align, Layout, Ui};
 
 /// Minimum width with widely spaced tabs, in points.
 const ROOMY: f32 = 600.0;
+
+/// Tabs with their tooltips.
+const TABS: [(BottomTab, &str, &str); 7] = [
+    (BottomTab::Table, "Table", "A row for each feature"),
+    (BottomTab::Tally, "Tally", "How many candidates each test rejected"),
+    (BottomTab::Noise, "Noise", "The noise that was measured"),
+    (BottomTab::Slopes, "Slopes", "Features and evidence at each slope, and advice on range, step and direction"),
+    (BottomTab::Profile, "Profile", "Values along a line; draw one with Q"),
+    (BottomTab::Region, "Region", "Statistics of a rectangle; draw one with Shift+Q"),
+    (BottomTab::Compared, "Compared", "Features against a pinned result, features from a file, or the truth"),
+];
+
+/// Draws the tabs; the open one closes the panel, any other opens it.
+fn tabs_ui(ui: &mut Ui, model: &mut Model) {
+    let is_open = model.shows_bottom();
+    for (tab, name, help) in TABS {
+        if ui.selectable_label(is_open && model.bottom_tab == tab, name).on_hover_text(help).clicked() {
+            model.panels.bottom = Visibility::from(!is_open || model.bottom_tab != tab);
+            model.bottom_tab = tab;
+        }
+    }
+}
+
+/// Draws the tabs of the closed panel.
+pub fn closed_ui(ui: &mut Ui, model: &mut Model) {
+    let tabs = ui.horizontal(|ui| {
+        (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
+        tabs_ui(ui, model);
+    });
+    mark(ui, Part::Tabs, tabs.response.rect);
+}
 
 /// Draws the tabs and the content of the open one.
 pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
@@ -18,17 +49,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         if ui.available_width() < ROOMY {
             (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (4.0, 3.0);
         }
-        ui.selectable_value(&mut model.bottom_tab, BottomTab::Table, "Table");
-        ui.selectable_value(&mut model.bottom_tab, BottomTab::Tally, "Tally");
-        ui.selectable_value(&mut model.bottom_tab, BottomTab::Noise, "Noise");
-        ui.selectable_value(&mut model.bottom_tab, BottomTab::Slopes, "Slopes")
-            .on_hover_text("Features and evidence at each slope, and advice on range, step and direction");
-        ui.selectable_value(&mut model.bottom_tab, BottomTab::Profile, "Profile")
-            .on_hover_text("Values along a line; draw one with Q");
-        ui.selectable_value(&mut model.bottom_tab, BottomTab::Region, "Region")
-            .on_hover_text("Statistics of a rectangle; draw one with Shift+Q");
-        ui.selectable_value(&mut model.bottom_tab, BottomTab::Compared, "Compared")
-            .on_hover_text("Features against a pinned result, features from a file, or the truth");
+        tabs_ui(ui, model);
         ui.separator();
         match model.bottom_tab {
             BottomTab::Table => crate::app::panel::table::filter_bar_ui(ui, model, queue),

@@ -5,7 +5,7 @@ use crate::app::canvas::overlay::{ColourBy, ColourScale};
 use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
-use crate::app::panel::widgets::{label_ui, section_ui};
+use crate::app::panel::widgets::{hint, label_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::look::{FeaturesShown, RangeClass};
 use crate::plane::display::Display;
@@ -27,6 +27,7 @@ pub struct DisplayState {
 pub fn display_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     section_ui(ui, "Display", |ui| {
         range_ui(ui, model, widgets);
+        smoothing_ui(ui, model);
         ui.add_space(4.0);
         overlay_ui(ui, model);
         colouring_ui(ui, model);
@@ -35,7 +36,10 @@ pub fn display_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
 
 /// Draws the section without the rows for features.
 pub fn ranges_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
-    section_ui(ui, "Display", |ui| range_ui(ui, model, widgets));
+    section_ui(ui, "Display", |ui| {
+        range_ui(ui, model, widgets);
+        smoothing_ui(ui, model);
+    });
 }
 
 /// Draws the range of the focused pane.
@@ -59,6 +63,22 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
         RangeClass::Share | RangeClass::Motion => &mut state.share,
     };
     panel.ui(ui, pictures.shown(), pictures.visible_image, model.focused_ranges_mut().display_mut(class));
+}
+
+/// Draws the smoothing of the display.
+fn smoothing_ui(ui: &mut Ui, model: &mut Model) {
+    ui.horizontal(|ui| {
+        let label = label_ui(ui, "Smoothing", 69.0);
+        ui.spacing_mut().slider_width = (ui.available_width() - 66.0).max(40.0);
+        let slider =
+            egui::Slider::new(&mut model.look.smoothing_px, 0.0..=MAX_SMOOTHING_PX).max_decimals(1).suffix(" px");
+        let help = "σ of a Gaussian over the picture, to see through noise. Of the display only: values, profiles and \
+                    features are not smoothed; the range follows";
+        if hint(ui.add(slider).labelled_by(label.id), help).changed() {
+            // With less noise the values span less.
+            model.focused_ranges_mut().forget();
+        }
+    });
 }
 
 /// Draws the switches of the overlays.
@@ -110,6 +130,9 @@ fn colouring_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
+/// Largest smoothing, input pixels: more than any scale at which one looks at single features.
+const MAX_SMOOTHING_PX: f32 = 8.0;
+
 /// Size of the key with its background, points.
 const SIZE: egui::Vec2 = vec2(196.0, 50.0);
 /// Minimum size of a picture with a colour bar, in points.
@@ -118,13 +141,13 @@ const ROOM: egui::Vec2 = vec2(430.0, 150.0);
 /// Draws the colour bar of pane `id` over its picture in `rect`, if the picture is a map.
 pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     let title = match model.range_class(id) {
+        _ if !model.has_colour_bar(id) => return,
         RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => return,
         RangeClass::Noise => "σ of the noise in D, of full scale",
         RangeClass::Share => "Share of the frames",
         RangeClass::Motion => return motion_key_ui(ui, model, id, rect),
     };
-    let has_picture = model.panes.get(id).is_some_and(|pane| pane.picture.is_some());
-    if !has_picture || rect.width() < ROOM.x || rect.height() < ROOM.y {
+    if rect.width() < ROOM.x || rect.height() < ROOM.y {
         return;
     }
     let display = model.display_of(id);

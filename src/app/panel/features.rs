@@ -3,6 +3,7 @@
 use crate::app::canvas::{CanvasOutput, overlay, signed_number};
 use crate::app::pane::PaneId;
 use crate::app::panel::against::{self, marks_ui};
+use crate::app::panel::legend;
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::explained::coherence_words;
@@ -11,7 +12,7 @@ use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, Feature, Slope, SlopeGrid};
-use egui::{Color32, Frame, Margin, Pos2, Rect, RichText, Ui, UiBuilder, vec2};
+use egui::{Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
 /// Options for features over one picture.
@@ -95,7 +96,8 @@ impl FeatureLayer {
 
     /// Colours of the features.
     pub fn scale(&self, model: &Model) -> overlay::ColourScale {
-        let scale = overlay::ColourScale::of(model.colour_by, &self.detection.features);
+        let (features, grid) = (&self.detection.features, &self.detection.slopes);
+        let scale = overlay::ColourScale::of(model.colour_by, features, grid);
         scale.with_coherences(model.coherence.of(&self.detection))
     }
 
@@ -149,7 +151,7 @@ pub fn features_ui(
         // The colours now show the comparison's outcome.
         let picture = pane.picture.clone();
         marks_ui(ui, model, side, &shown, picture.as_ref(), output);
-        if options.legend && model.look.legend {
+        if options.legend {
             against::legend_ui(ui, model, side, &shown, output);
         }
         return;
@@ -159,15 +161,18 @@ pub fn features_ui(
     let on_top = layer.is_listed && model.explained.pointed.is_none();
     let can_be_pointed_at = on_top || layer.method.is_some();
     let pointer = output.pointer_ui.filter(|pos| can_be_pointed_at && output.painter.clip_rect().contains(*pos));
-    let in_full = layer.in_full(output);
+    let mut in_full = layer.in_full(output);
     let pointed = pointer.and_then(|pos| layer.at(output, &in_full, pos));
     if pointer.is_some() {
         layer.hovered = pointed;
+        // One that was a dot is drawn in full from now on.
+        pointed.into_iter().for_each(|i| in_full.flags[i] = true);
         if on_top {
             model.hovered = pointed;
         }
     }
-    state.drawn_of = Some(draw(&layer, &scale, output));
+    state.drawn_of = Some((in_full.drawn, in_full.in_view));
+    draw(&layer, &scale, output, &in_full);
     let clicked_here = |pos: Pos2| output.painter.clip_rect().contains(pos);
     if on_top && output.response.clicked() && output.response.interact_pointer_pos().is_none_or(clicked_here) {
         model.selected = pointed;
@@ -179,17 +184,17 @@ pub fn features_ui(
         let coherence = model.coherence.of(&layer.detection).and_then(|values| values.get(i).copied());
         tip_ui(ui, &name, &layer.placed[i], coherence);
     }
-    if options.legend && model.look.legend && !layer.placed.is_empty() {
+    if options.legend && !layer.placed.is_empty() {
         let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
         let notes = [has_faint.then(|| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
-        legend_ui(ui, &scale, &notes.into_iter().flatten().collect::<Vec<_>>(), output.response.rect);
+        let notes: Vec<String> = notes.into_iter().flatten().collect();
+        let place = legend::Place { rect_ui: output.response.rect, has_colour_bar: model.has_colour_bar(id) };
+        features_legend_ui(ui, &mut model.look.legend, &scale, &notes, place);
     }
 }
 
-/// Draws the layer; returns the numbers of features drawn in full and in view.
-fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutput) -> (usize, usize) {
-    let in_full = layer.in_full(output);
-    let numbers = (in_full.drawn, in_full.in_view);
+/// Draws the layer, with the features of `in_full` in full.
+fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutput, in_full: &overlay::Drawn) {
     let style = overlay::OverlayStyle {
         shown: Some(&in_full.flags),
         selected: layer.selected,
@@ -210,7 +215,7 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
         let ways = overlay::OverlayStyle { circles: false, orientations: false, ..style };
         overlay::draw_features(output, &layer.detection.features, &ways);
         overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { motion: false, ..style });
-        return numbers;
+        return;
     }
     let flags = |faint: bool| -> Vec<bool> {
         in_full.flags.iter().enumerate().map(|(i, shown)| *shown && layer.is_faint(i) == faint).collect()
@@ -227,7 +232,6 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
     };
     overlay::draw_features(output, &layer.placed, &below);
     overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { shown: Some(&full), ..style });
-    numbers
 }
 
 /// Maximum distance in slope of features that belong to the picture, in pixels per frame: slightly more than half-way
@@ -267,27 +271,26 @@ fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) 
     scale.has_unknown().then(|| format!("Grey: {why}"))
 }
 
-/// Draws the legend in the lower left corner; smaller where the picture is small.
-fn legend_ui(ui: &mut Ui, scale: &overlay::ColourScale, notes: &[String], rect: Rect) {
-    let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
-    let frame = Frame::new().fill(fill).corner_radius(5).inner_margin(Margin::symmetric(8, 6));
-    let roomy = rect.height() > 340.0 && rect.width() > 480.0;
-    let key = if scale.by == overlay::ColourBy::SlopeDirection { 54.0 } else { 28.0 };
+/// Draws the legend of the features' colours; without its texts where the picture is small.
+fn features_legend_ui(
+    ui: &mut Ui,
+    is_open: &mut bool,
+    scale: &overlay::ColourScale,
+    notes: &[String],
+    place: legend::Place,
+) {
+    let roomy = place.rect_ui.height() > 340.0 && place.rect_ui.width() > 480.0;
+    let key = if scale.has_wheel() { 54.0 } else { 28.0 };
     let texts = if roomy { 1 + notes.len() } else { 0 };
-    let height = key + 12.0 + 18.0 * texts as f32;
-    let corner = rect.left_bottom() + vec2(10.0, -10.0);
-    let room = Rect::from_min_max(corner - vec2(0.0, height), corner + vec2(210.0, 0.0));
-    ui.scope_builder(UiBuilder::new().max_rect(room), |ui| {
-        ui.spacing_mut().item_spacing.y = 4.0;
-        frame.show(ui, |ui| {
-            if roomy {
-                ui.label(RichText::new(scale.by.name()).small());
-            }
-            scale.legend_ui(ui);
-            for note in notes.iter().filter(|_| roomy) {
-                ui.label(RichText::new(note).small().weak());
-            }
-        });
+    let size = vec2(if scale.has_wheel() { 160.0 } else { 196.0 }, key + 12.0 + 18.0 * texts as f32);
+    legend::legend_ui(ui, is_open, size, place, |ui| {
+        if roomy {
+            ui.label(RichText::new(scale.name()).small());
+        }
+        scale.legend_ui(ui);
+        for note in notes.iter().filter(|_| roomy) {
+            ui.label(RichText::new(note).small().weak());
+        }
     });
 }
 

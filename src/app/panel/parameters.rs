@@ -1,12 +1,22 @@
-//! Parameters of the detector: all of them, with unit, default, effect of raising it, and error.
+//! Parameters of the detector: slopes, gate and number of features, and folded below them all others; each with unit,
+//! default, effect of raising it, and error.
 
+use super::slopes::verdict_ui;
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::widgets::section_ui;
+use crate::app::parts;
 use crate::app::project::Model;
-use crate::detector::params::doc;
+use crate::app::style;
+use crate::detector::params::{Param, doc};
 use crate::detector::{DetectorParams, SlopeChoice, SlopeFinding};
-use egui::{Align, Layout, RichText, Ui};
+use crate::teach::Part;
+use egui::collapsing_header::CollapsingState;
+use egui::{Align, Id, Layout, RichText, Ui};
+
+/// Parameters that are always shown; all others are *Advanced*.
+const BASIC: [Param<DetectorParams>; 6] =
+    [doc::METHOD, doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::NOISE_GATE, doc::MAX_FEATURES];
 
 /// Draws the section.
 pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
@@ -16,35 +26,79 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             button_ui(ui, model, queue, ActionId::Preset1d, Some("BuFF 1D"));
             button_ui(ui, model, queue, ActionId::Preset2d, Some("BuFF 2D"));
             button_ui(ui, model, queue, ActionId::PresetSift, Some("SIFT"));
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                button_ui(ui, model, queue, ActionId::ResetParams, Some("Reset all"));
-            });
         });
         ui.add_space(4.0);
-        let frame_count = model.frame_count();
         let error = model.slots.a.param_error.clone();
-        let finding = model.slots.a.found.as_ref().and_then(|found| found.finding.as_ref()).map(slopes_found_text);
-        let (p, choice) = (&mut model.params, &mut model.slopes);
-        let given = p.slopes;
+        let given = model.params.slopes;
         let mut defaults = DetectorParams::default();
-        if choice.is_auto() {
+        if model.slopes.is_auto() {
             // Found slopes have no other default.
             defaults.slopes = given;
         }
-        let table = rows::ParamTable { error: error.as_ref(), defaults, frame_count };
-        for record in &doc::ALL {
-            ui.add_enabled_ui((record.in_use)(p), |ui| {
-                if *record == doc::SLOPES {
-                    slopes_ui(ui, &table, choice, finding.as_deref());
-                } else {
-                    table.row(ui, record, p);
-                }
-            });
+        let table = rows::ParamTable { error: error.as_ref(), defaults, frame_count: model.frame_count() };
+        for record in BASIC {
+            row_ui(ui, model, &table, &record);
         }
-        if p.slopes != given {
-            *choice = SlopeChoice::Given;
+        advanced_ui(ui, model, &table, queue);
+        if model.params.slopes != given {
+            model.slopes = SlopeChoice::Given;
+        }
+        verdict_ui(ui, model, queue);
+    });
+}
+
+/// Draws the row of one parameter.
+fn row_ui(
+    ui: &mut Ui,
+    model: &mut Model,
+    table: &rows::ParamTable<'_, DetectorParams>,
+    record: &Param<DetectorParams>,
+) {
+    let finding = model.slots.a.found.as_ref().and_then(|found| found.finding.as_ref());
+    let (p, choice) = (&mut model.params, &mut model.slopes);
+    ui.add_enabled_ui((record.in_use)(p), |ui| {
+        if *record == doc::SLOPES {
+            slopes_ui(ui, table, choice, finding.map(slopes_found_text).as_deref());
+        } else {
+            table.row(ui, record, p);
         }
     });
+}
+
+/// Parameters that are folded away.
+fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
+    doc::ALL.iter().filter(|record| !BASIC.contains(record))
+}
+
+/// Draws the folded parameters with the number of those that are not at their defaults. An error or a lesson that points
+/// at one of them opens the fold.
+fn advanced_ui(ui: &mut Ui, model: &mut Model, table: &rows::ParamTable<'_, DetectorParams>, queue: &mut Queue) {
+    let changed = advanced().filter(|record| record.text(&model.params) != record.text(&table.defaults)).count();
+    let is_needed = |record: &Param<DetectorParams>| {
+        table.error.is_some_and(|error| error.parameter == record.name)
+            || parts::is_wanted(ui.ctx(), Part::parameter(record))
+    };
+    let mut fold = CollapsingState::load_with_default_open(ui.ctx(), Id::unique("advanced parameters"), false);
+    fold.set_open(model.panels.advanced || advanced().any(is_needed));
+    let toggled = ui.horizontal(|ui| {
+        let openness = fold.openness(ui.ctx());
+        let (_, icon) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::click());
+        egui::collapsing_header::paint_default_icon(ui, openness, &icon);
+        let title = ui.selectable_label(false, "Advanced").on_hover_text("All other parameters of the detector");
+        if changed > 0 {
+            let text = format!("{changed} not the default");
+            ui.label(RichText::new(text).small().color(style::warning(ui)))
+                .on_hover_text("Open to see which; ↺ resets one");
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            button_ui(ui, model, queue, ActionId::ResetParams, Some("Reset all"));
+        });
+        title.clicked() || icon.clicked()
+    });
+    if toggled.inner {
+        model.panels.advanced = !fold.is_open();
+    }
+    fold.show_body_unindented(ui, |ui| advanced().for_each(|record| row_ui(ui, model, table, record)));
 }
 
 /// Text of the found slopes, shown below their switch.

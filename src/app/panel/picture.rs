@@ -34,7 +34,7 @@ impl PictureState {
             self.shown = None;
             return;
         };
-        let same = self.shown.as_ref().is_some_and(|s| Arc::ptr_eq(&s.plane, &picture.plane));
+        let same = self.shown.as_ref().is_some_and(|s| Arc::ptr_eq(&s.drawn, &picture.drawn));
         match (&mut self.shown, same) {
             (Some(shown), true) => shown.label = describe(picture),
             _ => self.shown = Some(canvas_picture(picture)),
@@ -84,7 +84,7 @@ impl PictureState {
         let scale = match &self.scale {
             Some((of, scale)) if Arc::ptr_eq(of, detection) && scale.by == by => scale.clone(),
             _ => {
-                let scale = overlay::ColourScale::of(by, &detection.features);
+                let scale = overlay::ColourScale::of(by, &detection.features, &detection.slopes);
                 self.scale = Some((detection.clone(), scale.clone()));
                 scale
             }
@@ -96,10 +96,11 @@ impl PictureState {
 /// Makes a canvas picture with a fresh id.
 pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
     let (plane, label) = (picture.plane.clone(), describe(picture));
-    match picture.request.kind.about().scale {
+    let on_canvas = match picture.request.kind.about().scale {
         Some((octave, _)) => canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label),
         None => canvas::Picture::new(plane, label),
-    }
+    };
+    canvas::Picture { drawn: picture.drawn.clone(), ..on_canvas }
 }
 
 /// Value and its quantity at `pos_image` in `shown`, the canvas picture of `picture`; `None` outside it.
@@ -122,7 +123,7 @@ pub(in crate::app) fn readout_of(
             None => Quantity::Value,
         },
     };
-    Some(Readout { quantity, ..readout })
+    Some(Readout { quantity, smoothing_px: picture.request.smoothing_px, ..readout })
 }
 
 /// Describes a picture in one line.

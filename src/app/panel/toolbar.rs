@@ -13,6 +13,9 @@ use crate::requests::Running;
 use crate::teach::Part;
 use egui::{Align, Button, Color32, Layout, ProgressBar, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 
+/// Minimum room for the button that finds actions, in points.
+const ROOM_FOR_FIND: f32 = 280.0;
+
 /// Draws the toolbar.
 pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
@@ -24,9 +27,12 @@ pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let palette = ActionId::Palette.action();
             let keys = palette.shortcut.map(|s| keys_text(ui.ctx(), &s)).unwrap_or_default();
-            let find = Button::new(RichText::new("Find action").weak()).shortcut_text(RichText::new(keys).weak());
-            if ui.add(find).on_hover_text(tooltip(ui.ctx(), palette)).clicked() {
-                queue.push(ActionId::Palette);
+            // A narrow window has the keys and the menu.
+            if ui.available_width() > ROOM_FOR_FIND {
+                let find = Button::new(RichText::new("Find action").weak()).shortcut_text(RichText::new(keys).weak());
+                if ui.add(find).on_hover_text(tooltip(ui.ctx(), palette)).clicked() {
+                    queue.push(ActionId::Palette);
+                }
             }
             button_ui(ui, model, queue, ActionId::Shortcuts, Some("?"));
             ui.separator();

@@ -93,7 +93,7 @@ impl Ranges {
         if self.fixed_mut(class).is_none_or(|fixed| *fixed) {
             return;
         }
-        if let Some(range) = percentiles(&picture.plane, &Region::whole(&picture.plane), &[0.1, 99.9]) {
+        if let Some(range) = percentiles(&picture.drawn, &Region::whole(&picture.drawn), &[0.1, 99.9]) {
             let display = self.display_mut(class);
             *display = display.with_range(range[0], range[1]);
         }
@@ -207,8 +207,10 @@ pub struct Look {
     pub motion_vectors: bool,
     /// Whether each feature's orientation is drawn.
     pub orientations: bool,
-    /// Whether the legend is drawn.
+    /// Whether the legend is unfolded.
     pub legend: bool,
+    /// Standard deviation of the Gaussian by which pictures are smoothed for looking at them, in input pixels; 0 for none.
+    pub smoothing_px: f32,
 }
 
 impl Default for Look {
@@ -219,6 +221,7 @@ impl Default for Look {
             motion_vectors: true,
             orientations: true,
             legend: true,
+            smoothing_px: 0.0,
         }
     }
 }

@@ -19,6 +19,7 @@ pub mod measure;
 pub mod messages;
 pub mod method;
 pub mod pair;
+pub mod panels;
 pub mod panes;
 mod pictures;
 pub mod probe;
@@ -28,6 +29,7 @@ pub mod trajectories;
 pub mod workspace;
 
 pub use effect::Effect;
+pub use panels::{Panels, Visibility};
 pub use slot::{FoundFeatures, SavedSelection, Stale};
 
 use crate::app::pane::{PaneId, Panes};
@@ -54,26 +56,6 @@ use slot::Slot;
 use std::collections::HashMap;
 use trajectories::Trajectories;
 use workspace::Workspace;
-
-/// Parts of the window that are open.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Panels {
-    /// Scrubbing and parameters.
-    pub left: bool,
-    /// Selected feature and display.
-    pub right: bool,
-    /// Table and tally.
-    pub bottom: bool,
-    /// The bursts of a dataset, while one is open.
-    pub filmstrip: bool,
-}
-
-impl Default for Panels {
-    fn default() -> Self {
-        Self { left: true, right: true, bottom: true, filmstrip: true }
-    }
-}
 
 /// The tabs below the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -142,6 +124,8 @@ pub struct Model {
     pub playing: bool,
     /// Open parts of the window.
     pub panels: Panels,
+    /// Width of the window, in points.
+    pub window_width_points: f32,
     /// The open tab below the picture.
     pub bottom_tab: BottomTab,
     /// The second burst, and the matches with it.

@@ -116,14 +116,15 @@ impl Model {
     /// Request for the picture that `id` is to show now; `None` without its burst.
     pub fn wanted(&self, id: PaneId) -> Option<PictureRequest> {
         let pane = self.panes.get(id)?;
-        match pane.content {
+        let request = match pane.content {
             Content::Difference(a, b) => {
                 let [a, b] = [a, b].map(|id| self.wanted_alone(id));
-                Some(a?.less(&b?))
+                a?.less(&b?)
             }
-            Content::Cursor | Content::Merge | Content::Map(_) => self.wanted_alone(id),
-            Content::Slice(_) => None,
-        }
+            Content::Cursor | Content::Merge | Content::Map(_) => self.wanted_alone(id)?,
+            Content::Slice(_) => return None,
+        };
+        Some(request.smoothed(self.look.smoothing_px))
     }
 
     fn wanted_alone(&self, id: PaneId) -> Option<PictureRequest> {
@@ -289,6 +290,13 @@ impl Model {
         let picture = self.panes.get(id).and_then(|pane| pane.picture.as_ref());
         let wanted = || self.wanted(id).map_or(RangeClass::Intensity, |wanted| RangeClass::of(&wanted));
         picture.map_or_else(wanted, |picture| RangeClass::of(&picture.request))
+    }
+
+    /// Whether a colour bar lies over the picture of pane `id`: over a map.
+    pub fn has_colour_bar(&self, id: PaneId) -> bool {
+        use RangeClass::{Difference, Intensity, Response};
+        let has_picture = self.panes.get(id).is_some_and(|pane| pane.picture.is_some());
+        has_picture && !matches!(self.range_class(id), Intensity | Response | Difference)
     }
 
     /// Value ranges of `pane`: its own, or those that panes share.

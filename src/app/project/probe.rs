@@ -201,7 +201,7 @@ impl Model {
         let probe = &mut self.probe;
         probe.follows ^= true;
         if probe.follows {
-            (probe.is_open, probe.problem, self.panels.right) = (true, None, true);
+            self.open_probe();
         }
     }
 
@@ -228,7 +228,7 @@ impl Model {
             return;
         }
         self.set_question(side, question);
-        (self.probe.is_open, self.probe.problem, self.panels.right) = (true, None, true);
+        self.open_probe();
     }
 
     /// Sets the question about the burst of `side`, with the scale in view. A question about a feature has its own

@@ -47,7 +47,7 @@ impl ColourBy {
     /// Name, in sentence case.
     pub fn name(self) -> &'static str {
         match self {
-            Self::SlopeDirection => "Slope (direction and magnitude)",
+            Self::SlopeDirection => "Slope",
             Self::SlopeU => "Slope u",
             Self::SlopeV => "Slope v",
             Self::Scale => "Scale",

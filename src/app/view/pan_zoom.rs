@@ -114,10 +114,22 @@ impl View {
         points_per_pixel.clamp((0.5 * fit).min(0.25), MAX_POINTS_PER_PIXEL.max(fit))
     }
 
+    /// Whether both show the same on the same canvas.
+    pub fn is_same(&self, other: &Self) -> bool {
+        (self.zoom, self.centre_image) == (other.zoom, other.centre_image)
+    }
+
+    /// Keeps the picture's place and size on the screen when its canvas changes from `before` to `after`, in points.
+    pub fn keep_place(&mut self, before: Rect, after: Rect) {
+        let zoom = self.points_per_pixel();
+        self.zoom = Zoom::PointsPerPixel(zoom);
+        self.move_centre((after.center() - before.center()) / zoom);
+    }
+
     /// Pans and zooms as another view did from `before` to `after`. The distance between the two places stays, until
     /// both are fitted.
     pub fn follow(&mut self, before: &Self, after: &Self) {
-        if (before.zoom, before.centre_image) == (after.zoom, after.centre_image) {
+        if before.is_same(after) {
             return;
         }
         if after.is_fit() {

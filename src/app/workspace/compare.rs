@@ -12,7 +12,7 @@ use crate::app::project::Model;
 use crate::app::project::compare::Contender;
 use crate::app::project::pair::Side;
 use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
-use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
+use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, side_frame, side_width};
 use egui::{Align, Align2, CentralPanel, Frame, Layout, Panel, ProgressBar, RichText, ScrollArea, Ui};
 use egui_extras::{Column, TableBuilder};
 
@@ -21,7 +21,8 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
     let WorkspaceParts { model, widgets, queue, .. } = parts;
     let width = side_width(ui);
     let mut changes = Vec::new();
-    if model.panels.left {
+    folded_ui(ui, model);
+    if model.shows_left() {
         let panel = Panel::left("compare left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0);
         panel.show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -31,13 +32,13 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
             });
         });
     }
-    if model.panels.right {
+    if model.shows_right() {
         let panel = Panel::right("compare right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0);
         panel.show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| panel::display::ranges_ui(ui, model, widgets));
         });
     }
-    if model.panels.bottom {
+    if model.shows_bottom() {
         bottom_panel(ui, "compare bottom", 233.0, |ui| table_ui(ui, model));
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {

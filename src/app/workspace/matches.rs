@@ -18,7 +18,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: 
         CentralPanel::default().show(ui, |ui| empty_ui(ui, model, queue));
         return;
     }
-    if model.panels.left {
+    if model.shows_left() {
         Panel::left("matches left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(
             ui,
             |ui| {
@@ -31,7 +31,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: 
         );
     }
     let mut opened = None;
-    if model.panels.right {
+    if model.shows_right() {
         Panel::right("matches right").frame(side_frame(ui)).default_size(392.0).size_range(280.0..=640.0).show(
             ui,
             |ui| {

@@ -6,7 +6,8 @@ pub mod compare;
 pub mod matches;
 pub mod pair;
 
-use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::actions::menu::item_ui;
+use crate::app::actions::{ActionId, Queue, button_ui, checked};
 use crate::app::dataset::{cameras, errors_panel};
 use crate::app::inspector::{Change, PaneWidgets, inspector_ui};
 use crate::app::measure::RegionCache;
@@ -18,7 +19,7 @@ use crate::app::panel::selection::SelectionState;
 use crate::app::panel::widgets::section_ui;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
-use egui::{CentralPanel, Frame, Panel, ScrollArea, Ui, vec2};
+use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
 use pair::PairPanels;
 
 /// State that a workspace reads and changes: the project, and the widgets' state kept between passes.
@@ -62,13 +63,25 @@ const SWITCHES: [ActionId; 6] = [
     ActionId::WorkspaceLab,
 ];
 
-/// Draws the switch between the workspaces, from the right end of a line.
+/// Minimum width of a window with a button for each workspace beside its menus, in points; narrower ones have a menu.
+const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
+
+/// Draws the switch between the workspaces, from the right end of a line: buttons, or a menu where there is no room.
 pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
+    let is_narrow = model.window_width_points < MIN_WIDTH_WITH_SWITCH;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         let first = ui.cursor().right();
-        for action in SWITCHES.into_iter().rev() {
-            button_ui(ui, model, queue, action, None);
+        if is_narrow {
+            let open = SWITCHES.into_iter().find(|action| checked(*action, model) == Some(true));
+            let name = open.map_or("Workspace", |action| action.action().label);
+            ui.menu_button(format!("{name} ⏷"), |ui| {
+                SWITCHES.into_iter().for_each(|action| item_ui(ui, model, queue, action));
+            });
+        } else {
+            for action in SWITCHES.into_iter().rev() {
+                button_ui(ui, model, queue, action, None);
+            }
         }
         let switch = ui.min_rect().intersect(egui::Rect::everything_left_of(first));
         crate::app::parts::mark(ui, crate::teach::Part::Workspaces, switch);
@@ -122,14 +135,41 @@ fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnO
 
 /// Width of a panel at the side, in points; smaller in a small window, where the picture needs the space more.
 fn side_width(ui: &egui::Ui) -> f32 {
-    (0.235 * ui.available_width()).clamp(256.0, 300.0)
+    (0.2 * ui.available_width()).clamp(250.0, 300.0)
+}
+
+/// Width of a folded panel, in points.
+const FOLDED_WIDTH: f32 = 22.0;
+
+/// Draws the panel on the left as a strip with its name where it is folded; a click opens it.
+pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &mut Model) {
+    if !model.folds_left() {
+        return;
+    }
+    let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::ZERO);
+    Panel::left("left folded").frame(frame).exact_size(FOLDED_WIDTH).resizable(false).show(ui, |ui| {
+        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click());
+        let name = ActionId::ToggleLeft.action().label;
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+        let visuals = ui.style().interact(&response);
+        let galley =
+            ui.painter().layout_no_wrap(name.to_owned(), TextStyle::Body.resolve(ui.style()), visuals.text_color());
+        let anchor = rect.center_top() + vec2(0.0, 12.0);
+        let text = egui::epaint::TextShape::new(anchor, galley, visuals.text_color())
+            .with_angle_and_anchor(std::f32::consts::FRAC_PI_2, Align2::LEFT_CENTER);
+        ui.painter().add(Shape::Text(text));
+        if response.on_hover_text("Open the panel: slope, scale, parameters").clicked() {
+            model.open_left();
+        }
+    });
 }
 
 /// Draws the workspace. Returns the panes' requests.
 fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, selection, probe, regions, queue, .. } = parts;
     let width = side_width(ui);
-    if model.panels.left {
+    folded_ui(ui, model);
+    if model.shows_left() {
         Panel::left("left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 panel::cursor::cursor_ui(ui, model, queue);
@@ -137,23 +177,32 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
             });
         });
     }
-    if model.panels.right {
+    if model.shows_right() {
         Panel::right("right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
             let other = ("Display and feature", "The value range of the pictures, and the selected feature");
             if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
                 return;
             }
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                // What the panel came for is first.
+                if model.selected.is_some() {
+                    panel::selection::selection_ui(ui, model, selection, queue);
+                }
                 panel::display::display_ui(ui, model, widgets);
-                panel::selection::selection_ui(ui, model, selection, queue);
+                if model.selected.is_none() {
+                    panel::selection::selection_ui(ui, model, selection, queue);
+                }
             });
         });
     }
     let mut over_rows = None;
-    if model.panels.bottom {
+    if model.shows_bottom() {
         let show = |ui: &mut egui::Ui| panel::bottom::bottom_ui(ui, model, widgets, regions, queue);
         let is_over = bottom_panel(ui, "bottom", 276.0, show);
         over_rows = Some(model.bottom_tab).filter(|_| is_over);
+    } else {
+        let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 2));
+        Panel::bottom("bottom tabs").frame(frame).show(ui, |ui| panel::bottom::closed_ui(ui, model));
     }
     let pictures = CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         crate::app::parts::mark(ui, crate::teach::Part::Pictures, ui.max_rect());
@@ -172,14 +221,14 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
 /// Draws the workspace.
 fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, queue: &mut Queue) {
     let width = side_width(ui);
-    if model.panels.left {
+    if model.shows_left() {
         Panel::left("lab left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 lab::lab_settings_ui(ui, model, queue);
             });
         });
     }
-    if model.panels.right {
+    if model.shows_right() {
         Panel::right("lab right").frame(side_frame(ui)).default_size(width * 1.3).size_range(250.0..=900.0).show(
             ui,
             |ui| {
@@ -199,7 +248,7 @@ const STRIP_HEIGHT: f32 = 84.0;
 fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> WorkspaceWishes {
     let width = side_width(ui).max(330.0);
     let mut again = false;
-    if model.panels.right {
+    if model.shows_right() {
         Panel::right("trajectories right").frame(side_frame(ui)).default_size(width).size_range(280.0..=520.0).show(
             ui,
             |ui| {
@@ -209,7 +258,7 @@ fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) 
             },
         );
     }
-    if model.panels.bottom {
+    if model.shows_bottom() {
         bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
             ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
                 cameras::points_strip_ui(ui, &mut model.trajectories);

@@ -2,6 +2,7 @@
 
 use crate::app::view::ColourBy;
 use crate::detector::feature::Feature;
+use crate::detector::{SlopeAxis, SlopeGrid};
 use crate::plane::display::{ColourMap, direction_colour};
 use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
@@ -12,10 +13,13 @@ use std::sync::Arc;
 pub struct ColourScale {
     /// Quantity that the colour shows.
     pub by: ColourBy,
-    /// Value of the first colour, in the quantity's unit; unused (0) for [`ColourBy::SlopeDirection`].
+    /// Value of the first colour, in the quantity's unit; unused (0) for the directions of a plane of slopes.
     pub min: f32,
-    /// Value of the last colour; the magnitude of full saturation for [`ColourBy::SlopeDirection`].
+    /// Value of the last colour; the magnitude of full saturation for the directions of a plane of slopes.
     pub max: f32,
+    /// For [`ColourBy::SlopeDirection`] of slopes on a line: the line's direction, degrees from +u towards +v. The colours
+    /// then run along it instead of around a wheel.
+    pub line_deg: Option<f32>,
     /// 256 colours from min to max.
     table: Vec<Color32>,
     /// Coherence of each feature, where known; for [`ColourBy::Coherence`].
@@ -26,8 +30,13 @@ pub struct ColourScale {
 const UNKNOWN: Color32 = Color32::from_gray(150);
 
 impl ColourScale {
-    /// Creates the scale that spans `features`: all of them for slopes and σ, ± the largest magnitude for the response.
-    pub fn of(by: ColourBy, features: &[Feature]) -> Self {
+    /// Creates the scale for `features` that were found at the slopes of `grid`: over the searched range for slopes on a
+    /// line, over all features for σ and SNR, ± the largest magnitude for the response.
+    pub fn of(by: ColourBy, features: &[Feature], grid: &SlopeGrid) -> Self {
+        if let Some((line_deg, axis)) = line_of(grid).filter(|_| by == ColourBy::SlopeDirection) {
+            return Self { line_deg: Some(line_deg), ..Self::with_range(ColourBy::SlopeU, axis.min, axis.max) }
+                .of_line();
+        }
         let range = |value: fn(&Feature) -> f32| {
             features.iter().map(value).filter(|x| x.is_finite()).fold(None, |range: Option<(f32, f32)>, x| {
                 Some(range.map_or((x, x), |(low, high)| (low.min(x), high.max(x))))
@@ -65,7 +74,21 @@ impl ColourScale {
                 Color32::from_rgb(r, g, b)
             })
             .collect();
-        Self { by, min, max, table, coherences: None }
+        Self { by, min, max, line_deg: None, table, coherences: None }
+    }
+
+    fn of_line(self) -> Self {
+        Self { by: ColourBy::SlopeDirection, ..self }
+    }
+
+    /// Name of the quantity, with the direction of a line of slopes.
+    pub fn name(&self) -> String {
+        match self.line_deg {
+            Some(0.0) => ColourBy::SlopeU.name().to_owned(),
+            Some(90.0) => ColourBy::SlopeV.name().to_owned(),
+            Some(degrees) => format!("Slope along {degrees:.0}°"),
+            None => self.by.name().to_owned(),
+        }
     }
 
     /// Adds the coherences of the features, in their order. Without them all features are grey when their colour shows
@@ -84,6 +107,10 @@ impl ColourScale {
     /// Colour of `feature`, whose index is `index`.
     pub fn colour(&self, index: usize, feature: &Feature) -> Color32 {
         match self.by {
+            ColourBy::SlopeDirection if self.line_deg.is_some() => {
+                let (sin, cos) = self.line_deg.unwrap_or(0.0).to_radians().sin_cos();
+                self.along(cos * feature.slope.u + sin * feature.slope.v)
+            }
             ColourBy::SlopeDirection => {
                 let slope = feature.slope;
                 let [r, g, b] = direction_colour(slope.v.atan2(slope.u), slope.magnitude() / self.max);
@@ -117,15 +144,22 @@ impl ColourScale {
         self.table[(t.clamp(0.0, 1.0) * 255.0).round() as usize]
     }
 
+    /// Whether colours show directions, on a wheel.
+    pub fn has_wheel(&self) -> bool {
+        self.by == ColourBy::SlopeDirection && self.line_deg.is_none()
+    }
+
     /// Draws the legend: a wheel for directions, a bar with its end values for everything else.
     pub fn legend_ui(&self, ui: &mut Ui) -> Response {
-        let response = if self.by == ColourBy::SlopeDirection { self.wheel_ui(ui) } else { self.bar_ui(ui) };
+        let response = if self.has_wheel() { self.wheel_ui(ui) } else { self.bar_ui(ui) };
         let text = match self.by {
-            ColourBy::SlopeDirection => format!("Legend: slope up to {} px/frame", super::super::number(self.max, 3)),
+            ColourBy::SlopeDirection if self.has_wheel() => {
+                format!("Legend: slope up to {} px/frame", super::super::number(self.max, 3))
+            }
             ColourBy::Limit => "Legend: inside the searched slopes, or at their limit".to_owned(),
             by => format!(
                 "Legend: {} from {} to {} {}",
-                by.name().to_lowercase(),
+                self.name().to_lowercase(),
                 super::super::number(self.min, 3),
                 super::super::number(self.max, 3),
                 by.unit()
@@ -203,6 +237,15 @@ impl ColourScale {
     }
 }
 
+/// Direction and searched slopes of a grid that is a line; degrees from +u towards +v.
+fn line_of(grid: &SlopeGrid) -> Option<(f32, SlopeAxis)> {
+    match (grid.u.count > 1, grid.v.count > 1) {
+        (true, false) => Some((grid.direction_deg, grid.u)),
+        (false, true) => Some((grid.direction_deg + 90.0, grid.v)),
+        _ => None,
+    }
+}
+
 fn rgb([r, g, b]: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
@@ -226,14 +269,20 @@ mod tests {
     use super::super::tests::feature;
     use super::*;
 
+    const PLANE: SlopeGrid = SlopeGrid {
+        u: SlopeAxis { min: -3.0, max: 3.0, count: 7 },
+        v: SlopeAxis { min: -1.0, max: 1.0, count: 3 },
+        direction_deg: 0.0,
+    };
+
     #[test]
     fn scales_span_the_features() {
         let features = [feature(0.0, 0.0, 2.0, (-1.0, 0.5), -0.1), feature(5.0, 5.0, 8.0, (3.0, 0.5), 0.05)];
-        assert_eq!(ColourScale::of(ColourBy::SlopeU, &features).max, 3.0);
-        assert_eq!(ColourScale::of(ColourBy::Scale, &features).min, 2.0);
-        assert_eq!(ColourScale::of(ColourBy::Response, &features).min, -0.1);
+        assert_eq!(ColourScale::of(ColourBy::SlopeU, &features, &PLANE).max, 3.0);
+        assert_eq!(ColourScale::of(ColourBy::Scale, &features, &PLANE).min, 2.0);
+        assert_eq!(ColourScale::of(ColourBy::Response, &features, &PLANE).min, -0.1);
         for by in ColourBy::ALL {
-            let scale = ColourScale::of(by, &features);
+            let scale = ColourScale::of(by, &features, &PLANE);
             // The two features have this quantity in common.
             if matches!(by, ColourBy::SlopeV | ColourBy::Snr | ColourBy::Limit | ColourBy::Coherence) {
                 assert_eq!(scale.colour(0, &features[0]), scale.colour(1, &features[1]));
@@ -248,18 +297,18 @@ mod tests {
         let weak = feature(0.0, 0.0, 2.0, (0.0, 0.0), 0.1);
         let strong = Feature { snr: 10.0 * weak.snr, at_slope_limit: !weak.at_slope_limit, ..weak };
         for by in [ColourBy::Snr, ColourBy::Limit] {
-            let scale = ColourScale::of(by, &[weak, strong]);
+            let scale = ColourScale::of(by, &[weak, strong], &PLANE);
             assert_ne!(scale.colour(0, &weak), scale.colour(1, &strong), "{by:?}");
         }
         // Without noise the ratio is infinite; it still has a colour.
         let noiseless = Feature { snr: f32::INFINITY, ..weak };
-        ColourScale::of(ColourBy::Snr, &[noiseless]).colour(0, &noiseless);
+        ColourScale::of(ColourBy::Snr, &[noiseless], &PLANE).colour(0, &noiseless);
     }
 
     #[test]
     fn what_is_not_known_is_grey() {
         let features = [feature(0.0, 0.0, 2.0, (0.0, 0.0), 0.1); 3];
-        let scale = ColourScale::of(ColourBy::Coherence, &features);
+        let scale = ColourScale::of(ColourBy::Coherence, &features, &PLANE);
         let colours = |scale: &ColourScale| [0, 1, 2].map(|i| scale.colour(i, &features[i]));
         assert!(scale.has_unknown() && colours(&scale) == [UNKNOWN; 3]);
         let some = scale.clone().with_coherences(Some(&Arc::new(vec![Some(0.2), None, Some(0.9)])));
@@ -268,17 +317,34 @@ mod tests {
         assert!(low != high && low != UNKNOWN && high != UNKNOWN);
         assert_eq!((low, high), (some.along(0.2), some.along(0.9)));
         let all = scale.with_coherences(Some(&Arc::new(vec![Some(1.0); 3])));
-        assert!(!all.has_unknown() && !ColourScale::of(ColourBy::Snr, &features).has_unknown());
+        assert!(!all.has_unknown() && !ColourScale::of(ColourBy::Snr, &features, &PLANE).has_unknown());
     }
 
     #[test]
     fn no_feature_and_odd_numbers_still_give_a_colour() {
         for by in ColourBy::ALL {
-            let empty = ColourScale::of(by, &[]);
+            let empty = ColourScale::of(by, &[], &PLANE);
             assert!(empty.max > empty.min, "{by:?}");
             let odd = feature(0.0, 0.0, f32::NAN, (f32::NAN, f32::INFINITY), f32::NAN);
             empty.colour(0, &odd);
-            ColourScale::of(by, &[odd]).colour(0, &odd);
+            ColourScale::of(by, &[odd], &PLANE).colour(0, &odd);
         }
+    }
+
+    #[test]
+    fn along_a_line_of_slopes_the_colours_run_over_the_searched_range() {
+        let at = |slope| feature(0.0, 0.0, 2.0, slope, 0.1);
+        let by = ColourBy::SlopeDirection;
+        let line = ColourScale::of(by, &[at((1.0, 0.0))], &SlopeGrid::line(-3.0..=2.0, 6));
+        assert_eq!((line.min, line.max, line.has_wheel(), line.name().as_str()), (-3.0, 2.0, false, "Slope u"));
+        let colour = |scale: &ColourScale, slope| scale.colour(0, &at(slope));
+        assert_eq!(colour(&line, (-3.0, 0.0)), line.along(-3.0));
+        assert_ne!(colour(&line, (-3.0, 0.0)), colour(&line, (2.0, 0.0)));
+        assert_eq!(colour(&line, (1.0, 0.3)), colour(&line, (1.0, 0.0)), "what lies across the line does not count");
+        let oblique = ColourScale::of(by, &[], &SlopeGrid::line_along(90.0, -3.0..=3.0, 7));
+        assert_eq!(oblique.name(), "Slope v");
+        assert_eq!(colour(&oblique, (0.0, 3.0)), oblique.along(3.0));
+        let plane = ColourScale::of(by, &[at((1.0, 0.0))], &PLANE);
+        assert!(plane.has_wheel() && colour(&plane, (1.0, 0.0)) != colour(&plane, (-1.0, 0.0)));
     }
 }

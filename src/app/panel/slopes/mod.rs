@@ -1,6 +1,9 @@
 //! Slopes of the burst: features and evidence at each slope, aliases, and advice.
 
 pub(super) mod chart;
+mod verdict;
+
+pub use verdict::verdict_ui;
 
 use crate::app::canvas::number;
 use crate::app::panel::widgets::with_whole_numbers;
@@ -82,7 +85,8 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
             );
         }
         for (index, advice) in spectrum.advice.iter().enumerate() {
-            piece_ui(ui, model, index, advice);
+            let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
+            piece_ui(ui, model, &name, advice);
         }
         let cost = &spectrum.cost;
         let text = format!("Cost: {} slopes, {} samples", cost.slopes, grouped(cost.samples));
@@ -95,8 +99,8 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
     });
 }
 
-/// Draws one piece of advice.
-fn piece_ui(ui: &mut Ui, model: &mut Model, index: usize, advice: &SlopeAdvice) {
+/// Draws one piece of advice; the button that applies it is called `name`.
+fn piece_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
     let mut sentence = advice.sentence.clone();
     if let Some(first) = sentence.get_mut(0..1) {
         first.make_ascii_uppercase();
@@ -109,8 +113,7 @@ fn piece_ui(ui: &mut Ui, model: &mut Model, index: usize, advice: &SlopeAdvice) 
             ui.spacing_mut().item_spacing.x = 6.0;
             let tip = format!("Set {changes}; Ctrl+Z undoes it");
             let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
-            let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
-            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
             if button.clicked() {
                 match model.apply_changes(Side::A, &advice.changes) {
                     Ok(()) => model.messages.note(format!("Set {changes}")),

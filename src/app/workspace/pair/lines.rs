@@ -120,7 +120,7 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
         let index = found.detection.features.iter().position(same)?;
         model.coherence.of(&found.detection)?.get(index).copied()
     });
-    let scale = overlay::ColourScale::of(model.colour_by, &detection.features)
+    let scale = overlay::ColourScale::of(model.colour_by, &detection.features, &detection.slopes)
         .with_coherences(coherence.map(|value| Arc::new(vec![value])).as_ref());
     let style = overlay::OverlayStyle {
         selected: Some(0),

@@ -17,7 +17,7 @@ use crate::app::panel::widgets::{label_ui, section_ui};
 use crate::app::parts::mark;
 use crate::app::project::Model;
 use crate::app::project::pair::{PATCHES, PairTab, Side};
-use crate::app::workspace::{WorkspaceParts, bottom_panel, side_frame, side_width};
+use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, side_frame, side_width};
 use crate::teach::Part;
 use egui::{CentralPanel, Color32, Frame, Panel, ScrollArea, Sense, Stroke, Ui, vec2};
 
@@ -34,7 +34,8 @@ pub struct PairPanels {
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, pair, probe, queue, .. } = parts;
     let width = side_width(ui);
-    if model.panels.left {
+    folded_ui(ui, model);
+    if model.shows_left() {
         Panel::left("pair left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 sides_ui(ui, model, queue);
@@ -44,7 +45,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             });
         });
     }
-    if model.panels.right {
+    if model.shows_right() {
         Panel::right("pair right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
             let other = ("Match and display", "The selected match, and how matches and pictures are drawn");
             if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
@@ -59,7 +60,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         });
     }
     let (mut in_table, mut over_list) = (None, false);
-    if model.panels.bottom {
+    if model.shows_bottom() {
         let is_over = bottom_panel(ui, "pair bottom", 300.0, |ui| {
             mark(ui, Part::Below, ui.max_rect());
             table::numbers_ui(ui, model);

@@ -1,0 +1,80 @@
+//! A picture that stays where it is while a panel comes beside it: the panel on the right comes with a selection, and what
+//! was clicked stays under the pointer.
+
+use crate::app::view::View;
+use egui::Rect;
+
+/// Canvas of the last pass, and its view before the panel came.
+#[derive(Debug, Default)]
+pub struct Aside {
+    last: Option<(Rect, bool)>,
+    /// View as the panel left it, and as it was before.
+    moved: Option<(View, View)>,
+}
+
+impl Aside {
+    /// Adapts `view` to the canvas `rect_ui` of this pass, beside which a panel came by itself (`is_beside`) or not. When
+    /// the panel comes, the picture keeps its place and size; when it goes, an untouched view is as before.
+    pub fn keep(&mut self, view: &mut View, rect_ui: Rect, is_beside: bool) {
+        let Some((before, was_beside)) = self.last.replace((rect_ui, is_beside)) else { return };
+        if was_beside == is_beside || before == rect_ui {
+            return;
+        }
+        let moved = self.moved.take().filter(|(after, _)| !is_beside && after.is_same(view));
+        if let Some((_, original)) = moved {
+            *view = original;
+            return;
+        }
+        let original = *view;
+        view.keep_place(before, rect_ui);
+        self.moved = is_beside.then_some((*view, original));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Vec2, pos2};
+
+    const SIZE: (usize, usize) = (480, 360);
+
+    fn rect(width: f32) -> Rect {
+        Rect::from_min_size(pos2(240.0, 84.0), Vec2::new(width, 600.0))
+    }
+
+    #[test]
+    fn the_picture_stays_while_the_panel_comes_and_is_as_before_when_it_goes() {
+        let (mut aside, mut view) = (Aside::default(), View::fit());
+        aside.keep(&mut view, rect(1040.0), false);
+        let place = pos2(100.0, 50.0);
+        let before = view.settle(rect(1040.0), SIZE, 1.0).pos(place);
+        aside.keep(&mut view, rect(780.0), true);
+        let beside = view.settle(rect(780.0), SIZE, 1.0).pos(place);
+        assert!((beside - before).length() < 0.6 && !view.is_fit(), "{beside:?} instead of {before:?}");
+        aside.keep(&mut view, rect(780.0), true);
+        aside.keep(&mut view, rect(1040.0), false);
+        assert!(view.is_fit());
+    }
+
+    #[test]
+    fn a_view_that_was_changed_meanwhile_stays_as_it_is() {
+        let (mut aside, mut view) = (Aside::default(), View::fit());
+        aside.keep(&mut view, rect(1040.0), false);
+        view.settle(rect(1040.0), SIZE, 1.0);
+        aside.keep(&mut view, rect(780.0), true);
+        view.zoom_by(1.5);
+        let place = pos2(200.0, 150.0);
+        let before = view.settle(rect(780.0), SIZE, 1.0).pos(place);
+        aside.keep(&mut view, rect(1040.0), false);
+        let after = view.settle(rect(1040.0), SIZE, 1.0).pos(place);
+        assert!((after - before).length() < 0.6 && !view.is_fit());
+    }
+
+    #[test]
+    fn a_window_that_is_resized_fits_its_picture_anew() {
+        let (mut aside, mut view) = (Aside::default(), View::fit());
+        aside.keep(&mut view, rect(1040.0), false);
+        aside.keep(&mut view, rect(600.0), false);
+        assert!(view.is_fit());
+    }
+}

@@ -1,0 +1,59 @@
+//! Legends in a corner of the picture. A click folds one to a small chip, so that it covers nothing for good, and a click
+//! on the chip unfolds it.
+
+use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
+
+/// Picture that a legend lies over.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// The picture, in points.
+    pub rect_ui: Rect,
+    /// Whether the colour bar of a map lies in the lower right corner, so that the legend takes the left one.
+    pub has_colour_bar: bool,
+}
+
+impl Place {
+    /// Rectangle of `size` points in the corner of the legend.
+    fn corner(self, size: Vec2) -> Rect {
+        let (align, inwards) = if self.has_colour_bar {
+            (Align2::LEFT_BOTTOM, vec2(10.0, -10.0))
+        } else {
+            (Align2::RIGHT_BOTTOM, vec2(-10.0, -10.0))
+        };
+        align.align_size_within_rect(size, self.rect_ui).translate(inwards)
+    }
+}
+
+/// Size of the chip of a folded legend, in points.
+const CHIP: Vec2 = vec2(62.0, 20.0);
+
+/// Colour behind a legend.
+pub fn ground(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) }
+}
+
+/// Draws a legend of `size` points, margins included, or its chip; a click folds or unfolds it.
+pub fn legend_ui(ui: &mut Ui, is_open: &mut bool, size: Vec2, place: Place, add_contents: impl FnOnce(&mut Ui)) {
+    let rect = place.corner(if *is_open { size } else { CHIP });
+    let name = if *is_open { "Fold the legend" } else { "Show the legend" };
+    let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+        ui.spacing_mut().item_spacing.y = 4.0;
+        if *is_open {
+            let margin = Margin::symmetric(8, 6);
+            Frame::new().fill(ground(ui)).corner_radius(5).inner_margin(margin).show(ui, |ui| {
+                ui.set_width(ui.available_width());
+                add_contents(ui);
+            });
+        } else {
+            ui.painter().rect_filled(rect, 5.0, ground(ui));
+            let (font, colour) = (TextStyle::Small.resolve(ui.style()), ui.visuals().text_color());
+            ui.painter().text(rect.center(), Align2::CENTER_CENTER, "Legend", font, colour);
+        }
+    });
+    let help = if *is_open { "Colours of the features; click to fold (L)" } else { "Colours of the features (L)" };
+    if response.on_hover_text(help).clicked() {
+        *is_open = !*is_open;
+    }
+}

@@ -1,0 +1,199 @@
+//! Parts of the window that are open. At the first start the picture has most of the window: the panel on the right comes
+//! with a selection or a probe, the table is closed, and in a narrow window the panel on the left is folded. A panel that
+//! the user opens or closes stays so.
+
+use super::Model;
+use super::workspace::Workspace;
+use serde::{Deserialize, Serialize};
+
+/// Minimum width of a window with a panel on the left that nobody asked for, in points.
+pub const MIN_WIDTH_WITH_LEFT: f32 = 1100.0;
+
+/// Minimum width of a window with panels on both sides of the picture, in points.
+const MIN_WIDTH_WITH_BOTH: f32 = 900.0;
+
+/// Whether a panel is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Visibility {
+    /// Where there is room and something to show in it.
+    #[default]
+    Auto,
+    /// Always.
+    Open,
+    /// Only where something is asked of it.
+    Closed,
+}
+
+impl Visibility {
+    /// Whether the panel is shown if `auto` says so for [`Visibility::Auto`].
+    fn or(self, auto: bool) -> bool {
+        match self {
+            Self::Auto => auto,
+            Self::Open => true,
+            Self::Closed => false,
+        }
+    }
+}
+
+impl From<bool> for Visibility {
+    fn from(is_open: bool) -> Self {
+        if is_open { Self::Open } else { Self::Closed }
+    }
+}
+
+impl<'de> Deserialize<'de> for Visibility {
+    /// Reads a choice. In settings of before every panel was open unless it was closed by hand.
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        enum Word {
+            Auto,
+            Open,
+            Closed,
+        }
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Saved {
+            Before(bool),
+            Now(Word),
+        }
+        Ok(match Saved::deserialize(deserializer)? {
+            Saved::Before(false) | Saved::Now(Word::Closed) => Self::Closed,
+            Saved::Before(true) | Saved::Now(Word::Auto) => Self::Auto,
+            Saved::Now(Word::Open) => Self::Open,
+        })
+    }
+}
+
+/// Parts of the window that are open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Panels {
+    /// Cursor and parameters; by itself where the window is wide enough.
+    pub left: Visibility,
+    /// Display, selection and probe; by itself with a selection or a probe.
+    pub right: Visibility,
+    /// Table, tally and measurements; by itself in workspaces other than *One burst*.
+    pub bottom: Visibility,
+    /// The bursts of a dataset, while one is open.
+    pub filmstrip: bool,
+    /// All parameters of the detector instead of the most important ones.
+    pub advanced: bool,
+    /// The card of the first start, until it is dismissed.
+    pub welcome: bool,
+}
+
+impl Default for Panels {
+    fn default() -> Self {
+        let auto = Visibility::Auto;
+        Self { left: auto, right: auto, bottom: auto, filmstrip: true, advanced: false, welcome: true }
+    }
+}
+
+impl Panels {
+    /// Everything open, without the card of the first start.
+    pub fn all() -> Self {
+        let open = Visibility::Open;
+        Self { left: open, right: open, bottom: open, filmstrip: true, advanced: true, welcome: false }
+    }
+}
+
+impl Model {
+    /// Whether the panel on the left is shown.
+    pub fn shows_left(&self) -> bool {
+        let has_pictures = matches!(self.workspace, Workspace::Inspect | Workspace::Pair | Workspace::Methods);
+        let is_wide = |width: f32| self.window_width_points >= width;
+        self.panels.left.or(!has_pictures || is_wide(MIN_WIDTH_WITH_LEFT))
+            && !(has_pictures && self.shows_right() && !is_wide(MIN_WIDTH_WITH_BOTH))
+    }
+
+    /// Whether the panel on the left is folded because the window is narrow.
+    pub fn folds_left(&self) -> bool {
+        self.panels.left != Visibility::Closed && !self.shows_left()
+    }
+
+    /// Whether the panel on the right is shown.
+    pub fn shows_right(&self) -> bool {
+        self.panels.right.or(match self.workspace {
+            Workspace::Inspect => self.selected.is_some() || self.probe.is_open,
+            Workspace::Pair => self.pair.selected.is_some() || self.asked_feature().is_some() || self.probe.is_open,
+            Workspace::Methods => false,
+            Workspace::Matches | Workspace::Trajectories | Workspace::Lab => true,
+        })
+    }
+
+    /// Whether the panel below the pictures is shown.
+    pub fn shows_bottom(&self) -> bool {
+        self.panels.bottom.or(self.workspace != Workspace::Inspect)
+    }
+
+    /// Opens the panel on the left, also in a narrow window.
+    pub fn open_left(&mut self) {
+        self.panels.left = Visibility::Open;
+        if !self.shows_left() {
+            self.panels.right = Visibility::Closed;
+        }
+    }
+
+    /// Shows the probe, whose panel may have been closed.
+    pub fn open_probe(&mut self) {
+        (self.probe.is_open, self.probe.problem) = (true, None);
+        if self.panels.right == Visibility::Closed {
+            self.panels.right = Visibility::Auto;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model(width: f32) -> Model {
+        Model { window_width_points: width, ..Model::default() }
+    }
+
+    #[test]
+    fn at_first_only_the_left_panel_is_open_and_only_in_a_wide_window() {
+        let shown = |model: &Model| (model.shows_left(), model.shows_right(), model.shows_bottom());
+        assert_eq!(shown(&model(1280.0)), (true, false, false));
+        assert_eq!((shown(&model(960.0)), model(960.0).folds_left()), ((false, false, false), true));
+        let mut pair = model(960.0);
+        pair.workspace = Workspace::Pair;
+        assert_eq!(shown(&pair), (false, false, true));
+        pair.workspace = Workspace::Lab;
+        assert_eq!(shown(&pair), (true, true, true), "its settings and charts are no panels beside a picture");
+    }
+
+    #[test]
+    fn the_right_panel_comes_with_a_selection_and_stays_closed_once_closed() {
+        let mut model = model(1280.0);
+        model.selected = Some(3);
+        assert!(model.shows_right());
+        model.panels.right = Visibility::Closed;
+        assert!(!model.shows_right());
+        model.open_probe();
+        assert!(model.shows_right(), "a question is answered in it");
+    }
+
+    #[test]
+    fn in_a_very_narrow_window_one_side_panel_is_open_at_a_time() {
+        let mut model = model(720.0);
+        model.open_left();
+        assert!(model.shows_left() && !model.folds_left());
+        model.panels.right = Visibility::Auto;
+        model.selected = Some(0);
+        assert!(!model.shows_left() && model.folds_left() && model.shows_right());
+        model.open_left();
+        assert!(model.shows_left() && !model.shows_right());
+    }
+
+    #[test]
+    fn settings_of_before_are_read() {
+        let panels: Panels = toml::from_str("left = true\nright = false\nbottom = true\nfilmstrip = false").unwrap();
+        let expected = Panels { right: Visibility::Closed, filmstrip: false, ..Panels::default() };
+        assert_eq!(panels, expected);
+        let all: Panels = toml::from_str(&toml::to_string(&Panels::all()).unwrap()).unwrap();
+        assert_eq!(all, Panels::all());
+    }
+}

@@ -1,0 +1,163 @@
+//! The first start: most of the window is picture, a card says how to go on, and panels come when they are asked for.
+
+use crate::support::{Memory, Start, Window};
+use burstscope::app::project::side::Side;
+use burstscope::app::settings::Settings;
+use egui::Rect;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+
+/// Rectangle of the picture itself, without its header.
+fn picture(window: &Window) -> Rect {
+    window.harness.get_by_role_and_label(Role::Canvas, "Picture").rect()
+}
+
+/// Share of the window that is picture.
+fn share(window: &Window) -> f32 {
+    picture(window).area() / window.harness.ctx.content_rect().area()
+}
+
+#[test]
+fn most_of_the_window_is_picture_at_the_first_start() {
+    for (size, least, name) in [
+        ([1280.0, 800.0], 0.60, "first_start"),
+        ([960.0, 640.0], 0.75, "first_start_960"),
+        ([720.0, 900.0], 0.75, "first_start_720"),
+    ] {
+        let mut window = Start::first(size).open();
+        assert!(share(&window) >= least, "{size:?}: {}", share(&window));
+        window.snapshot(name);
+    }
+}
+
+#[test]
+fn the_first_start_is_drawn_on_a_fine_screen() {
+    let mut window = Start { pixels_per_point: 2.0, ..Start::first([960.0, 640.0]) }.open();
+    window.snapshot("first_start_hidpi");
+}
+
+#[test]
+fn the_card_is_dismissed_for_good() {
+    let mut window = Start::first([1280.0, 800.0]).open();
+    assert!(window.shows("Drag Slope u"));
+    let before = picture(&window);
+    window.click("Explore");
+    assert!(!window.shows("Drag Slope u"));
+    assert_eq!(picture(&window), before, "nothing else moves");
+    let mut memory = Memory::default();
+    eframe::App::save(window.app_mut(), &mut memory);
+    assert!(!Settings::load(&memory).panels.welcome);
+}
+
+#[test]
+fn the_card_starts_the_first_lesson() {
+    let mut window = Start::first([1280.0, 800.0]).open();
+    window.click("Three-minute lesson");
+    window.settle();
+    assert!(window.app().lessons.open.is_some());
+    assert!(!window.shows("Drag Slope u: each"));
+}
+
+#[test]
+fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
+    let mut window = Start::first([1280.0, 800.0]).open();
+    window.click("Explore");
+    let model = &window.app().model;
+    let slope = model.cursor().slope;
+    let is_here = |f: &&burstscope::Feature| (f.slope.u - slope.u).abs() < 0.1 && (100.0..300.0).contains(&f.u);
+    let feature = *model.features().iter().find(is_here).expect("a feature of this slope");
+    let place = egui::pos2(feature.u, feature.v);
+    let before = window.app().ui_from_image(place).expect("drawn");
+    window.click_at(before);
+    window.settle();
+    assert!(window.app().model.selected.is_some() && window.app().model.shows_right());
+    let after = window.app().ui_from_image(place).expect("drawn");
+    assert!((after - before).length() < 1.0, "{after:?} instead of {before:?}");
+    window.snapshot("first_selection");
+    window.run_action("Clear selection");
+    window.settle();
+    assert!(!window.app().model.shows_right());
+    assert!(window.app().model.panes.of(Side::A).view.is_fit(), "as before");
+}
+
+#[test]
+fn tabs_open_and_close_the_panel_below() {
+    let mut window = Start::first([1280.0, 800.0]).open();
+    window.click("Explore");
+    let whole = picture(&window).height();
+    window.click("Tally");
+    assert!(picture(&window).height() < whole - 80.0);
+    window.click("Table");
+    assert!(window.app().model.shows_bottom());
+    window.click("Table");
+    assert_eq!(picture(&window).height(), whole);
+}
+
+#[test]
+fn a_narrow_window_folds_the_left_panel_into_a_strip() {
+    let mut window = Start::first([900.0, 640.0]).open();
+    window.click("Explore");
+    assert!(window.harness.query_by_role_and_label(Role::Slider, "Slope u").is_none());
+    window.click("Cursor and parameters");
+    assert!(window.harness.query_by_role_and_label(Role::Slider, "Slope u").is_some());
+    window.run_action("Cursor and parameters");
+    assert!(window.harness.query_by_role_and_label(Role::Slider, "Slope u").is_none());
+}
+
+#[test]
+fn advanced_parameters_are_folded_and_say_that_one_is_changed() {
+    let mut window = Start::first([1280.0, 800.0]).open();
+    assert!(!window.shows("Edge threshold"));
+    window.app_mut().model.params.edge_threshold = 15.0;
+    window.harness.run_steps(2);
+    assert!(window.shows("1 not the default"));
+    window.click("Advanced");
+    assert!(window.shows("Edge threshold"));
+    window.click("Advanced");
+    assert!(!window.shows("Edge threshold"));
+    window.app_mut().model.params.edge_threshold = -1.0;
+    window.harness.run_steps(2);
+    assert!(window.shows("Edge threshold"), "an error opens the fold");
+}
+
+#[test]
+fn a_question_opens_the_probe_beside_the_picture() {
+    let mut window = Start::first([1280.0, 800.0]).open();
+    window.click("Explore");
+    let rect = picture(&window);
+    window.shift_click_at(rect.min + 0.37 * rect.size());
+    window.settle();
+    assert!(window.app().model.shows_right() && window.app().model.probe.is_open);
+    window.snapshot("first_probe");
+}
+
+#[test]
+fn smoothing_changes_what_is_shown_and_not_the_values() {
+    let mut window = Start::default().open();
+    let planes = |window: &Window| {
+        let picture = window.app().model.picture().expect("a picture");
+        (picture.plane.clone(), picture.drawn.clone())
+    };
+    let (plane, drawn) = planes(&window);
+    assert!(std::sync::Arc::ptr_eq(&plane, &drawn));
+    let range = window.app().model.look.ranges.intensity;
+    window.slide("Smoothing", 2.0);
+    window.settle();
+    let (values, smooth) = planes(&window);
+    assert_eq!(values, plane);
+    let spread = |plane: &burstscope::plane::Plane| {
+        let mean = plane.data().iter().sum::<f32>() / plane.data().len() as f32;
+        plane.data().iter().map(|x| (x - mean).powi(2)).sum::<f32>()
+    };
+    assert!(spread(&smooth) < 0.8 * spread(&values));
+    let narrower = window.app().model.look.ranges.intensity;
+    assert!(narrower.max - narrower.min < range.max - range.min, "the range follows");
+    let middle = picture(&window).center();
+    window.harness.hover_at(middle);
+    window.harness.run_steps(3);
+    assert!(window.shows("display smoothed, σ 2 px"));
+    window.snapshot("smoothed_display");
+    window.slide("Smoothing", 0.0);
+    window.settle();
+    assert!(std::sync::Arc::ptr_eq(&planes(&window).0, &planes(&window).1));
+}
