@@ -155,7 +155,7 @@ fn a_parameter_that_makes_no_sense_says_so_and_can_be_reset() {
     assert!(window.app().model.picture_is_current(), "pictures go on");
     window.click("Reset Slopes u");
     window.settle();
-    assert!(window.app().model.slots.a.param_error.is_none());
+    assert_eq!(window.app().model.slots.a.param_error, None);
 }
 
 #[test]

@@ -149,10 +149,4 @@ fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
     window.key(Key::Escape);
     window.harness.run_steps(3);
     assert!(window.shows("px/frame\nresponse"), "it comes back");
-    // A dialog that is no question to the whole window lies over the picture too.
-    window.run_action("Figure options");
-    let dialog = window.harness.get_by_label("Figure options").rect();
-    window.harness.hover_at(dialog.center_bottom() + egui::vec2(0.0, 40.0));
-    window.harness.run_steps(3);
-    assert!(!window.shows("px/frame\nresponse"));
 }

@@ -17,17 +17,20 @@ impl Aside {
     /// the panel comes, the picture keeps its place and size; when it goes, an untouched view is as before.
     pub fn keep(&mut self, view: &mut View, rect_ui: Rect, is_beside: bool) {
         let Some((before, was_beside)) = self.last.replace((rect_ui, is_beside)) else { return };
-        if was_beside == is_beside || before == rect_ui {
+        let untouched = self.moved.filter(|(after, _)| after.is_same(view)).map(|(_, original)| original);
+        // A panel finds its width in its first passes.
+        let is_growing = is_beside && untouched.is_some();
+        if before == rect_ui || (was_beside == is_beside && !is_growing) {
             return;
         }
-        let moved = self.moved.take().filter(|(after, _)| !is_beside && after.is_same(view));
-        if let Some((_, original)) = moved {
-            *view = original;
-            return;
+        match untouched.filter(|_| !is_beside) {
+            Some(original) => *view = original,
+            None => {
+                let original = untouched.unwrap_or(*view);
+                view.keep_place(before, rect_ui);
+                self.moved = is_beside.then_some((*view, original));
+            }
         }
-        let original = *view;
-        view.keep_place(before, rect_ui);
-        self.moved = is_beside.then_some((*view, original));
     }
 }
 
@@ -48,6 +51,9 @@ mod tests {
         aside.keep(&mut view, rect(1040.0), false);
         let place = pos2(100.0, 50.0);
         let before = view.settle(rect(1040.0), SIZE, 1.0).pos(place);
+        aside.keep(&mut view, rect(780.0), true);
+        view.settle(rect(780.0), SIZE, 1.0);
+        aside.keep(&mut view, rect(740.0), true);
         aside.keep(&mut view, rect(780.0), true);
         let beside = view.settle(rect(780.0), SIZE, 1.0).pos(place);
         assert!((beside - before).length() < 0.6 && !view.is_fit(), "{beside:?} instead of {before:?}");

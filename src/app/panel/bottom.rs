@@ -76,7 +76,10 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
     mark(ui, Part::Below, ui.available_rect_before_wrap());
     match model.bottom_tab {
         BottomTab::Table => {
-            crate::app::panel::status::advice_ui(ui, model, queue);
+            // Usually it stands below the parameters.
+            if !model.shows_left() {
+                crate::app::panel::status::advice_ui(ui, model, queue);
+            }
             crate::app::panel::table::table_ui(ui, model, queue);
         }
         BottomTab::Tally => crate::app::panel::tally::tally_ui(ui, model, queue),

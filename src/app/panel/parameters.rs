@@ -1,7 +1,6 @@
 //! Parameters of the detector: slopes, gate and number of features, and folded below them all others; each with unit,
 //! default, effect of raising it, and error.
 
-use super::slopes::verdict_ui;
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::widgets::section_ui;
@@ -43,7 +42,6 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         if model.params.slopes != given {
             model.slopes = SlopeChoice::Given;
         }
-        verdict_ui(ui, model, queue);
     });
 }
 

@@ -19,7 +19,7 @@ use egui_extras::{Column, TableBuilder};
 /// Draws the workspace. Returns the panes' requests.
 pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, queue, .. } = parts;
-    let width = side_width(ui);
+    let width = side_width(model);
     let mut changes = Vec::new();
     folded_ui(ui, model);
     if model.shows_left() {
@@ -33,7 +33,10 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
         });
     }
     if model.shows_right() {
-        let panel = Panel::right("compare right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0);
+        let panel = Panel::right("compare right")
+            .frame(side_frame(ui))
+            .default_size(side_width(model))
+            .size_range(250.0..=460.0);
         panel.show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| panel::display::ranges_ui(ui, model, widgets));
         });

@@ -13,7 +13,7 @@ use egui::{CentralPanel, DragValue, Frame, Label, Margin, Panel, RichText, Scrol
 
 /// Draws the workspace.
 pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: &mut CameraText, queue: &mut Queue) {
-    let width = side_width(ui);
+    let width = side_width(model);
     if model.datasets.open.is_none() {
         CentralPanel::default().show(ui, |ui| empty_ui(ui, model, queue));
         return;

@@ -134,8 +134,8 @@ fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnO
 }
 
 /// Width of a panel at the side, in points; smaller in a small window, where the picture needs the space more.
-fn side_width(ui: &egui::Ui) -> f32 {
-    (0.2 * ui.available_width()).clamp(250.0, 300.0)
+fn side_width(model: &Model) -> f32 {
+    (0.235 * model.window_width_points).clamp(280.0, 300.0)
 }
 
 /// Width of a folded panel, in points.
@@ -150,7 +150,7 @@ pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &mut Model) {
     Panel::left("left folded").frame(frame).exact_size(FOLDED_WIDTH).resizable(false).show(ui, |ui| {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click());
         let name = ActionId::ToggleLeft.action().label;
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Unfold {name}")));
         let visuals = ui.style().interact(&response);
         let galley =
             ui.painter().layout_no_wrap(name.to_owned(), TextStyle::Body.resolve(ui.style()), visuals.text_color());
@@ -167,10 +167,15 @@ pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &mut Model) {
 /// Draws the workspace. Returns the panes' requests.
 fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, selection, probe, regions, queue, .. } = parts;
-    let width = side_width(ui);
+    let width = side_width(model);
     folded_ui(ui, model);
     if model.shows_left() {
         Panel::left("left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
+            // The verdict stays in sight, and nothing above moves when it changes.
+            let below = Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO });
+            Panel::bottom("verdict").frame(below).show_separator_line(false).show(ui, |ui| {
+                panel::slopes::verdict_ui(ui, model, queue);
+            });
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 panel::cursor::cursor_ui(ui, model, queue);
                 panel::parameters::parameters_ui(ui, model, queue);
@@ -178,22 +183,25 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
         });
     }
     if model.shows_right() {
-        Panel::right("right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
-            let other = ("Display and feature", "The value range of the pictures, and the selected feature");
-            if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
-                return;
-            }
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                // What the panel came for is first.
-                if model.selected.is_some() {
-                    panel::selection::selection_ui(ui, model, selection, queue);
+        Panel::right("right").frame(side_frame(ui)).default_size(side_width(model)).size_range(250.0..=460.0).show(
+            ui,
+            |ui| {
+                let other = ("Display and feature", "The value range of the pictures, and the selected feature");
+                if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
+                    return;
                 }
-                panel::display::display_ui(ui, model, widgets);
-                if model.selected.is_none() {
-                    panel::selection::selection_ui(ui, model, selection, queue);
-                }
-            });
-        });
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    // What the panel came for is first.
+                    if model.selected.is_some() {
+                        panel::selection::selection_ui(ui, model, selection, queue);
+                    }
+                    panel::display::display_ui(ui, model, widgets);
+                    if model.selected.is_none() {
+                        panel::selection::selection_ui(ui, model, selection, queue);
+                    }
+                });
+            },
+        );
     }
     let mut over_rows = None;
     if model.shows_bottom() {
@@ -220,7 +228,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
 
 /// Draws the workspace.
 fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, queue: &mut Queue) {
-    let width = side_width(ui);
+    let width = side_width(model);
     if model.shows_left() {
         Panel::left("lab left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -229,14 +237,15 @@ fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, 
         });
     }
     if model.shows_right() {
-        Panel::right("lab right").frame(side_frame(ui)).default_size(width * 1.3).size_range(250.0..=900.0).show(
-            ui,
-            |ui| {
+        Panel::right("lab right")
+            .frame(side_frame(ui))
+            .default_size(1.3 * side_width(model))
+            .size_range(250.0..=900.0)
+            .show(ui, |ui| {
                 section_ui(ui, "Chart", |ui| {
                     chart::lab_chart_ui(ui, model, picture, queue);
                 });
-            },
-        );
+            });
     }
     CentralPanel::default().show(ui, |ui| curves::curves_ui(ui, &mut model.lab));
 }
@@ -246,7 +255,7 @@ const STRIP_HEIGHT: f32 = 84.0;
 
 /// Draws the workspace. Returns its requests.
 fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> WorkspaceWishes {
-    let width = side_width(ui).max(330.0);
+    let width = side_width(model).max(330.0);
     let mut again = false;
     if model.shows_right() {
         Panel::right("trajectories right").frame(side_frame(ui)).default_size(width).size_range(280.0..=520.0).show(

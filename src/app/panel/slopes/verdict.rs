@@ -1,4 +1,4 @@
-//! Verdict on the search, below the parameters: why there are few features, or whether the slopes fit the burst, with the
+//! Verdict on the search, below the parameters of *One burst*: why there are few features, or whether the slopes fit the burst, with the
 //! change that mends it.
 
 use super::piece_ui;
@@ -16,7 +16,6 @@ pub fn verdict_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if !has_advice && spectrum.is_none() {
         return;
     }
-    ui.add_space(4.0);
     let fill = ui.visuals().faint_bg_color;
     Frame::new().fill(fill).corner_radius(4).inner_margin(Margin::symmetric(8, 5)).show(ui, |ui| {
         ui.set_width(ui.available_width());

@@ -33,7 +33,7 @@ pub struct PairPanels {
 /// Draws the workspace. Returns the panes' requests.
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, pair, probe, queue, .. } = parts;
-    let width = side_width(ui);
+    let width = side_width(model);
     folded_ui(ui, model);
     if model.shows_left() {
         Panel::left("pair left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
@@ -46,18 +46,22 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         });
     }
     if model.shows_right() {
-        Panel::right("pair right").frame(side_frame(ui)).default_size(width).size_range(250.0..=460.0).show(ui, |ui| {
-            let other = ("Match and display", "The selected match, and how matches and pictures are drawn");
-            if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
-                return;
-            }
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                switches_ui(ui, model);
-                detail::detail_ui(ui, model, &mut pair.patch_textures, queue);
-                detail::why_ui(ui, model, &mut pair.candidate_textures, queue);
-                panel::display::ranges_ui(ui, model, widgets);
+        Panel::right("pair right")
+            .frame(side_frame(ui))
+            .default_size(side_width(model))
+            .size_range(250.0..=460.0)
+            .show(ui, |ui| {
+                let other = ("Match and display", "The selected match, and how matches and pictures are drawn");
+                if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
+                    return;
+                }
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    switches_ui(ui, model);
+                    detail::detail_ui(ui, model, &mut pair.patch_textures, queue);
+                    detail::why_ui(ui, model, &mut pair.candidate_textures, queue);
+                    panel::display::ranges_ui(ui, model, widgets);
+                });
             });
-        });
     }
     let (mut in_table, mut over_list) = (None, false);
     if model.shows_bottom() {
