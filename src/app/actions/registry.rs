@@ -200,7 +200,7 @@ actions! {
     SlopeVMore, Cursor 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis";
     SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames";
     SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope";
-    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting those at the limit of the range";
+    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting the ends of the range";
     Play, Cursor 0, "Play slopes", [NONE Space], "Step through the grid's slopes, back and forth";
     FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back";
     FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on";
