@@ -287,6 +287,7 @@ actions! {
     Glossary, Help 0, "Glossary", [SHIFT F1], "Explanations of the terms in this window";
     OpenLessons, Help 0, "Open lessons…", [], "Open a folder of your own lessons (TOML files)";
     OpenDepths, Help 1, "Example: many depths", [], "Open a burst of lamps at nine depths, each with a slope of its own";
+    OpenCrossing, Help 1, "Example: two ways that cross", [], "Open a burst of lamps that pass to the right and to the left: features at other slopes are ghosts";
     OpenStreet, Help 1, "Example: dark street", [], "Open a burst of textured walls that are too dark for one frame";
     OpenStreetLater, Help 1, "Example: dark street, later", [], "Open the same walls a little later, to be matched with the first";
     OpenAliasing, Help 1, "Example: aliasing", [], "Open a burst of garlands with a lamp every 8 px: slopes 8 px/frame apart look alike";
