@@ -140,9 +140,7 @@ impl StepTable {
         }
         let is_hidden = |part: &&Part| match part {
             Part::Tabs | Part::Below => state.tab.is_none() && state.workspace != Some(Place::Pair),
-            Part::Probe | Part::Response | Part::Shares => {
-                state.probe.is_none() || state.layout == Some(Layout::Slice)
-            }
+            Part::Probe | Part::Response | Part::Shares => state.probe.is_none() || state.layout == Some(Layout::Slice),
             _ => false,
         };
         if let Some(part) = self.highlight.iter().find(is_hidden) {

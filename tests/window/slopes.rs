@@ -211,7 +211,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     look_at_slopes(&mut window);
     let spectrum = window.app().model.spectrum().unwrap().clone();
     let advice = &spectrum.advice[0];
-    assert!(!advice.changes.is_empty() && window.shows("moves faster than the range"), "{advice:?}");
+    assert!(!advice.changes.is_empty() && window.shows("moves beyond the range"), "{advice:?}");
     assert!(window.shows(&advice.changes[0].label()) && window.shows("at the limit"));
     assert_eq!(window.app().model.cursor().slope, slope, "it never moves the slope by itself");
     window.snapshot("slopes_advice");

@@ -266,8 +266,8 @@ pub const REVISION: u32 = 6;
 
 #[cfg(test)]
 mod tests {
-    use super::super::pipeline::search;
     use super::super::SlopeGrid;
+    use super::super::pipeline::search;
     use super::*;
     use crate::monitor::Monitor;
     use crate::synth::{ChartParams, Motion, synth_chart};

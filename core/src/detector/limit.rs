@@ -124,8 +124,7 @@ impl Limit<'_, '_> {
     fn covering(&self, (u, v): (f32, f32), slope: Slope) -> Vec<usize> {
         let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
         let at = (pixel(u, self.size_image.0), pixel(v, self.size_image.1));
-        let offsets: Vec<FrameOffset> =
-            self.times.of(frame_offsets(self.times.frame_count, slope, self.interpolation));
+        let offsets: Vec<FrameOffset> = self.times.of(frame_offsets(self.times.frame_count, slope, self.interpolation));
         (0..offsets.len()).filter(|&index| offsets[index].covers(at.0, at.1, self.size_image)).collect()
     }
 }

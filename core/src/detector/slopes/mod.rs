@@ -207,9 +207,7 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
     let holds = |e: &&SlopeEvidence| {
         let around = (0.5 * steps.search).max(f64::from(e.uncertainty).min(steps.same));
         let [along, across] = turned(e.slope, f64::from(grid.direction_deg));
-        let within = |x: f64, axis: &SlopeAxis| {
-            x > f64::from(axis.min) - around && x < f64::from(axis.max) + around
-        };
+        let within = |x: f64, axis: &SlopeAxis| x > f64::from(axis.min) - around && x < f64::from(axis.max) + around;
         within(along, &grid.u) && within(across, &grid.v)
     };
     let sum = |evidence: &mut dyn Iterator<Item = &SlopeEvidence>| evidence.map(|e| e.significance).sum::<f32>();

@@ -27,8 +27,11 @@ const BEYOND: f32 = 0.08;
 /// Part of the slopes that suffices, up to which the search is said to cost too much.
 const NEEDED: f64 = 0.4;
 /// Part of the stronger half of the features at the limit from which a wider range is advised where the frames show
-/// nothing clear.
-const AT_LIMIT: f64 = 0.25;
+/// nothing clear. It is at most 0.012 for motions inside the range and 0.12 or more for motions half a step beyond it, on
+/// textures, the demo and noise, on lines and planes.
+const AT_LIMIT: f64 = 0.08;
+/// Part of those that must lie at one end of an axis for the axis to be widened there.
+const OF_THOSE: f64 = 0.25;
 /// Minimum number of features for which this part is computed.
 const ENOUGH_FEATURES: usize = 10;
 
@@ -288,7 +291,7 @@ impl<'a> Judging<'a> {
             let last = axis.count.saturating_sub(1) as f32;
             let mut more = |end: f32, slope: f32| {
                 let there = at_limit.iter().filter(|f| at(second, f).clamp(0.0, last).round() == end).count();
-                let is_many = axis.count > 1 && share(there, at_limit.len()) >= AT_LIMIT;
+                let is_many = axis.count > 1 && share(there, at_limit.len()) >= OF_THOSE;
                 if is_many {
                     ends.push(format!("{} {}", if second { "v" } else { "u" }, number(slope, 2)));
                 }

@@ -112,11 +112,7 @@ fn key_ui(ui: &mut Ui) {
         ui.spacing_mut().item_spacing.x = 4.0;
         let keys = [
             (style::ACCENT, "features", "Features whose slope is nearest to each"),
-            (
-                style::warning(ui),
-                "at the limit",
-                "Features whose response still rises beyond the searched slopes",
-            ),
+            (style::warning(ui), "at the limit", "Features whose response still rises beyond the searched slopes"),
             (evidence_colour(ui), "evidence", "What the frames have in common at each slope, before any threshold"),
         ];
         for (colour, text, tip) in keys {
