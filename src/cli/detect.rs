@@ -143,7 +143,7 @@ pub(super) fn detect_burst(
         .with_slopes(finding)
         .with_judgement(judged)
         .with_advice(advice);
-    console.say(&summary(&report, &job.params.detector, &detection))?;
+    console.say(&summary(&report, &job.params.detector))?;
     Ok((report, burst, detection))
 }
 

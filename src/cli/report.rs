@@ -169,6 +169,7 @@ impl BurstReport {
                 describe_secs: times.describe_secs,
                 write_secs,
             },
+            slopes_judged: None,
             advice: None,
         }
     }
@@ -206,19 +207,14 @@ const SLOPES_SHOWN: usize = 25;
 const BAR_WIDTH: usize = 30;
 
 /// Summary for people; ends with an empty line.
-pub(super) fn summary(report: &BurstReport, params: &DetectorParams, detection: &Detection) -> String {
+pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     let mut text = String::new();
     // Writing into a string cannot fail.
-    let _ = write_summary(&mut text, report, params, detection);
+    let _ = write_summary(&mut text, report, params);
     text
 }
 
-fn write_summary(
-    out: &mut String,
-    report: &BurstReport,
-    params: &DetectorParams,
-    detection: &Detection,
-) -> std::fmt::Result {
+fn write_summary(out: &mut String, report: &BurstReport, params: &DetectorParams) -> std::fmt::Result {
     let [first, end] = report.frames_used;
     let used = if end - first == report.frames { String::new() } else { format!(", {first}..{end} used") };
     writeln!(out, "{}: {} frames of {}×{}{used}", report.name, report.frames, report.width, report.height)?;

@@ -78,7 +78,10 @@ fn nothing_found_and_slopes_that_do_not_fit_are_explained() {
     let text = run_well(home.path(), &beside);
     assert!(text.contains("try --slopes-u 0:0:1\n"), "{text}");
     let fits = report(&["detect", "still", "--slopes-u", "0:0:1", "--out", "found"]);
-    assert_eq!((&fits["slopes_judged"]["advice"], &fits["advice"]), (&serde_json::Value::Null, &serde_json::Value::Null));
+    assert_eq!(
+        (&fits["slopes_judged"]["advice"], &fits["advice"]),
+        (&serde_json::Value::Null, &serde_json::Value::Null)
+    );
 }
 
 #[test]

@@ -491,23 +491,3 @@ fn the_first_page_offers_lessons() {
     window.settle();
     assert_eq!(window.app().lessons.open.as_ref().map(|open| open.lesson.name.as_str()), Some("what-noise-does"));
 }
-
-#[test]
-fn crossing_dump() {
-    use burstscope::inspect::shares::coherences;
-    use burstscope::synth::Example;
-    let burst = Example::Crossing.burst();
-    for extrema in [burstscope::detector::SlopeExtrema::Each, burstscope::detector::SlopeExtrema::Joint] {
-        let slopes = burstscope::detector::SlopeGrid::line(-3.0..=3.0, 13);
-        let params = burstscope::detector::DetectorParams { slopes, slope_extrema: extrema, ..Default::default() };
-        let cache =
-            burstscope::inspect::ProbeCache::new(&burst, &params.into(), &burstscope::Monitor::default()).unwrap();
-        let values = coherences(&cache.trail, &burstscope::Monitor::default()).unwrap();
-        for (f, c) in cache.trail.detection().features.iter().zip(values) {
-            eprintln!(
-                "DUMP {extrema:?} {:.1} {:.1} s{:.1} slope {:.2} snr {:.1} {:.4} o{} {c:?}",
-                f.u, f.v, f.sigma, f.slope.u, f.snr, f.response, f.octave
-            );
-        }
-    }
-}

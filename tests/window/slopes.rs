@@ -216,6 +216,15 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     assert_eq!(window.app().model.cursor().slope, slope, "it never moves the slope by itself");
     window.snapshot("slopes_advice");
     let before = axis(&window);
+    // The table says the same, and applies it too.
+    let sentence = advice.sentence.clone();
+    window.app_mut().model.bottom_tab = BottomTab::Table;
+    window.settle();
+    assert!(window.shows(&sentence[1..]), "{sentence}");
+    window.click("Apply slopes");
+    assert!(axis(&window).max >= 2.5);
+    window.ctrl(Key::Z);
+    look_at_slopes(&mut window);
     window.click("Apply");
     let wider = axis(&window);
     assert!(wider.max >= 2.5 && wider.count > before.count, "{wider:?}");

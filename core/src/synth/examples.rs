@@ -8,7 +8,7 @@
 //! | many depths | a column of lamps at each of nine depths, slope 0 on the left to 2.4 px/frame on the right: a fan in the x–t slice | a lamp in the middle |
 //! | tripod | a still camera: everything has slope 0, so depths cannot be told apart | a disc |
 //! | hot pixels | lamps that move by 1 px/frame, behind sixty hot pixels of the sensor | a hot pixel |
-//! | crossing | lamps that pass to the right behind lamps that pass to the left: where two ways cross, slopes respond with which nothing moves | a place between two lamps, kept at a wrong slope |
+//! | crossing | lamps that pass to the right behind lamps that pass to the left: slopes respond with which nothing moves | the end of a lamp's streak, kept at slope 0 |
 //! | street, street later | textured walls at two depths in the dark, and the same ones later: for matching | a lamp |
 
 use super::capture_burst;
@@ -258,8 +258,8 @@ const STREET_PLACE: [f32; 2] = [128.0, 48.0];
 const TRIPOD_PLACE: [f32; 2] = [120.0, 90.0];
 /// Speed of the crossing lamps, to the right and to the left, px/frame.
 const CROSSING_SLOPE: f64 = 1.5;
-/// A place where two ways cross that is kept as a feature, and its slope, px/frame.
-const GHOST: ([f32; 2], f32) = ([120.0, 90.0], 0.0);
+/// The end of a lamp's streak, kept as a feature at a slope with which nothing moves: place, and slope in px/frame.
+const GHOST: ([f32; 2], f32) = ([192.1, 89.8], 0.0);
 /// Rows of the lamps at many depths, with their radii, pixels.
 const LAMP_ROWS: [(f32, f64); 3] = [(40.0, 2.5), (90.0, 3.5), (140.0, 5.0)];
 /// Number of depths, with a column of lamps at each.

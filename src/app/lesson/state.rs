@@ -159,9 +159,9 @@ impl Lessons {
         self.open.as_ref().map_or(shown, OpenLesson::before)
     }
 
-    /// Parts of the window that the open step highlights.
+    /// Parts of the window that the open step highlights; none at a lesson's end.
     pub fn highlighted(&self) -> &[Part] {
-        self.open.as_ref().map_or(&[], |open| &open.step().highlight)
+        self.open.as_ref().filter(|open| !open.is_ended).map_or(&[], |open| &open.step().highlight)
     }
 
     /// Whether the open lesson waits for nothing.

@@ -93,9 +93,12 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
 /// Draws the judgement of the slopes and a button that applies its advice, unless the slopes suffice: above the table.
 pub fn judgement_ui(ui: &mut Ui, model: &mut Model) {
     let advice = model.slope_judgement().and_then(|judgement| judgement.advice.clone());
-    if let Some(advice) = advice.filter(|advice| advice.subject != Subject::Cost) {
-        piece_ui(ui, model, "Apply slopes", &advice);
-    }
+    let Some(advice) = advice.filter(|advice| advice.subject != Subject::Cost) else { return };
+    ui.horizontal(|ui| {
+        apply_ui(ui, model, "Apply slopes", &advice);
+        let sentence = sentence_of(&advice.sentence);
+        ui.add(Label::new(RichText::new(&sentence).color(style::warning(ui))).truncate()).on_hover_text(sentence);
+    });
 }
 
 /// A clause as a sentence.
@@ -111,21 +114,31 @@ fn sentence_of(clause: &str) -> String {
 fn piece_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
     ui.add(Label::new(RichText::new(sentence_of(&advice.sentence)).color(style::warning(ui))).wrap());
     if !advice.changes.is_empty() {
-        let changes: Vec<String> = advice.changes.iter().map(|change| change.label()).collect();
-        let changes = changes.join(", ");
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            let tip = format!("Set {changes}; Ctrl+Z undoes it");
-            let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
-            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
-            if button.clicked() {
-                match model.apply_changes(Side::A, &advice.changes) {
-                    Ok(()) => model.messages.note(format!("Set {changes}")),
-                    Err(error) => model.messages.error("Apply", error.to_string()),
-                }
-            }
-            ui.label(RichText::new(changes).monospace());
+            apply_ui(ui, model, name, advice);
+            ui.label(RichText::new(changes_of(advice)).monospace());
         });
     }
     ui.add_space(6.0);
+}
+
+/// Labels and values of the changes that a piece of advice makes.
+fn changes_of(advice: &SlopeAdvice) -> String {
+    let changes: Vec<String> = advice.changes.iter().map(|change| change.label()).collect();
+    changes.join(", ")
+}
+
+/// Draws the button that applies a piece of advice; `name` is for screen readers.
+fn apply_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
+    let changes = changes_of(advice);
+    let tip = format!("Set {changes}; Ctrl+Z undoes it");
+    let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    if button.clicked() {
+        match model.apply_changes(Side::A, &advice.changes) {
+            Ok(()) => model.messages.note(format!("Set {changes}")),
+            Err(error) => model.messages.error("Apply", error.to_string()),
+        }
+    }
 }
