@@ -27,8 +27,8 @@ const BEYOND: f32 = 0.08;
 /// Part of the slopes that suffices, up to which the search is said to cost too much.
 const NEEDED: f64 = 0.4;
 /// Part of the stronger half of the features at the limit from which a wider range is advised where the frames show
-/// nothing clear. It is at most 0.012 for motions inside the range and 0.12 or more for motions half a step beyond it, on
-/// textures, the demo and noise, on lines and planes.
+/// nothing clear. It is at most 0.036 for motions inside the range (at a corner of a plane; 0.012 elsewhere), and 0.12 or
+/// more for motions half a step beyond it, on textures, the demo and noise.
 const AT_LIMIT: f64 = 0.08;
 /// Part of those that must lie at one end of an axis for the axis to be widened there.
 const OF_THOSE: f64 = 0.25;

@@ -42,7 +42,7 @@ fn inside_and_at_the_end_of_the_range_hardly_any_feature_is_at_the_limit() {
     for (grid, slopes) in inside {
         for (u, v) in slopes {
             let (part, _) = share(&found(&uniform(Slope::new(u, v), FRAMES), grid));
-            assert!(part < 0.03, "{u} {v}: {part}");
+            assert!(part < 0.05, "{u} {v}: {part}");
         }
     }
     // Most features of a motion at the end lie on the rim nevertheless.
