@@ -115,9 +115,11 @@ impl<'a> Judging<'a> {
     /// those after it too.
     fn advice(&self) -> Option<SlopeAdvice> {
         let found = self.finding.map(|finding| (finding.grid, finding.verdict));
-        if let Some((_, SlopeVerdict::Still)) = found
-            && self.grid.len() > 1
-        {
+        // Motions within half a step of 0 lose no more there than half-way between two slopes of a right grid.
+        let half_step = self.sigma / (self.frames - 1) as f32;
+        let is_slow = !self.evidence.is_empty() && self.evidence.iter().all(|e| e.slope.magnitude() <= half_step);
+        let is_still = is_slow || matches!(found, Some((_, SlopeVerdict::Still)));
+        if is_still && self.grid.len() > 1 {
             return Some(self.still());
         }
         if found.is_some_and(|(grid, _)| grid == self.grid) {
