@@ -43,6 +43,11 @@ pub fn mark(ui: &Ui, part: Part, rect: Rect) {
     }
 }
 
+/// Whether `part` is pointed at: a fold that holds it is opened then.
+pub fn is_wanted(ctx: &Context, part: Part) -> bool {
+    with(ctx, |parts| parts.wanted.contains(&part))
+}
+
 /// Sets the parts that are pointed at from now on, and scrolls to them.
 pub fn want(ctx: &Context, wanted: &[Part]) {
     with(ctx, |parts| {
@@ -51,11 +56,6 @@ pub fn want(ctx: &Context, wanted: &[Part]) {
             parts.drawn.clear();
         }
     });
-}
-
-/// Whether `part` is pointed at: whatever hides it opens.
-pub fn is_wanted(ctx: &Context, part: Part) -> bool {
-    with(ctx, |parts| parts.wanted.contains(&part))
 }
 
 /// The parts that are pointed at, with their visible rectangles, as drawn last.

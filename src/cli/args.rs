@@ -11,7 +11,7 @@ use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, raw files (DNG), multi-page TIFF, .npy stack [N,H,W], 'demo', 'demo-later', or one of the examples 'demo-depths', 'demo-street', 'demo-street-later', 'demo-aliasing', 'demo-low-contrast', 'demo-tripod', 'demo-hot-pixels'";
+pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, raw files (DNG), multi-page TIFF, .npy stack [N,H,W], 'demo', 'demo-later', or one of the examples 'demo-depths', 'demo-crossing', 'demo-street', 'demo-street-later', 'demo-aliasing', 'demo-low-contrast', 'demo-tripod', 'demo-hot-pixels'";
 
 /// How long sequences of frames are cut into bursts.
 #[derive(Debug, Clone, Copy, Default, Args)]

@@ -8,10 +8,11 @@ use super::report::{BurstReport, DetectReport, FailureReport, summary};
 use crate::baseline::{Searched, search};
 use crate::burst::{Burst, OpenOptions};
 use crate::dataset::CameraChoice;
-use crate::detector::{Detection, SearchParams, explain};
+use crate::detector::{Detection, Method, SearchParams, explain, find_slopes};
 use crate::export::{ExportFormat, OutputRules, detection_files, write_detection};
 use crate::files::lock::FolderLock;
 use crate::files::path_text;
+use crate::inspect::spectrum::judgement;
 use crate::matching::Camera;
 use crate::monitor::Stage;
 use std::path::{Path, PathBuf};
@@ -119,7 +120,15 @@ pub(super) fn detect_burst(
     let burst = input.open_to_search(options, job.params, &console.monitor)?;
     job.camera.for_images(burst.size())?;
     let open_secs = start.elapsed().as_secs_f32();
-    let Searched { detection, params, finding, slopes_secs } = search(&burst, job.params, &console.monitor)?;
+    let Searched { detection, params, finding, mut slopes_secs } = search(&burst, job.params, &console.monitor)?;
+    // Given slopes are compared with those that the frames show.
+    let judging = Instant::now();
+    let shown = match &finding {
+        None if params.method == Method::Buff => Some(find_slopes(&burst, &params, None, &console.monitor)?),
+        found => found.clone(),
+    };
+    let judged = judgement(&detection, &params, shown.as_ref(), burst.len());
+    slopes_secs += judging.elapsed().as_secs_f32();
     // Past this point the features are written; Ctrl-C then stops before the next burst.
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
@@ -132,8 +141,9 @@ pub(super) fn detect_burst(
     let advice = explain(&detection, &params, burst.size());
     let report = BurstReport::new(&name, paths, &burst, &detection, files, [open_secs, slopes_secs, write_secs])
         .with_slopes(finding)
+        .with_judgement(judged)
         .with_advice(advice);
-    console.say(&summary(&report, &job.params.detector, &detection))?;
+    console.say(&summary(&report, &job.params.detector))?;
     Ok((report, burst, detection))
 }
 

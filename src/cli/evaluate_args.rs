@@ -88,8 +88,8 @@ JSON (--json):
 /// Compare places, scales and slopes with the truth.
 ///
 /// Slopes of the discs are drawn from a continuum that reaches beyond the grid searched. For each disc that is found
-/// the strongest feature is compared with the truth at mid-burst. Features marked as lying at the limit of the slope
-/// grid are counted and left out of the errors. Scales are compared with the σ at which a difference of Gaussians
+/// the strongest feature is compared with the truth at mid-burst. Features on the rim of the slope grid are
+/// counted and left out of the errors. Scales are compared with the σ at which a difference of Gaussians
 /// answers a disc most strongly (0.633 of the radius with 3 levels an octave).
 ///
 /// Two kinds of charts are measured: crowded ones, where neighbours draw features aside, and ones with fewer discs that

@@ -193,7 +193,7 @@ fn write_accuracy(out: &mut String, crowded: &AccuracyReport, apart: Option<&Acc
     }
     writeln!(
         out,
-        "\nErrors are those of found discs that are not marked as at the slope limit. Scales are compared with the σ at which a\n\
+        "\nErrors are those of found discs that are not on the rim of the slopes. Scales are compared with the σ at which a\n\
          difference of Gaussians answers a disc most strongly, not with r/√2."
     )
 }
@@ -202,7 +202,7 @@ fn write_accuracy_row(out: &mut String, row: &AccuracyRow) -> Result {
     writeln!(out, "\nSNR {}", row.snr)?;
     let mut counts = |words: &str, count: RangeCount| {
         let RangeCount { discs, found, marked } = count;
-        writeln!(out, "  {words:36}{discs:>6}, found {found:>5}, of these marked as at the slope limit {marked:>4}")
+        writeln!(out, "  {words:36}{discs:>6}, found {found:>5}, of these on the rim of the slopes {marked:>4}")
     };
     counts("discs within the range of slopes", row.within)?;
     counts("discs beyond the range", row.beyond)?;

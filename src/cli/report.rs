@@ -6,6 +6,7 @@ use crate::detector::noise_model::NoiseModel;
 use crate::detector::{
     Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test,
 };
+use crate::inspect::spectrum::SlopeJudgement;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -72,7 +73,10 @@ pub(super) struct BurstReport {
     slopes: Vec<SlopeCount>,
     tally: TallyReport,
     times: TimesReport,
-    /// Advice where there are no or few features, or most lie at the slope limit; `None` (null) otherwise.
+    /// Judgement of the slopes; absent for a method without slopes and for a single frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slopes_judged: Option<SlopeJudgement>,
+    /// Advice where there are no or few features; `None` (null) otherwise.
     advice: Option<AdviceReport>,
 }
 
@@ -165,6 +169,7 @@ impl BurstReport {
                 describe_secs: times.describe_secs,
                 write_secs,
             },
+            slopes_judged: None,
             advice: None,
         }
     }
@@ -172,6 +177,11 @@ impl BurstReport {
     /// Adds the result of finding the slopes.
     pub fn with_slopes(self, slopes_found: Option<SlopeFinding>) -> Self {
         Self { slopes_found, ..self }
+    }
+
+    /// Adds the judgement of the slopes.
+    pub fn with_judgement(self, slopes_judged: Option<SlopeJudgement>) -> Self {
+        Self { slopes_judged, ..self }
     }
 
     /// Adds the advice.
@@ -197,19 +207,14 @@ const SLOPES_SHOWN: usize = 25;
 const BAR_WIDTH: usize = 30;
 
 /// Summary for people; ends with an empty line.
-pub(super) fn summary(report: &BurstReport, params: &DetectorParams, detection: &Detection) -> String {
+pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     let mut text = String::new();
     // Writing into a string cannot fail.
-    let _ = write_summary(&mut text, report, params, detection);
+    let _ = write_summary(&mut text, report, params);
     text
 }
 
-fn write_summary(
-    out: &mut String,
-    report: &BurstReport,
-    params: &DetectorParams,
-    detection: &Detection,
-) -> std::fmt::Result {
+fn write_summary(out: &mut String, report: &BurstReport, params: &DetectorParams) -> std::fmt::Result {
     let [first, end] = report.frames_used;
     let used = if end - first == report.frames { String::new() } else { format!(", {first}..{end} used") };
     writeln!(out, "{}: {} frames of {}×{}{used}", report.name, report.frames, report.width, report.height)?;
@@ -231,13 +236,17 @@ fn write_summary(
     if let Some(finding) = &report.slopes_found {
         writeln!(out, "  slopes    {}", finding.summary())?;
     }
+    if let Some(SlopeJudgement { sentence, advice }) = &report.slopes_judged {
+        writeln!(out, "  {:<9} {sentence}", if report.slopes_found.is_some() { "" } else { "slopes" })?;
+        let changes = advice.iter().flat_map(|advice| &advice.changes).map(|change| change.option());
+        let options: Vec<String> = changes.collect();
+        if !options.is_empty() {
+            writeln!(out, "            try {}", options.join(" "))?;
+        }
+    }
     writeln!(out, "  features  {}", report.features)?;
     if params.method == Method::Buff && report.features > 0 {
         write_histogram(out, &report.slopes)?;
-        let at_limit = detection.features.iter().filter(|f| f.at_slope_limit).count();
-        if at_limit > 0 && report.advice.is_none() {
-            writeln!(out, "    {at_limit} of them at the limit of the slope range; if that is many, widen it")?;
-        }
     }
     writeln!(out, "  rejected, of {} samples", grouped(report.tally.samples))?;
     for (test, &count) in &report.tally.rejected {

@@ -3,7 +3,7 @@
 
 use super::goal::Goal;
 use super::part::Part;
-use super::state::State;
+use super::state::{Layout, Place, State};
 use super::values::Text;
 use crate::files::read_text;
 use serde::Deserialize;
@@ -20,6 +20,8 @@ pub struct Lesson {
     pub title: String,
     /// Learning goal, in a sentence.
     pub about: String,
+    /// Lines that sum up the lesson, shown at its end, in CommonMark.
+    pub learnt: Vec<String>,
     /// Steps; at least one.
     pub steps: Vec<Step>,
 }
@@ -69,6 +71,8 @@ struct LessonFile {
     title: Text,
     about: Text,
     #[serde(default)]
+    learnt: Vec<Text>,
+    #[serde(default)]
     set: State,
     step: Spanned<Vec<Spanned<StepTable>>>,
 }
@@ -109,7 +113,8 @@ impl Lesson {
             return Err(wrong(Some(line_at(step_span.start)), "a lesson needs at least one [[step]]".to_owned()));
         }
         let stem = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy());
-        Ok(Self { name: stem.into_owned(), title: read.title.0, about: read.about.0, steps })
+        let learnt = read.learnt.into_iter().map(|line| line.0).collect();
+        Ok(Self { name: stem.into_owned(), title: read.title.0, about: read.about.0, learnt, steps })
     }
 }
 
@@ -132,6 +137,15 @@ impl StepTable {
             && let Some(part) = self.highlight.iter().find(|part| in_lesson(part))
         {
             return Err(format!("step '{title}' highlights '{part}', which needs a 'spot' to measure; set one"));
+        }
+        let is_hidden = |part: &&Part| match part {
+            Part::Tabs | Part::Below => state.tab.is_none() && state.workspace != Some(Place::Pair),
+            Part::Probe | Part::Response | Part::Shares => state.probe.is_none() || state.layout == Some(Layout::Slice),
+            _ => false,
+        };
+        if let Some(part) = self.highlight.iter().find(is_hidden) {
+            let key = if matches!(part, Part::Tabs | Part::Below) { "'tab'" } else { "'probe', without a slice" };
+            return Err(format!("step '{title}' highlights '{part}', whose panel is closed; set {key}"));
         }
         Ok(Step { title, caption: self.caption.0, highlight: self.highlight, task, state })
     }
@@ -193,6 +207,7 @@ pub(super) const TEXTS: &[(&str, &str)] = texts![
     "slope-is-depth",
     "blobs-at-every-scale",
     "what-noise-does",
+    "ghosts",
     "when-it-fails",
     "from-features-to-cameras"
 ];
@@ -268,6 +283,10 @@ slope = [2, 0]
             ("slope = [2, 0]", "params = { levels = 99 }", 18, "levels"),
             ("slope = [2, 0]", "params = { level = 3 }", 18, "level"),
             ("highlight = [\"slope_u\", \"noise_gate\"]", "highlight = [\"snr\"]", 7, "spot"),
+            ("highlight = [\"slope_u\", \"noise_gate\"]", "highlight = [\"below\"]", 7, "set 'tab'"),
+            ("highlight = [\"slope_u\", \"noise_gate\"]", "highlight = [\"response\"]", 7, "set 'probe'"),
+            ("slope = [2, 0]", "view = [9, 9, 8, 12]", 18, "left < right"),
+            ("slope = [2, 0]", "view = [9, 9, 0]", 18, "zoom"),
         ] {
             let text = GOOD.replace(from, to);
             assert_ne!(text, GOOD, "{from} is in it");
@@ -324,8 +343,13 @@ slope = [2, 0]
 
     #[test]
     fn every_lesson_is_whole() {
-        assert!(TEXTS.len() >= 6);
+        assert!(TEXTS.len() >= 7);
         for lesson in built_in() {
+            assert_eq!(lesson.learnt.len(), 3, "{}: three lines of what was learnt", lesson.name);
+            for line in &lesson.learnt {
+                let words = line.split_whitespace().count();
+                assert!((6..=30).contains(&words), "{}: {words} words: {line}", lesson.name);
+            }
             assert!(lesson.steps.len() >= 7, "{} has {} steps", lesson.name, lesson.steps.len());
             assert!(TEXTS.iter().any(|(name, _)| *name == lesson.name), "{}", lesson.name);
             for step in &lesson.steps {

@@ -127,6 +127,15 @@ impl TryFrom<[f32; 5]> for Spot {
     }
 }
 
+/// Part of the picture that is in view, pixels of the image at mid-burst.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum InView {
+    /// The centre (column, row), and the points of the window for each pixel: `[u, v, zoom]`.
+    Centre([f32; 3]),
+    /// A rectangle that is seen whole, as large as it fits: `[left, top, right, bottom]`.
+    Region([f32; 4]),
+}
+
 /// State that a step sets up.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -152,9 +161,9 @@ pub struct State {
     pub octave: Option<i32>,
     /// Level within the octave.
     pub level: Option<i32>,
-    /// Centre of the view and its zoom (points for a pixel of the image): `[u, v, zoom]`; the whole picture by default.
+    /// Part of the picture in view; the whole picture by default.
     #[serde(deserialize_with = "view")]
-    pub view: Option<[f32; 3]>,
+    pub view: Option<InView>,
     /// Detector's parameters, as in a parameter file: absent ones have their defaults.
     #[serde(deserialize_with = "params")]
     pub params: Option<SearchParams>,
@@ -226,13 +235,25 @@ fn place<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32; 2]>,
     finite(<[f32; 2]>::deserialize(deserializer)?).map(Some).map_err(de::Error::custom)
 }
 
-fn view<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32; 3]>, D::Error> {
-    let [u, v, zoom] = finite(<[f32; 3]>::deserialize(deserializer)?).map_err(de::Error::custom)?;
-    if (0.01..=100.0).contains(&zoom) {
-        Ok(Some([u, v, zoom]))
-    } else {
-        Err(de::Error::custom(format!("the zoom {zoom} is out of range; give 0.01 to 100 points per pixel")))
-    }
+fn view<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<InView>, D::Error> {
+    let numbers = Vec::<f32>::deserialize(deserializer)?;
+    let in_view = match numbers[..] {
+        [u, v, zoom] if (0.01..=100.0).contains(&zoom) => {
+            InView::Centre(finite([u, v, zoom]).map_err(de::Error::custom)?)
+        }
+        [_, _, zoom] => {
+            let problem = format!("the zoom {zoom} is out of range; give 0.01 to 100 points per pixel");
+            return Err(de::Error::custom(problem));
+        }
+        [left, top, right, bottom] if left < right && top < bottom => {
+            InView::Region(finite([left, top, right, bottom]).map_err(de::Error::custom)?)
+        }
+        _ => {
+            let problem = "a view is [left, top, right, bottom] with left < right and top < bottom, or [u, v, zoom]";
+            return Err(de::Error::custom(problem));
+        }
+    };
+    Ok(Some(in_view))
 }
 
 fn params<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SearchParams>, D::Error> {

@@ -52,7 +52,7 @@ fn the_demos_landmarks_are_found_with_their_motion() {
 }
 
 #[test]
-fn nothing_found_and_most_at_the_limit_are_explained() {
+fn nothing_found_and_slopes_that_do_not_fit_are_explained() {
     let home = tempfile::tempdir().expect("a folder");
     let nothing = ["detect", "demo", "--peak-threshold", "0.5", "--out", "found"];
     let text = run_well(home.path(), &nothing);
@@ -60,21 +60,28 @@ fn nothing_found_and_most_at_the_limit_are_explained() {
         text.contains("note      no feature was found: of ") && text.contains("; try --peak-threshold 0\n"),
         "{text}"
     );
-    let advice = |arguments: &[&str]| {
+    let report = |arguments: &[&str]| {
         let json: serde_json::Value =
             serde_json::from_str(&run_well(home.path(), &[arguments, &["--json"]].concat())).expect("JSON");
-        json["bursts"][0]["advice"].clone()
+        json["bursts"][0].clone()
     };
-    let said = advice(&nothing);
+    let said = &report(&nothing)["advice"];
     assert_eq!((&said["parameter"], &said["value"]), (&"peak-threshold".into(), &"0".into()));
     // Nothing moves, and slope 0 is not searched.
     let still = ["synth", "chart", "--out", "still", "--width", "240", "--height", "180", "--discs", "16"];
     run_well(home.path(), &[&still[..], &["--radius", "4:8", "--max-slope", "0", "--snr", "8"]].concat());
     let beside = ["detect", "still", "--slopes-u", "0.3:2.7:9", "--out", "found"];
-    let said = advice(&beside);
-    assert_eq!((&said["parameter"], &said["value"]), (&"slopes-u".into(), &"-0.9:2.7:13".into()), "{said}");
-    assert!(said["message"].as_str().is_some_and(|text| text.contains(" at u 0.3 px/frame")), "{said}");
-    assert_eq!(advice(&["detect", "still", "--slopes-u", "-0.9:2.7:13", "--out", "found"]), serde_json::Value::Null);
+    let said = &report(&beside)["slopes_judged"];
+    assert!(said["sentence"].as_str().is_some_and(|text| text.contains("one slope, 0, is enough")), "{said}");
+    let change = serde_json::json!([{"parameter": "slopes-u", "value": "0:0:1"}]);
+    assert_eq!(said["advice"]["changes"], change, "{said}");
+    let text = run_well(home.path(), &beside);
+    assert!(text.contains("try --slopes-u 0:0:1\n"), "{text}");
+    let fits = report(&["detect", "still", "--slopes-u", "0:0:1", "--out", "found"]);
+    assert_eq!(
+        (&fits["slopes_judged"]["advice"], &fits["advice"]),
+        (&serde_json::Value::Null, &serde_json::Value::Null)
+    );
 }
 
 #[test]

@@ -88,6 +88,23 @@ fn slopes_tells_what_is_there_and_what_to_change() {
 }
 
 #[test]
+fn slopes_and_detect_judge_the_slopes_in_the_same_words() {
+    let home = tempfile::tempdir().expect("a folder");
+    for (options, words) in [
+        (&["demo", "--slopes-u", "-1:1:5"][..], "beyond the range u −1 to 1 px/frame"),
+        (&["demo-tripod", "--slopes-u", "-2:2:9"][..], "one slope, 0, is enough"),
+        (&["demo-depths"][..], "the slopes fit the burst; "),
+    ] {
+        let answer = json(home.path(), &[&["slopes", "--json"], options].concat());
+        let sentence = answer["spectrum"]["judgement"]["sentence"].as_str().expect("a sentence");
+        assert!(sentence.contains(words), "{sentence}");
+        assert!(run_well(home.path(), &[&["slopes"], options].concat()).contains(sentence), "{sentence}");
+        let found = run_well(home.path(), &[&["detect", "--out", "found"], options].concat());
+        assert!(found.contains(sentence), "{sentence}\n{found}");
+    }
+}
+
+#[test]
 fn slopes_sees_a_garland_repeat_itself_and_draws_it() {
     let home = tempfile::tempdir().expect("a folder");
     let text = run_well(home.path(), &[&["slopes", "--plot", "garlands.svg"], &GARLANDS[..]].concat());
@@ -119,7 +136,7 @@ fn wrong_use_says_what_would_be_right() {
 #[test]
 fn the_examples_are_bursts_like_any_other() {
     let home = tempfile::tempdir().expect("a folder");
-    for name in ["demo-aliasing", "demo-low-contrast"] {
+    for name in ["demo-aliasing", "demo-low-contrast", "demo-crossing"] {
         run_well(home.path(), &["detect", name, "--slopes-u", "-2:2:5", "--out", "found"]);
         assert!(home.path().join(format!("found/{name}.csv")).is_file());
     }

@@ -6,6 +6,7 @@ use burstscope::app::parts;
 use burstscope::app::project::Panels;
 use burstscope::app::project::cursor::ViewKind;
 use burstscope::app::project::effect::Purpose;
+use burstscope::app::project::look::FeaturesShown;
 use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;
@@ -16,11 +17,12 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::Arc;
 
 /// Step of each lesson that its picture shows, from 1.
-const KEY_STEPS: [(&str, usize); 6] = [
+const KEY_STEPS: [(&str, usize); 7] = [
     ("out-of-the-dark", 5),
     ("slope-is-depth", 4),
     ("blobs-at-every-scale", 6),
     ("what-noise-does", 3),
+    ("ghosts", 5),
     ("when-it-fails", 3),
     ("from-features-to-cameras", 4),
 ];
@@ -78,7 +80,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
             window.slide(label, f64::from(wanted.middle()));
         }
     }
-    if goal.features.is_some() {
+    if goal.features.is_some() && goal.slopes.is_none() {
         window.click("Detect");
     }
     if goal.selected == Some(true) || goal.selected_match == Some(true) {
@@ -96,7 +98,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
         set(window, axis[1], f64::from(max));
     }
     if let Some(slopes) = goal.slopes {
-        if slopes.min == 49.0 {
+        if slopes.max > 1000.0 {
             window.click("BuFF 2D");
         } else {
             let axis = fields(window, "Slopes u");
@@ -218,8 +220,43 @@ fn play(name: &str) {
         window.click(if is_last { "Finish the lesson" } else { "Next step" });
     }
     window.settle();
+    ends(&mut window, &lesson);
     assert!(window.app().lessons.open.is_none() && window.app().model.slots.a.burst.is_none(), "what was open is back");
-    assert_eq!(window.app().lessons.progress[name].done.len(), lesson.steps.len());
+    let progress = &window.app().lessons.progress[name];
+    assert_eq!((progress.done.len(), progress.step), (lesson.steps.len(), 0), "it begins anew");
+}
+
+/// At the end of a lesson there are three lines and the way to the next one; goes there, or closes the last lesson.
+fn ends(window: &mut Window, lesson: &Lesson) {
+    assert!(window.shows("What you have learnt") && window.shows("The end"));
+    assert_eq!(lesson.learnt.len(), 3);
+    for line in &lesson.learnt {
+        let plain = line.split('*').max_by_key(|part| part.len()).expect("a part").trim();
+        // Long lines are drawn in pieces.
+        let words: Vec<&str> = plain.split_whitespace().take(3).collect();
+        assert!(window.shows(&words.join(" ")), "{line}");
+    }
+    if lesson.name == "ghosts" {
+        window.snapshot("lesson_end");
+    }
+    let next = built_in().iter().skip_while(|other| other.name != lesson.name).nth(1);
+    let Some(next) = next else {
+        window.click("Close the lesson");
+        window.settle();
+        return;
+    };
+    assert!(window.shows(&format!("Next: {}", next.title)));
+    // The last step can be looked at again.
+    window.click("Step back");
+    window.settle();
+    assert!(window.shows(&format!("Step {0} of {0}", lesson.steps.len())));
+    window.click("Finish the lesson");
+    window.settle();
+    window.click("Next lesson");
+    window.settle();
+    assert_eq!(window.app().lessons.open.as_ref().map(|open| (&open.lesson.name, open.step)), Some((&next.name, 0)));
+    window.click("Leave lesson");
+    window.settle();
 }
 
 #[test]
@@ -240,6 +277,11 @@ fn blobs_at_every_scale_is_played() {
 #[test]
 fn what_noise_does_is_played() {
     play("what-noise-does");
+}
+
+#[test]
+fn ghosts_is_played() {
+    play("ghosts");
 }
 
 #[test]
@@ -359,6 +401,62 @@ fn frames_are_added_one_by_one_and_the_ratio_grows_as_the_root() {
     window.settle();
     let ten = ratio(&window);
     assert!((2.5..4.4).contains(&(ten / one)), "{one} → {ten}");
+}
+
+/// Opens a built-in lesson at a step, from 0, in a window of `size`.
+fn at_step(name: &str, step: usize, size: [f32; 2]) -> Window {
+    let mut window = Start { size, ..Start::nothing_open() }.open();
+    window.app_mut().lessons.progress.entry(name.to_owned()).or_default().step = step;
+    window.app_mut().start_lesson(lesson(name));
+    window.settle();
+    window
+}
+
+#[test]
+fn zooms_keep_their_subject_in_sight() {
+    // Corners of the bus stop's disc and ring, and of the sign.
+    let (bus_stop, sign) = ([[72.0, 170.0], [105.0, 202.0]], [[218.0, 150.0], [404.0, 205.0]]);
+    for size in [[1280.0, 800.0], [960.0, 640.0]] {
+        for (step, subjects) in [(3, vec![bus_stop, sign]), (4, vec![bus_stop]), (5, vec![bus_stop])] {
+            let window = at_step("out-of-the-dark", step, size);
+            let pane = window.harness.get_by_role(Role::Canvas).rect();
+            for [u, v] in subjects.concat() {
+                let pos = window.app().ui_from_image(pos2(u, v)).expect("drawn");
+                assert!(pane.contains(pos), "step {} at {size:?}: ({u}, {v}) is at {pos} of {pane}", step + 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_was_measured_stays_from_step_to_step() {
+    let mut window = at_step("out-of-the-dark", 3, [1280.0, 800.0]);
+    for frames in [4.0, 10.0] {
+        window.slide("Frames", frames);
+        window.settle();
+    }
+    assert!(window.shows("3 dots measured"));
+    window.click("Next step");
+    window.settle();
+    assert!(window.shows("3 dots measured"), "four frames were measured before");
+    window.click("Set the step up again");
+    window.settle();
+    assert!(window.shows("1 dot measured"));
+}
+
+#[test]
+fn the_search_in_two_directions_circles_the_lanterns() {
+    let mut window = at_step("slope-is-depth", 6, [1280.0, 800.0]);
+    let near = |window: &Window| {
+        let rising = |f: &&burstscope::Feature| (f.slope.u - 1.6).hypot(f.slope.v + 1.2) < 0.5;
+        window.app().model.features().iter().filter(rising).count()
+    };
+    assert_eq!(near(&window), 0, "no line holds them");
+    window.click("BuFF 2D");
+    window.settle();
+    assert!(near(&window) >= 5, "{}", near(&window));
+    assert!(window.app().model.look.overlay == FeaturesShown::ThisSlope);
+    window.snapshot("lesson_lanterns");
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! Advice on a detection with few or no features, or most of them at the slope limit: the reason, and a setting to
-//! change.
+//! Advice on a detection with few or no features: the reason, and a setting to change. (Whether the slopes fit is judged
+//! in `inspect::spectrum`.)
 //!
 //! The tally counts what each test rejected, but a good detection rejects nearly everything too: most samples are
 //! noise, and of every hundred above it most belong to the flank of some blob. So each test's share of rejected
@@ -36,12 +36,6 @@ impl Advice {
 const LITTLE_PER_MEGAPIXEL: f64 = 50.0;
 /// Fewer features than this are too few in an image of any size.
 const LITTLE: usize = 8;
-/// Number of features from which on the slope limit is mentioned.
-const FEATURES_FOR_LIMIT: usize = 10;
-/// The slope range is called too narrow if at least this share of all features lies at the limit,
-const LIMIT_SHARE: f64 = 0.5;
-/// and at least this many times the share of the grid's slopes that are on its rim, which is large for small grids.
-const LIMIT_OVER_CHANCE: f64 = 1.4;
 /// Minimum number of samples above both thresholds for one feature: one of 650 to 1000 became a keypoint wherever
 /// [`usual_share`] was measured.
 const SAMPLES_PER_FEATURE: u64 = 500;
@@ -53,13 +47,13 @@ const GATE_REJECTS_NOISE: f64 = 0.999;
 /// Gate factor below which so much noise passes that lowering it further does not help.
 const LOWEST_GATE: f32 = 4.0;
 
-/// Explains why `detection`, found with `params` in images of `size` (columns, rows), has few or no features, or most
-/// of them at the slope limit; `None` where it has enough, or where the parameters ask for few.
+/// Explains why `detection`, found with `params` in images of `size` (columns, rows), has few or no features; `None`
+/// where it has enough, or where the parameters ask for few.
 pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usize)) -> Option<Advice> {
     let found = detection.features.len();
     let wanted = LITTLE.max((LITTLE_PER_MEGAPIXEL * 1e-6 * size.0 as f64 * size.1 as f64) as usize);
     if found >= wanted {
-        return at_limit(detection);
+        return None;
     }
     if detection.tally.rejected_by(Test::MaxFeatures) > 0 {
         return None;
@@ -70,44 +64,6 @@ pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usi
         _ => format!("only {found} features were found"),
     };
     little(&what, wanted as u64, &detection.tally, params, detection.noise_gate_factor)
-}
-
-/// Advice where most features lie at the slope limit.
-fn at_limit(detection: &Detection) -> Option<Advice> {
-    // The stronger half: a strong blob beyond the range also leaves weaker smears of itself at all other slopes.
-    let (features, grid) = (&detection.features[..detection.features.len().div_ceil(2)], &detection.slopes);
-    let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
-    let count = features.iter().filter(|f| f.at_slope_limit).count();
-    let rim = (0..grid.len()).filter(|&index| {
-        let (i, j) = grid.coordinates(index);
-        grid.on_rim(i, j)
-    });
-    let chance = share(rim.count(), grid.len());
-    if detection.features.len() < FEATURES_FOR_LIMIT
-        || share(count, features.len()) < LIMIT_SHARE.max(LIMIT_OVER_CHANCE * chance)
-    {
-        return None;
-    }
-    let coordinates = |index: usize| grid.coordinates(index);
-    let at = |wanted: &dyn Fn(usize, usize) -> bool| {
-        features.iter().filter(|f| matches!(coordinates(f.slope_index), (i, j) if wanted(i, j))).count()
-    };
-    let sides = [
-        (doc::SLOPES_U, grid.u, -1.0, at(&|i, _| i == 0)),
-        (doc::SLOPES_U, grid.u, 1.0, at(&|i, _| i + 1 == grid.u.count)),
-        (doc::SLOPES_V, grid.v, -1.0, at(&|_, j| j == 0)),
-        (doc::SLOPES_V, grid.v, 1.0, at(&|_, j| j + 1 == grid.v.count)),
-    ];
-    // Of equal counts the first side is taken.
-    let (parameter, axis, side, there) =
-        sides.into_iter().filter(|(_, axis, ..)| axis.count > 1).reduce(|a, b| if b.3 > a.3 { b } else { a })?;
-    let end = if side < 0.0 { axis.min } else { axis.max };
-    let problem = format!(
-        "{count} of the {} strongest features lie at the limit of the slopes, {there} of them at {} {end} px/frame, so the range is probably too narrow",
-        features.len(),
-        if parameter == doc::SLOPES_U { "u" } else { "v" },
-    );
-    Some(Advice { problem, parameter, value: widened(axis, side < 0.0, side > 0.0).to_string() })
 }
 
 /// Widens the axis by half its width below its smallest slope, above its largest, or both, in whole steps.
@@ -302,21 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn most_at_the_limit_asks_for_a_wider_range_on_that_side() {
-        let most_left: Vec<usize> = (0..100).map(|k| if k < 60 { 0 } else { 1 + k % 6 }).collect();
-        let found = advice(&DetectorParams::default(), &most_left, &[]).expect("advice");
-        assert_eq!((found.parameter, found.value.as_str()), (doc::SLOPES_U, "-6:3:10"));
-        let said = "50 of the 50 strongest features lie at the limit of the slopes, 50 of them at u -3 px/frame";
-        assert!(found.problem.starts_with(said), "{}", found.problem);
-        let slopes = SlopeGrid::plane(-1.0..=1.0, 5, -2.0..=2.0, 9);
-        let params = DetectorParams { slopes, ..DetectorParams::default() };
-        let lowest: Vec<usize> = (0..100).map(|k| if k < 90 { 8 * 5 + k % 5 } else { 12 }).collect();
-        let found = advice(&params, &lowest, &[]).expect("advice");
-        assert_eq!((found.parameter, found.value.as_str()), (doc::SLOPES_V, "-2:4:13"));
-        assert!(found.for_window().ends_with("; try Slopes v -2:4:13"), "{}", found.for_window());
-        assert!(found.value.parse::<SlopeAxis>().is_ok_and(|axis| (axis.step() - slopes.v.step()).abs() < 1e-6));
-        // Too few to mention, and an image that has no slopes.
-        assert_eq!(advice(&DetectorParams::default(), &[0; 9], &[]).filter(|a| a.parameter == doc::SLOPES_U), None);
+    fn a_search_without_slopes_is_given_no_advice_on_them() {
         let sift = DetectorParams { method: Method::Sift, ..DetectorParams::default() };
         assert_eq!(advice(&sift, &[0; 90], &[]), None);
     }
@@ -394,12 +336,6 @@ mod tests {
         let open =
             DetectorParams { peak_threshold: 0.0, noise_gate: NoiseGate::Factor(5.5), ..DetectorParams::default() };
         assert_eq!(found(&noise, &open).expect("advice").parameter, doc::NOISE_GATE);
-        // Everything moves faster than the range.
-        let chart = ChartParams { discs: 16, radius: 3.6..=8.0, max_slope: 0.0, snr: 8.0, ..chart };
-        let (still, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
-        let beside = DetectorParams { slopes: SlopeGrid::line(0.3..=2.7, 9), ..open };
-        let advice = found(&still, &beside).expect("advice");
-        assert_eq!((advice.parameter, advice.value.as_str()), (doc::SLOPES_U, "-0.9:2.7:13"), "{}", advice.problem);
         // An even picture has no remedy, and nothing breaks.
         let even = Burst::from_planes("even", vec![Plane::zeros(64, 48); 4]);
         assert!(found(&even, &DetectorParams::default()).is_none_or(|advice| !advice.problem.is_empty()));

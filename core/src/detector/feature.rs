@@ -6,7 +6,7 @@
 //! code that stores features writes the [`REVISION`] beside them, and reuses only those with an equal number.
 
 use super::noise_model::NoiseModel;
-use super::params::ParamError;
+use super::params::{DetectorParams, ParamError, SlopeExtrema};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use crate::detector::scale_space::octave_pixel;
 use crate::monitor::Cancelled;
@@ -36,8 +36,8 @@ pub struct Feature {
     pub level: i32,
     /// Running index of the grid's slope at which it was found.
     pub slope_index: usize,
-    /// Whether that slope is on the rim of the grid, or `slope` is nearest to one that is: the true motion may lie
-    /// outside.
+    /// Whether `slope` is at the end of the range that was searched and the response still rises beyond: the motion lies
+    /// outside. See [`crate::detector::limit`].
     pub at_slope_limit: bool,
 }
 
@@ -45,6 +45,15 @@ impl Feature {
     /// Strength for ranking: see [`strength`].
     pub fn strength(&self) -> f32 {
         strength(self.response, self.snr)
+    }
+
+    /// Whether it was found on the rim of the slopes of `params`, or, where each slope is searched for itself, at a
+    /// slope whose nearest one on the grid is on the rim: there is no slope beyond to interpolate with, so its slope is
+    /// less exact. (A joint extremum beside the rim is stronger than the rim.)
+    pub fn is_on_rim(&self, params: &DetectorParams) -> bool {
+        let grid = params.used_slopes();
+        let (i, j) = grid.coordinates(self.slope_index);
+        grid.on_rim(i, j) || (params.used_extrema() == SlopeExtrema::Each && grid.nearest_on_rim(self.slope))
     }
 }
 
@@ -253,12 +262,12 @@ pub enum DetectError {
 /// Revision of the detector. It goes up by one with every change after which an unchanged burst and unchanged
 /// parameters give other bits of any feature or descriptor; not with new parameters whose defaults change nothing
 /// (parameters are compared separately).
-pub const REVISION: u32 = 5;
+pub const REVISION: u32 = 6;
 
 #[cfg(test)]
 mod tests {
+    use super::super::SlopeGrid;
     use super::super::pipeline::search;
-    use super::super::{DetectorParams, SlopeGrid};
     use super::*;
     use crate::monitor::Monitor;
     use crate::synth::{ChartParams, Motion, synth_chart};
@@ -266,7 +275,7 @@ mod tests {
     /// Results of this revision on a small chart: features; sums over all of |u|, |v|, σ, |slope u|, |response|·10³;
     /// mean of the descriptors' values. Sums, with a tolerance, because processors round the last bit differently.
     const FOUND: (u32, usize, [f64; 6]) =
-        (5, 144, [12458.099422, 13128.652863, 529.047963, 116.715769, 90.589541, 33.617405]);
+        (6, 144, [12458.099422, 13128.652863, 529.047963, 116.715769, 90.589541, 33.617405]);
 
     #[test]
     fn other_features_come_with_another_revision() {

@@ -8,13 +8,15 @@
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
-//! [`view`], single steps as pictures; [`advice`], reasons for poor results. [`pipeline`] puts the steps together.
+//! [`view`], single steps as pictures; [`limit`], features whose motion lies beyond the slopes; [`advice`], reasons for
+//! poor results. [`pipeline`] puts the steps together.
 //! Everything here is a function from values to values; the costly inner loops are in [`crate::kernel`].
 
 pub mod advice;
 pub mod describe;
 pub mod distinct;
 pub mod feature;
+pub mod limit;
 pub mod localise;
 pub mod memory;
 pub mod noise;

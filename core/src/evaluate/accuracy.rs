@@ -2,8 +2,8 @@
 //!
 //! Charts whose slopes are drawn from a continuum are searched with a grid of slopes; for every disc that is found (by
 //! the rule of [`super::score`]) the strongest feature that finds it is compared with the truth at mid-burst. Discs may
-//! move faster than the grid reaches. Features that the detector marks as lying at the limit of the grid are counted,
-//! and left out of the errors: the mark says that the motion may be wrong.
+//! move faster than the grid reaches. Features on the rim of the grid are counted, and left out of the errors: there the
+//! slope is not interpolated, and the motion may lie beyond.
 //!
 //! # Two kinds of charts
 //! The published chart is crowded: most discs have a neighbour, or its smear over the burst, within the surroundings
@@ -192,7 +192,7 @@ impl AccuracyStudy {
             count.discs += 1;
             let Some(feature) = feature else { continue };
             count.found += 1;
-            if feature.at_slope_limit {
+            if feature.is_on_rim(&self.detector) {
                 count.marked += 1;
                 continue;
             }
@@ -305,14 +305,14 @@ pub struct AccuracyRow {
     pub slope_distance: [f64; 2],
 }
 
-/// Numbers of discs, of discs found, and of those marked as lying at the limit of the slopes searched.
+/// Numbers of discs, of discs found, and of those found on the rim of the slopes searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct RangeCount {
     /// Number of discs.
     pub discs: usize,
     /// Number of discs that were found.
     pub found: usize,
-    /// Number of found discs whose feature is marked `at_slope_limit`.
+    /// Number of found discs whose feature lies on the rim of the slopes, where slopes are not interpolated.
     pub marked: usize,
 }
 

@@ -63,7 +63,8 @@ impl MakeFigure for Architecture {
         let grid = self.detector.slopes;
         let slope_of = |index: usize| Slope::new(grid.u.value(index as f32), 0.0);
         // A bright feature of medium size that moves, not at the rim of the range.
-        let is_middling = |f: &&Feature| f.octave == self.octave && !f.at_slope_limit && f.slope.u.abs() > 1.0;
+        let is_middling =
+            |f: &&Feature| f.octave == self.octave && !f.is_on_rim(&self.detector) && f.slope.u.abs() > 1.0;
         let subject = detection.features.iter().find(is_middling).or(detection.features.first()).copied();
         let Some(subject) = subject else {
             let svg = Sheet::new(WIDTH, "The architecture").finish(HEIGHT);

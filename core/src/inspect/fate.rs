@@ -121,7 +121,7 @@ pub struct Fate {
     pub tests: Vec<TestReport>,
     /// First test that it fails: the search's verdict. `None` for a candidate that became a feature.
     pub first_failed: Option<Test>,
-    /// Whether the slope is on the rim of the grid.
+    /// Whether it is at the limit of the slopes; of one that became no feature, whether it is on their rim.
     pub at_slope_limit: bool,
     /// Indices of the features that it became, strongest first.
     pub features: Vec<usize>,

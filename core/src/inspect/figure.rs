@@ -283,9 +283,8 @@ pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
         end = kernel(&mut sheet, end + 34.0, spectrum.frames, f64::from(alias.period_px));
     }
     end += 18.0;
-    if spectrum.advice.is_empty() {
-        sheet.text((24.0, end), 13.0, Anchor::Start, "The slopes fit the burst; nothing to change.");
-        end += 18.0;
+    if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
+        end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &format!("{}.", capitalised(&fits.sentence)));
     }
     for advice in &spectrum.advice {
         end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &format!("• {}.", advice.sentence));
@@ -321,11 +320,12 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     for bar in &bars {
         let x = x_of(place(bar)) + 0.1 * cell;
         let width = 0.8 * cell;
-        let height = bar.features as f64 / max * upper.height;
-        let colour = if bar.is_on_rim { RED } else { BLUE };
-        if bar.features > 0 {
-            let area = Area { x, y: upper.bottom() - height, width, height };
-            sheet.rectangle(area, &format!(r#"fill="{colour}""#));
+        for (count, colour) in [(bar.features, BLUE), (bar.at_limit, RED)] {
+            let height = count as f64 / max * upper.height;
+            if count > 0 {
+                let area = Area { x, y: upper.bottom() - height, width, height };
+                sheet.rectangle(area, &format!(r#"fill="{colour}""#));
+            }
         }
         if bar.evidence > 0.0 {
             let height = f64::from(bar.evidence / part) * lower.height;

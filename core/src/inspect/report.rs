@@ -313,7 +313,7 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
     for bar in &shown {
         let place = match bar {
             _ if !bar.is_searched => " beyond",
-            _ if bar.is_on_rim => " limit",
+            _ if bar.at_limit > 0 => &format!(" {} at the limit", bar.at_limit),
             _ => "",
         };
         writeln!(
@@ -344,8 +344,8 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
             }
         )?;
     }
-    if spectrum.advice.is_empty() {
-        writeln!(out, "  the slopes fit the burst; nothing to change")?;
+    if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
+        writeln!(out, "  {}", fits.sentence)?;
     }
     for advice in &spectrum.advice {
         writeln!(out, "  → {}", advice.sentence)?;

@@ -8,6 +8,7 @@
 //! | many depths | a column of lamps at each of nine depths, slope 0 on the left to 2.4 px/frame on the right: a fan in the x–t slice | a lamp in the middle |
 //! | tripod | a still camera: everything has slope 0, so depths cannot be told apart | a disc |
 //! | hot pixels | lamps that move by 1 px/frame, behind sixty hot pixels of the sensor | a hot pixel |
+//! | crossing | lamps that pass to the right behind lamps that pass to the left: slopes respond with which nothing moves | the end of a lamp's streak, kept at slope 0 |
 //! | street, street later | textured walls at two depths in the dark, and the same ones later: for matching | a lamp |
 
 use super::capture_burst;
@@ -45,6 +46,8 @@ pub enum Example {
     Tripod,
     /// Pixels that are bright independently of the scene.
     HotPixels,
+    /// Lamps of two motions whose ways cross.
+    Crossing,
     /// Textured walls in the dark.
     Street,
     /// The walls of `Street` a little later.
@@ -53,8 +56,9 @@ pub enum Example {
 
 impl Example {
     /// All examples.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Depths,
+        Self::Crossing,
         Self::Street,
         Self::StreetLater,
         Self::Aliasing,
@@ -69,6 +73,7 @@ impl Example {
             Self::Aliasing => "demo-aliasing",
             Self::LowContrast => "demo-low-contrast",
             Self::Depths => "demo-depths",
+            Self::Crossing => "demo-crossing",
             Self::Tripod => "demo-tripod",
             Self::HotPixels => "demo-hot-pixels",
             Self::Street => "demo-street",
@@ -87,6 +92,7 @@ impl Example {
             Self::Aliasing => "Example: aliasing",
             Self::LowContrast => "Example: low contrast",
             Self::Depths => "Example: many depths",
+            Self::Crossing => "Example: two ways that cross",
             Self::Tripod => "Example: still tripod",
             Self::HotPixels => "Example: hot pixels",
             Self::Street => "Example: dark street",
@@ -104,6 +110,9 @@ impl Example {
             Self::Depths => {
                 "Lamps at nine depths, from slope 0 on the left to 2.4 px/frame on the right: each is sharp at its own slope, and slants of its own in the slice."
             }
+            Self::Crossing => {
+                "Lamps that pass to the right and to the left, by 1.5 px/frame each: features at other slopes are ghosts, to which only some of the frames respond."
+            }
             Self::Tripod => "A still camera before a still scene: more light, but slope 0 everywhere, and so no depth.",
             Self::HotPixels => {
                 "Lamps that move by 1 px/frame, and sixty pixels of the sensor that stay bright at their places: at slope 0 they look like objects."
@@ -119,6 +128,7 @@ impl Example {
             Self::Aliasing => GARLAND_PLACE,
             Self::LowContrast => disc_place(8),
             Self::Depths => lamp_place(4),
+            Self::Crossing => GHOST.0,
             Self::Tripod => TRIPOD_PLACE,
             Self::HotPixels => hot_pixels()[0].0.map(|x| x as f32),
             Self::Street => STREET_PLACE,
@@ -135,6 +145,7 @@ impl Example {
             Self::Aliasing => ALIASING_SLOPE - GARLAND_PERIOD,
             Self::LowContrast => DISCS_SLOPE,
             Self::Depths => self.truth().layers[4].slope_u as f32,
+            Self::Crossing => GHOST.1,
             Self::Tripod | Self::HotPixels => 0.0,
             Self::Street | Self::StreetLater => STREET_SLOPES[0] as f32,
         }
@@ -153,7 +164,7 @@ impl Example {
             Self::LowContrast => (-2.0..=2.0, 9),
             Self::Depths => (-0.5..=3.0, 15),
             Self::Tripod | Self::HotPixels => (-2.0..=2.0, 9),
-            Self::Street | Self::StreetLater => (-3.0..=3.0, 13),
+            Self::Crossing | Self::Street | Self::StreetLater => (-3.0..=3.0, 13),
         }
     }
 
@@ -206,6 +217,7 @@ impl Example {
             Self::Aliasing => vec![garlands()],
             Self::LowContrast => vec![discs()],
             Self::Depths => depths(),
+            Self::Crossing => crossing(),
             Self::Tripod => vec![still()],
             Self::HotPixels => vec![lamps()],
             Self::Street | Self::StreetLater => street(HALF_SPAN + LATER_FRAMES),
@@ -244,6 +256,10 @@ const STREET_SLOPES: [f64; 2] = [1.2, 2.2];
 const STREET_PLACE: [f32; 2] = [128.0, 48.0];
 /// Position of a disc of the still scene.
 const TRIPOD_PLACE: [f32; 2] = [120.0, 90.0];
+/// Speed of the crossing lamps, to the right and to the left, px/frame.
+const CROSSING_SLOPE: f64 = 1.5;
+/// The end of a lamp's streak, kept as a feature at a slope with which nothing moves: place, and slope in px/frame.
+const GHOST: ([f32; 2], f32) = ([192.1, 89.8], 0.0);
 /// Rows of the lamps at many depths, with their radii, pixels.
 const LAMP_ROWS: [(f32, f64); 3] = [(40.0, 2.5), (90.0, 3.5), (140.0, 5.0)];
 /// Number of depths, with a column of lamps at each.
@@ -311,6 +327,25 @@ fn depths() -> Vec<Layer> {
             layer
         })
         .collect()
+}
+
+/// Lamps that pass to the right, and before them lamps that pass to the left in the same rows.
+fn crossing() -> Vec<Layer> {
+    let lamps = |name: &str, slope: f64, apart: [f64; 3]| {
+        let mut layer = Layer::new(name, EXAMPLE_SIZE, (slope, 0.0), HALF_SPAN);
+        if slope > 0.0 {
+            layer.sheet.fill(|_, _| GROUND);
+        }
+        for ((v, radius), apart) in LAMP_ROWS.into_iter().zip(apart) {
+            for k in 0..5 {
+                layer.landmark(28.0 + 42.0 * f64::from(k) + apart, f64::from(v), radius, 0.1, true);
+            }
+        }
+        layer
+    };
+    let right = lamps("to the right", CROSSING_SLOPE, [0.0; 3]);
+    // The ways of two lamps as far apart at mid-burst cross within the burst.
+    vec![right, lamps("to the left", -CROSSING_SLOPE, [6.0, 9.0, 12.0])]
 }
 
 /// Discs on a textured wall that does not move.

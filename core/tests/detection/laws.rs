@@ -198,7 +198,7 @@ proptest! {
         let narrow = DetectorParams { slopes: SlopeGrid::line(-1.5..=1.5, 7), ..base.clone() };
         let wide = DetectorParams { slopes: SlopeGrid::line(-2.0..=1.5, 8), ..base };
         let (a, b) = (found(&burst, &narrow), found(&burst, &wide));
-        let interior: Vec<Feature> = a.features.iter().filter(|f| !f.at_slope_limit).copied().collect();
+        let interior: Vec<Feature> = a.features.iter().filter(|f| !f.is_on_rim(&narrow)).copied().collect();
         assert_all_found(&b.features, &interior, |f| *f, 0.001);
     }
 }
@@ -307,7 +307,7 @@ fn a_blob_beyond_the_grid_is_marked() {
     let detection = found(&burst, &joint(params.clone()));
     assert!(!detection.features.is_empty());
     let strong = &detection.features[..detection.features.len().div_ceil(2)];
-    assert!(strong.iter().all(|f| f.at_slope_limit || f.slope.u < 1.0), "{strong:?}");
+    assert!(strong.iter().all(|f| f.is_on_rim(&params) || f.slope.u < 1.0), "{strong:?}");
     assert!(strong.iter().any(|f| f.at_slope_limit));
     // When each slope is searched for itself a blob also leaves weaker smears at slopes farther from its own. Its slope
     // is refined to the end of the grid, from the last slope or the one before.
@@ -317,10 +317,14 @@ fn a_blob_beyond_the_grid_is_marked() {
     let grid = params.slopes;
     let on_rim = |f: &&Feature| grid.on_rim(f.slope_index, 0);
     for feature in &detection.features {
-        assert_eq!(feature.at_slope_limit, on_rim(&feature) || grid.nearest_on_rim(feature.slope), "{feature:?}");
+        assert_eq!(feature.is_on_rim(&params), on_rim(&feature) || grid.nearest_on_rim(feature.slope), "{feature:?}");
+        assert!(!feature.at_slope_limit || feature.is_on_rim(&params), "{feature:?}");
     }
-    let from_before_the_rim = detection.features.iter().filter(|f| f.at_slope_limit && !on_rim(f));
+    let from_before_the_rim = detection.features.iter().filter(|f| f.is_on_rim(&params) && !on_rim(f));
     assert!(from_before_the_rim.count() > 0, "a smear whose slope leads to the rim");
+    // One that moves just as fast as the range reaches is on the rim, and not at the limit.
+    let detection = found(&blobs(2, 6, Slope::new(1.5, 0.0), Slope::new(1.5, 0.0)), &params);
+    assert!(detection.features[0].is_on_rim(&params) && !detection.features[0].at_slope_limit);
 }
 
 /// Gaussian blobs of radius σ px and a height, each moving through a position at mid-burst, over an even background

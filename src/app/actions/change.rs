@@ -123,6 +123,7 @@ fn built_in(id: ActionId) -> Option<BurstSource> {
     Some(BurstSource::Example(match id {
         A::OpenDemo => return Some(BurstSource::Demo),
         A::OpenDepths => Example::Depths,
+        A::OpenCrossing => Example::Crossing,
         A::OpenStreet => Example::Street,
         A::OpenStreetLater => Example::StreetLater,
         A::OpenAliasing => Example::Aliasing,

@@ -200,7 +200,7 @@ actions! {
     SlopeVMore, Cursor 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis";
     SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames";
     SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope";
-    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting those at the limit of the range";
+    BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting the ends of the range";
     Play, Cursor 0, "Play slopes", [NONE Space], "Step through the grid's slopes, back and forth";
     FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back";
     FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on";
@@ -287,6 +287,7 @@ actions! {
     Glossary, Help 0, "Glossary", [SHIFT F1], "Explanations of the terms in this window";
     OpenLessons, Help 0, "Open lessons…", [], "Open a folder of your own lessons (TOML files)";
     OpenDepths, Help 1, "Example: many depths", [], "Open a burst of lamps at nine depths, each with a slope of its own";
+    OpenCrossing, Help 1, "Example: two ways that cross", [], "Open a burst of lamps that pass to the right and to the left: features at other slopes are ghosts";
     OpenStreet, Help 1, "Example: dark street", [], "Open a burst of textured walls that are too dark for one frame";
     OpenStreetLater, Help 1, "Example: dark street, later", [], "Open the same walls a little later, to be matched with the first";
     OpenAliasing, Help 1, "Example: aliasing", [], "Open a burst of garlands with a lamp every 8 px: slopes 8 px/frame apart look alike";

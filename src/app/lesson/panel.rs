@@ -27,12 +27,19 @@ pub struct LessonClicks {
 /// Draws the panel of the open lesson.
 pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: &mut Model, captions: &mut Captions) -> LessonClicks {
     let mut clicks = LessonClicks::default();
+    let next = lessons.next_lesson();
     let Some(open) = &mut lessons.open else { return clicks };
     header_ui(ui, open, &mut clicks);
     ui.separator();
     egui::Panel::bottom("lesson steps").frame(Frame::new().inner_margin(Margin::symmetric(0, 6))).show(ui, |ui| {
-        steps_ui(ui, open, &mut clicks);
+        steps_ui(ui, open, next.as_deref(), &mut clicks);
     });
+    if open.is_ended {
+        ScrollArea::vertical().id_salt("lesson end").auto_shrink(false).show(ui, |ui| {
+            clicks.word = end_ui(ui, open, next.as_deref(), captions);
+        });
+        return clicks;
+    }
     ScrollArea::vertical().id_salt(("lesson", open.step)).auto_shrink(false).show(ui, |ui| {
         let step = open.step().clone();
         ui.label(RichText::new(&step.title).size(17.0).strong());
@@ -102,36 +109,67 @@ fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson, captions: &mut Captions) 
         .inner
 }
 
+/// Draws the lesson's end: the lines of what was learnt, and what the next lesson is about. Returns the glossary entry
+/// whose link was clicked.
+fn end_ui(ui: &mut Ui, open: &OpenLesson, next: Option<&Lesson>, captions: &mut Captions) -> Option<String> {
+    ui.label(RichText::new("What you have learnt").size(17.0).strong());
+    ui.add_space(4.0);
+    let mut word = None;
+    ui.scope(|ui| {
+        ui.style_mut().text_styles.insert(egui::TextStyle::Body, egui::FontId::proportional(14.0));
+        for line in &open.lesson.learnt {
+            word = word.take().or(captions.ui(ui, &format!("- {line}")));
+            ui.add_space(4.0);
+        }
+    });
+    let missing = open.lesson.steps.len() - open.done.len();
+    if missing > 0 {
+        let steps = if missing == 1 { "1 step was" } else { &format!("{missing} steps were") };
+        ui.add_space(6.0);
+        ui.weak(format!("{steps} not tried: the empty dots below lead there."));
+    }
+    if let Some(next) = next {
+        ui.add_space(10.0);
+        ui.label(RichText::new(format!("Next: {}", next.title)).strong());
+        ui.add(egui::Label::new(RichText::new(&next.about).weak()).wrap());
+    }
+    word
+}
+
 /// Draws the back button, a dot for each step, and the forward button.
-fn steps_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
+fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicks: &mut LessonClicks) {
     let (step, count) = (open.step, open.lesson.steps.len());
     ui.separator();
     ui.horizontal(|ui| {
-        ui.weak(format!("Step {} of {count}", step + 1));
+        ui.weak(if open.is_ended { "The end".to_owned() } else { format!("Step {} of {count}", step + 1) });
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| dots_ui(ui, open, clicks));
     });
     ui.add_space(3.0);
     ui.horizontal(|ui| {
         let width = 0.5 * (ui.available_width() - ui.spacing().item_spacing.x);
         let size = vec2(width, 28.0);
-        let back = ui.add_enabled(step > 0, Button::new("Back").min_size(size));
-        back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, step > 0, "Step back"));
+        let before = if open.is_ended { Some(step) } else { step.checked_sub(1) };
+        let back = ui.add_enabled(before.is_some(), Button::new("Back").min_size(size));
+        back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, before.is_some(), "Step back"));
         if back.on_hover_text("The step before").clicked() {
-            clicks.wish = Some(Wish::Step(step - 1));
+            clicks.wish = before.map(Wish::Step);
         }
-        let is_last = step + 1 == count;
-        let label = if is_last { "Finish" } else { "Next" };
-        let is_done = open.is_done() || open.step().task.is_none();
+        let (label, name, wish) = match step + 1 == count {
+            _ if open.is_ended && next_lesson.is_some() => ("Next lesson", "Next lesson", Wish::NextLesson),
+            _ if open.is_ended => ("Close", "Close the lesson", Wish::Leave),
+            true => ("Finish", "Finish the lesson", Wish::End),
+            false => ("Next", "Next step", Wish::Step(step + 1)),
+        };
+        let is_done = open.is_ended || open.is_done() || open.step().task.is_none();
         let mut next =
             Button::new(RichText::new(label).color(if is_done { Color32::WHITE } else { ui.visuals().text_color() }));
         if is_done {
             next = next.fill(style::ACCENT);
         }
         let next = ui.add(next.min_size(size));
-        let name = if is_last { "Finish the lesson" } else { "Next step" };
         next.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
         if next.clicked() {
-            clicks.wish = Some(if is_last { Wish::Leave } else { Wish::Step(step + 1) });
+            clicks.wish = Some(wish);
         }
     });
 }
@@ -150,7 +188,7 @@ fn dots_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
         } else {
             painter.circle_stroke(rect.center(), 4.0, Stroke::new(1.2, weak));
         }
-        if place == open.step {
+        if place == open.step && !open.is_ended {
             painter.circle_stroke(rect.center(), 6.0, Stroke::new(1.5, style::ACCENT));
         }
         if response.on_hover_text(title).clicked() {

@@ -37,6 +37,11 @@ impl SnrTrace {
         *self = Self::default();
     }
 
+    /// Stops adding frames; what was measured stays.
+    pub(in crate::app) fn stop(&mut self) {
+        self.next = None;
+    }
+
     fn take(&mut self, slope: Slope, frames: usize, ratio: f32) {
         if self.slope != Some(slope) {
             (self.slope, self.measured) = (Some(slope), BTreeMap::new());
@@ -162,6 +167,7 @@ fn frames_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace) {
 fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
     let law = ui.visuals().weak_text_color();
     let points: Vec<[f64; 2]> = trace.measured.iter().map(|(n, ratio)| [*n as f64, f64::from(*ratio)]).collect();
+    let count = points.len();
     let highest = f64::from(trace.largest).max(0.1);
     let one = trace.of_one_frame().unwrap_or(0.0);
     let top = 1.15 * highest.max(one * (all as f64).sqrt());
@@ -187,7 +193,8 @@ fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
             plot.points(Points::new("measured", PlotPoints::from(points)).color(crate::app::style::ACCENT).radius(4.0));
             plot.points(Points::new("now", PlotPoints::from(here)).color(Color32::from_rgb(255, 200, 60)).radius(5.5));
         });
-    ui.weak("dots: measured    line: c·√N");
+    let dots = if count == 1 { "1 dot".to_owned() } else { format!("{count} dots") };
+    ui.weak(format!("{dots} measured    line: c·√N"));
 }
 
 #[cfg(test)]

@@ -31,6 +31,10 @@ pub enum Wish {
     Step(usize),
     /// Set this step up again.
     Again,
+    /// Show the lesson's end.
+    End,
+    /// Open the next lesson.
+    NextLesson,
     /// Leave the lesson.
     Leave,
 }
@@ -65,6 +69,8 @@ pub struct OpenLesson {
     pub step: usize,
     /// The steps whose task was done.
     pub done: BTreeSet<usize>,
+    /// Whether the lesson's end is shown, after its last step.
+    pub is_ended: bool,
     /// Whether the step is set up; until then its bursts are being opened.
     pub is_ready: bool,
     /// Whether the first feature or match is to be selected as soon as there is one.
@@ -107,14 +113,15 @@ impl OpenLesson {
 
     /// Sets the step up, if its bursts are open.
     fn set_up(&mut self, model: &mut Model) {
-        let state = self.step().state.clone();
+        let step = self.step().clone();
+        let state = &step.state;
         let is_open = |side, source: &BurstSource| model.burst_of(side).is_some_and(|b| b.source == *source);
         let second = state.second.as_ref().is_none_or(|source| is_open(Side::B, source));
         if !(is_open(Side::A, &state.burst()) && second) {
             return;
         }
         (self.is_ready, self.selects) = (true, state.select == Some(true));
-        steps::set_up(model, &state);
+        steps::set_up(model, &step);
         model.settings_are_set();
     }
 }
@@ -133,6 +140,12 @@ impl Lessons {
         }
     }
 
+    /// The lesson after the open one in the list, if there is one.
+    pub fn next_lesson(&self) -> Option<Arc<Lesson>> {
+        let open = self.open.as_ref()?;
+        self.all().skip_while(|lesson| lesson.name != open.lesson.name).nth(1).cloned()
+    }
+
     /// Progress in `lesson`, limited to the steps that it has.
     pub fn progress_in(&self, lesson: &Lesson) -> Progress {
         let mut progress = self.progress.get(&lesson.name).cloned().unwrap_or_default();
@@ -146,9 +159,9 @@ impl Lessons {
         self.open.as_ref().map_or(shown, OpenLesson::before)
     }
 
-    /// Parts of the window that the open step highlights.
+    /// Parts of the window that the open step highlights; none at a lesson's end.
     pub fn highlighted(&self) -> &[Part] {
-        self.open.as_ref().map_or(&[], |open| &open.step().highlight)
+        self.open.as_ref().filter(|open| !open.is_ended).map_or(&[], |open| &open.step().highlight)
     }
 
     /// Whether the open lesson waits for nothing.
@@ -172,6 +185,7 @@ impl Lessons {
             lesson,
             step: progress.step,
             done: progress.done,
+            is_ended: false,
             is_ready: false,
             selects: false,
             opens: Vec::new(),
@@ -219,11 +233,24 @@ impl Lessons {
             Some(Wish::Leave) => effects.extend(self.leave(model, engine)),
             Some(Wish::Step(step)) => {
                 if let Some(open) = &mut self.open {
-                    open.step = step.min(open.lesson.steps.len() - 1);
+                    let spot = open.step().state.spot;
+                    (open.step, open.is_ended) = (step.min(open.lesson.steps.len() - 1), false);
+                    // Measurements of the same spot stay from step to step.
+                    let is_same = spot == open.step().state.spot;
+                    if is_same { open.snr.stop() } else { open.snr.clear() }
                 }
                 self.begin_step(model, engine);
             }
-            Some(Wish::Again) => self.begin_step(model, engine),
+            Some(Wish::Again) => {
+                self.open.iter_mut().for_each(|open| open.snr.clear());
+                self.begin_step(model, engine);
+            }
+            Some(Wish::End) => self.open.iter_mut().for_each(|open| open.is_ended = true),
+            Some(Wish::NextLesson) => {
+                if let Some(next) = self.next_lesson() {
+                    effects.push(self.start(next, model, engine));
+                }
+            }
             None => {}
         }
         effects.extend(self.leave_for_what_was_opened(is_restoring, model, engine));
@@ -251,7 +278,6 @@ impl Lessons {
         model.slots.a.opening.forget();
         let (first, second) = (open.step().state.burst(), open.step().state.second.clone());
         (open.is_ready, open.opens) = (false, Vec::new());
-        open.snr.clear();
         for (side, source) in [(Side::A, Some(first)), (Side::B, second)] {
             let is_open = model.burst_of(side).is_some_and(|burst| Some(&burst.source) == source.as_ref());
             let Some(source) = source.filter(|_| !is_open) else { continue };
@@ -288,7 +314,9 @@ impl Lessons {
     /// Stores the progress in the open lesson.
     fn remember(&mut self) {
         if let Some(open) = &self.open {
-            let progress = Progress { step: open.step, done: open.done.clone() };
+            // A finished lesson begins anew.
+            let step = if open.is_ended { 0 } else { open.step };
+            let progress = Progress { step, done: open.done.clone() };
             self.progress.insert(open.lesson.name.clone(), progress);
         }
     }

@@ -8,10 +8,29 @@ use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model, Panels, Visibility};
 use crate::detector::DetectorParams;
-use crate::teach::{Holds, Layout, Place, Shown, State, Tab};
+use crate::teach::{Holds, InView, Layout, Part, Place, Shown, State, Step, Tab};
 
-/// Sets the model up as `state` says; its bursts are open already.
-pub(super) fn set_up(model: &mut Model, state: &State) {
+/// Panels of the window that a step needs, by its state and the parts that it highlights.
+fn panels_of(step: &Step) -> Panels {
+    let Step { state, highlight, .. } = step;
+    let points_at = |parts: &[Part]| highlight.iter().any(|part| parts.contains(part));
+    let in_probe = points_at(&[Part::Probe, Part::Response, Part::Shares]);
+    let has_slice = state.layout == Some(Layout::Slice);
+    Panels {
+        left: Visibility::Open,
+        // Slices need the space that the probe's panel would take.
+        right: (state.select.is_some() || in_probe || (state.probe.is_some() && !has_slice)).into(),
+        bottom: (state.tab.is_some() || state.workspace == Some(Place::Pair) || points_at(&[Part::Tabs, Part::Below]))
+            .into(),
+        filmstrip: false,
+        advanced: false,
+        welcome: false,
+    }
+}
+
+/// Sets the model up as `step` says; its bursts are open already.
+pub(super) fn set_up(model: &mut Model, step: &Step) {
+    let state = &step.state;
     let place = state.workspace.unwrap_or(Place::Inspect);
     model.workspace = match place {
         Place::Inspect => Workspace::Inspect,
@@ -20,15 +39,6 @@ pub(super) fn set_up(model: &mut Model, state: &State) {
     };
     model.set_search(state.params.clone().unwrap_or_else(|| DetectorParams::default().into()));
     model.pair.params = state.matching.clone().unwrap_or_default();
-    let in_pair = place == Place::Pair;
-    model.panels = Panels {
-        left: Visibility::Open,
-        right: Visibility::from(state.select.is_some()),
-        bottom: Visibility::from(state.tab.is_some() || in_pair),
-        filmstrip: false,
-        advanced: false,
-        welcome: false,
-    };
     model.auto_detect = state.detect.unwrap_or(false);
     let has_features = state.features.unwrap_or(model.auto_detect);
     model.look.overlay = if has_features { FeaturesShown::ThisSlope } else { FeaturesShown::None };
@@ -58,9 +68,9 @@ pub(super) fn set_up(model: &mut Model, state: &State) {
     }
     if let Some(place) = state.probe {
         model.probe_place(Side::A, place);
-        // Slices need the space that the probe's panel would take.
-        model.panels.right = Visibility::from(state.layout != Some(Layout::Slice));
     }
+    // Last, because a probe opens its panel.
+    model.panels = panels_of(step);
     model.settle_ranges();
     model.history.clear();
 }
@@ -80,7 +90,8 @@ fn set_up_panes(model: &mut Model, state: &State) {
         (pane.cursor, pane.slope_chosen, pane.content) = (cursor, true, Content::Cursor);
         (pane.own_ranges, pane.links, pane.over) = (None, PaneLinks::default(), None);
         pane.view = match state.view {
-            Some([u, v, zoom]) => View::new(Zoom::PointsPerPixel(zoom), [u, v]),
+            Some(InView::Centre([u, v, zoom])) => View::new(Zoom::PointsPerPixel(zoom), [u, v]),
+            Some(InView::Region([left, top, right, bottom])) => View::region([left, top], [right, bottom]),
             None => View::fit(),
         };
         pane.show_kind(state.show.unwrap_or(Shown::Stack));

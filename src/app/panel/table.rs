@@ -54,6 +54,10 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         ui.centered_and_justified(|ui| ui.weak(model.without_features(Side::A, "Press Detect to find features")));
         return;
     }
+    // Usually it stands below the parameters.
+    if !model.shows_left() {
+        crate::app::panel::slopes::judgement_ui(ui, model);
+    }
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let listed = Listed { items: &model.listed, selected: model.selected, hovered: model.hovered };
     let text = |column: Column, index: usize| column.text(index, &model.features()[index]);

@@ -8,8 +8,9 @@ use crate::app::settings::{Recent, Settings};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, ScrollArea, Ui, vec2};
 
 /// Example bursts offered on the page.
-const EXAMPLES: [ActionId; 7] = [
+const EXAMPLES: [ActionId; 8] = [
     ActionId::OpenDepths,
+    ActionId::OpenCrossing,
     ActionId::OpenStreet,
     ActionId::OpenStreetLater,
     ActionId::OpenAliasing,

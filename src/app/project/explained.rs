@@ -10,7 +10,7 @@ use crate::detector::params::doc;
 use crate::detector::{Detection, DetectorParams, Method, ParamChange, ParamError, SlopeChoice, Test};
 use crate::engine::{Engine, Wanted};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
-use crate::inspect::spectrum::Spectrum;
+use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
 use crate::requests::{
     CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Request, Running,
 };
@@ -125,6 +125,13 @@ impl Model {
         let (request, spectrum) = self.explained.slopes.as_ref()?;
         let wanted = self.explain_request(ExplainQuestion::Slopes)?;
         request.is_same(&wanted).then_some(spectrum)
+    }
+
+    /// Judgement of the slopes of the detection on show: by what the frames show once that is examined, and by the
+    /// detection until then. `None` for features of other parameters than the present ones.
+    pub fn slope_judgement(&self) -> Option<&SlopeJudgement> {
+        let found = self.slots.a.found.as_ref().filter(|_| self.stale().is_none())?;
+        self.spectrum().and_then(|spectrum| spectrum.judgement.as_ref()).or(found.judgement.as_ref())
     }
 
     /// The candidates of the detection on show that fail the chosen test.

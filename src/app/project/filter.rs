@@ -33,7 +33,7 @@ pub struct Filter {
     pub sigma: Option<Interval>,
     /// |response|, fraction of full scale.
     pub response: Option<Interval>,
-    /// Whether features whose slope is on the rim of the grid are hidden.
+    /// Whether features at the limit of the slopes are hidden.
     pub hide_slope_limit: bool,
     /// Largest distance of a feature's slope from the slope on show, pixels per frame.
     pub near_slope: Option<f32>,
@@ -84,7 +84,7 @@ pub enum Column {
     Octave,
     /// Level.
     Level,
-    /// Whether the slope is on the grid's rim.
+    /// Whether it is at the limit of the slopes.
     AtSlopeLimit,
 }
 
@@ -138,7 +138,7 @@ impl Column {
             Self::Octave => "Octave in which it was found; −1 is the doubled image",
             Self::Level => "Level within the octave",
             Self::AtSlopeLimit => {
-                "Marked if the slope is at the end of the searched range: the true motion may lie beyond"
+                "Marked if the response still rises beyond the searched slopes: the motion lies outside"
             }
         }
     }

@@ -15,7 +15,7 @@ use crate::detector::{
     explain,
 };
 use crate::engine::{Engine, Wanted};
-use crate::inspect::spectrum::{features_at_slopes, slope_with_most_features};
+use crate::inspect::spectrum::{SlopeJudgement, features_at_slopes, judgement, slope_with_most_features};
 use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, JobId, OpenBurst, OpenRequest};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -292,8 +292,10 @@ pub struct FoundFeatures {
     pub detection: Arc<Detection>,
     /// Wall-clock time that the detection took.
     pub elapsed: Duration,
-    /// Advice where there are few or no features, or most of them at the slope limit: the reason, and what to change.
+    /// Advice where there are few or no features: the reason, and what to change.
     pub advice: Option<Advice>,
+    /// Judgement of the slopes from the detection alone: see [`Model::slope_judgement`].
+    pub(in crate::app) judgement: Option<SlopeJudgement>,
 }
 
 impl FoundFeatures {
@@ -301,7 +303,8 @@ impl FoundFeatures {
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
         let Detected { asked, params, finding, detection, .. } = detected;
         let advice = explain(&detection, &params, burst.burst.size());
-        Self { asked, params, finding, detection, elapsed, advice }
+        let judgement = judgement(&detection, &params, finding.as_ref(), burst.burst.len());
+        Self { asked, params, finding, detection, elapsed, advice, judgement }
     }
 }
 

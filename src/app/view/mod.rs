@@ -25,7 +25,7 @@ pub enum ColourBy {
     Response,
     /// The signal-to-noise ratio, in logarithmic steps.
     Snr,
-    /// Whether the feature was found at the limit of the searched slopes; its true motion may lie beyond.
+    /// Whether the feature is at the limit of the searched slopes: its motion lies beyond.
     Limit,
     /// Evenness of the frames' responses along its motion, 0 … 1; known once it was computed.
     Coherence,

@@ -17,6 +17,8 @@ pub enum Zoom {
     /// The whole image fits; follows the size of the canvas.
     #[default]
     Fit,
+    /// A part of the image of this size (columns, rows) around the centre fits; follows the size of the canvas.
+    Region([f32; 2]),
     /// Points of the window for each pixel of the image.
     PointsPerPixel(f32),
 }
@@ -34,17 +36,27 @@ pub struct View {
     /// Zoom of [`Zoom::Fit`] on the last canvas, points per image pixel; 0 before the first frame.
     #[serde(skip)]
     fit_points_per_pixel: f32,
+    /// Zoom of [`Zoom::Region`] on the last canvas, points per image pixel; 0 before the first frame.
+    #[serde(skip)]
+    region_points_per_pixel: f32,
 }
 
 impl View {
     /// Creates a view of `zoom` with `centre_image` = (u, v) at the centre.
     pub fn new(zoom: Zoom, centre_image: [f32; 2]) -> Self {
-        Self { zoom, centre_image, fit_points_per_pixel: 0.0 }
+        Self { zoom, centre_image, ..Self::default() }
     }
 
     /// View of the whole image.
     pub fn fit() -> Self {
         Self::default()
+    }
+
+    /// View of the part of the image from `min_image` to `max_image`, (u, v) in image pixels, as large as it fits.
+    pub fn region(min_image: [f32; 2], max_image: [f32; 2]) -> Self {
+        let [centre, size] = [[0.5, 0.5], [-1.0, 1.0]]
+            .map(|[a, b]| [a * min_image[0] + b * max_image[0], a * min_image[1] + b * max_image[1]]);
+        Self::new(Zoom::Region(size), centre)
     }
 
     /// Shows the whole image from now on.
@@ -77,7 +89,8 @@ impl View {
     pub fn points_per_pixel(&self) -> f32 {
         match self.zoom {
             Zoom::Fit if self.fit_points_per_pixel > 0.0 => self.fit_points_per_pixel,
-            Zoom::Fit => 1.0,
+            Zoom::Region(_) if self.region_points_per_pixel > 0.0 => self.region_points_per_pixel,
+            Zoom::Fit | Zoom::Region(_) => 1.0,
             Zoom::PointsPerPixel(zoom) => zoom,
         }
     }
@@ -149,12 +162,19 @@ impl View {
         let room = (rect_ui.size() - Vec2::splat(2.0 * FIT_MARGIN_POINTS)).max(Vec2::splat(1.0));
         self.fit_points_per_pixel = (room.x / width).min(room.y / height).min(MAX_POINTS_PER_PIXEL);
         let last = pos2(width - 1.0, height - 1.0);
-        match &mut self.zoom {
+        match self.zoom {
             Zoom::Fit => self.centre_image = [0.5 * last.x, 0.5 * last.y],
-            Zoom::PointsPerPixel(zoom) => {
+            Zoom::Region(_) | Zoom::PointsPerPixel(_) => {
                 // Values from a session file may be anything.
-                let wanted = if zoom.is_finite() { *zoom } else { self.fit_points_per_pixel };
-                self.zoom = Zoom::PointsPerPixel(self.limited(wanted));
+                let finite = |zoom: f32| if zoom.is_finite() { zoom } else { self.fit_points_per_pixel };
+                match self.zoom {
+                    Zoom::PointsPerPixel(zoom) => self.zoom = Zoom::PointsPerPixel(self.limited(finite(zoom))),
+                    Zoom::Region([columns, rows]) => {
+                        let fits = (room.x / columns.max(1.0)).min(room.y / rows.max(1.0));
+                        self.region_points_per_pixel = self.limited(finite(fits));
+                    }
+                    Zoom::Fit => {}
+                }
                 for (x, end) in self.centre_image.iter_mut().zip([last.x, last.y]) {
                     *x = if x.is_finite() { x.clamp(-0.5, end + 0.5) } else { 0.5 * end };
                 }

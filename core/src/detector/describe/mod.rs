@@ -9,7 +9,6 @@ use crate::detector::feature::{Descriptor, Feature, Keypoint};
 use crate::detector::localise::scale;
 use crate::detector::localise::{FARTHEST_MOVE_PX, LocateScratch, kernel_reach, rim_radius};
 use crate::detector::orient::{OrientationScratch, orientations};
-use crate::detector::params::SlopeExtrema;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::octave_pixel;
 use crate::kernel::machine::{KEYPOINTS_TOGETHER as TOGETHER, STRIP_COLUMNS};
@@ -107,14 +106,6 @@ impl Describing<'_> {
         misaligned(outermost_px, sigma_px).then(|| (frames, frames.offsets(keypoint.slope, self.params.interpolation)))
     }
 
-    /// Whether a keypoint was found on the rim of the slope grid, or, where each slope is searched for itself, at a
-    /// slope whose nearest one on the grid is on the rim. (A joint extremum beside the rim is stronger than the rim.)
-    fn at_slope_limit(&self, located: &Keypoint) -> bool {
-        let (i, j) = self.grid.coordinates(located.slope_index);
-        self.grid.on_rim(i, j)
-            || (self.params.used_extrema() == SlopeExtrema::Each && self.grid.nearest_on_rim(located.slope))
-    }
-
     /// Appends the features of one keypoint, one for each of its orientations. `kernels` lead to the levels, `planes`
     /// are those of the octave's frames.
     fn describe_one(
@@ -156,7 +147,6 @@ impl Describing<'_> {
             }
             raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
         }
-        let at_slope_limit = self.at_slope_limit(&located);
         let max = self.params.max_orientations;
         for angle in orientations(patch, size, (x, y), sigma, max, &mut scratch.orientation) {
             let feature = Feature {
@@ -170,7 +160,8 @@ impl Describing<'_> {
                 octave: self.octave,
                 level: located.level,
                 slope_index: located.slope_index,
-                at_slope_limit,
+                // Known once the features are ranked: see `limit`.
+                at_slope_limit: false,
             };
             let descriptor = descriptor(patch, size, (x, y), sigma, angle, &mut scratch.descriptor);
             out.push(Described { feature, descriptor, keypoint: number });

@@ -19,6 +19,7 @@ use crate::burst::Burst;
 use crate::detector::describe::patch::{Describing, FramesOfOctaves, Motions};
 use crate::detector::describe::{self, Described};
 use crate::detector::distinct::{self, Blob};
+use crate::detector::limit::Limit;
 use crate::detector::params::{DescribeSlope, Distinct};
 use crate::detector::scale_space::octave_size;
 use crate::detector::search::setup::{FirstLevels, Inputs, Search, SlopeGroup};
@@ -105,10 +106,12 @@ fn search_as_planned(
         tally.reject(Test::MaxFeatures, (found.len() - params.max_features) as u64);
         found.truncate(params.max_features);
     }
+    let gate_factor = search.gate_factor;
+    let (mut features, descriptors): (Vec<_>, Vec<_>) =
+        found.into_iter().map(|one| (one.feature, one.descriptor)).unzip();
+    search.limit(&octave_frames).mark(&mut features)?;
     times.describe_secs = started.elapsed().as_secs_f32();
     monitor.report(Stage::Describe, 1.0);
-    let gate_factor = search.gate_factor;
-    let (features, descriptors) = found.into_iter().map(|one| (one.feature, one.descriptor)).unzip();
     let detection = Detection {
         features,
         descriptors,
@@ -143,6 +146,19 @@ impl Search<'_> {
             interpolation: self.params.interpolation,
         };
         distinct::covered_by(&blobs, rule, |a, b| motions.are_two(&keypoints[a], &keypoints[b]), self.monitor)
+    }
+
+    /// Inputs for marking the features at the limit of the slopes.
+    fn limit<'a, 'f>(&'a self, frames: &'a FramesOfOctaves<'f>) -> Limit<'a, 'f> {
+        Limit {
+            grid: self.grid,
+            frames,
+            times: self.times,
+            size_image: self.size_image,
+            space: &self.space,
+            interpolation: self.params.interpolation,
+            monitor: self.monitor,
+        }
     }
 
     /// Localises and describes `keypoints`, which are in order of octaves. The first levels are taken from `bases`;

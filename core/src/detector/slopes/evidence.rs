@@ -367,14 +367,27 @@ fn ranges(evidence: &[SlopeEvidence], degrees: f64) -> ([f64; 2], [f64; 2]) {
     (out[0], out[1])
 }
 
+/// Axis of slopes, in direction `degrees`, for a line that holds confirmed evidence; `None` without evidence.
+pub(super) fn axis_of(evidence: &[SlopeEvidence], steps: Steps, degrees: f64) -> Option<SlopeAxis> {
+    (!evidence.is_empty()).then(|| axis(ranges(evidence, degrees).0, steps.search, LINE_SLOPES))
+}
+
+/// Number of slopes from `min` to `max` px/frame, on a line or on an axis of a plane.
+pub(super) fn count_for([min, max]: [f64; 2], steps: Steps, is_plane: bool) -> usize {
+    count([min, max], steps.search, if is_plane { PLANE_SLOPES } else { LINE_SLOPES })
+}
+
+fn count([min, max]: [f64; 2], step: f64, slopes: usize) -> usize {
+    let with_step = |step: f64| ((max - min) / step - 0.05).ceil().max(2.0) as usize + 1;
+    with_step(step).min(slopes.max(with_step(COARSEST * step)))
+}
+
 /// Axis of slopes from one step below `range` to one step above it.
 fn axis([min, max]: [f64; 2], step: f64, slopes: usize) -> SlopeAxis {
     let (min, max) = (min - step, max + step);
     // Multiples of a hundredth of a pixel per frame are precise enough, and readable.
     let (min, max) = ((100.0 * min).floor() / 100.0, (100.0 * max).ceil() / 100.0);
-    let with_step = |step: f64| ((max - min) / step - 0.05).ceil().max(2.0) as usize + 1;
-    let count = with_step(step).min(slopes.max(with_step(COARSEST * step)));
-    SlopeAxis { min: min as f32, max: max as f32, count }
+    SlopeAxis { min: min as f32, max: max as f32, count: count([min, max], step, slopes) }
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ pub use evidence::SlopeEvidence;
 use super::feature::DetectError;
 use super::params::{DetectorParams, Method, SearchParams, SlopeChoice};
 use crate::burst::Burst;
-use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
@@ -94,6 +94,23 @@ impl SlopeFinding {
         let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
         confirmed(&clear, steps)
     }
+}
+
+/// Axis of slopes, in direction `direction_deg`, for a line that holds the confirmed `evidence`, for a search of
+/// `frames` frames with `params`; `None` without evidence.
+pub(crate) fn axis_through(
+    evidence: &[SlopeEvidence],
+    params: &DetectorParams,
+    frames: usize,
+    direction_deg: f32,
+) -> Option<SlopeAxis> {
+    evidence::axis_of(evidence, steps_of(params, frames), f64::from(direction_deg))
+}
+
+/// Number of slopes with which the range of `axis` would be searched: with the step that the finest features need, or a
+/// coarser one where the range is long.
+pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: usize, is_plane: bool) -> usize {
+    evidence::count_for([axis.min, axis.max].map(f64::from), steps_of(params, frames), is_plane)
 }
 
 /// Parameters with which `burst` is searched, and the finding where the slopes are found from it. The baselines have no
@@ -190,9 +207,7 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
     let holds = |e: &&SlopeEvidence| {
         let around = (0.5 * steps.search).max(f64::from(e.uncertainty).min(steps.same));
         let [along, across] = turned(e.slope, f64::from(grid.direction_deg));
-        let within = |x: f64, axis: &crate::detector::SlopeAxis| {
-            x > f64::from(axis.min) - around && x < f64::from(axis.max) + around
-        };
+        let within = |x: f64, axis: &SlopeAxis| x > f64::from(axis.min) - around && x < f64::from(axis.max) + around;
         within(along, &grid.u) && within(across, &grid.v)
     };
     let sum = |evidence: &mut dyn Iterator<Item = &SlopeEvidence>| evidence.map(|e| e.significance).sum::<f32>();

@@ -9,12 +9,15 @@
 //! aliases of periodic textures, with their places in the picture.
 
 mod advice;
+mod judgement;
 
 pub use advice::{SlopeAdvice, Subject};
+pub use judgement::{SlopeJudgement, judgement};
 
 use super::ProbeCache;
+use crate::detector::limit::response_loss;
 use crate::detector::slopes::SlopeEvidence;
-use crate::detector::{Detection, Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
+use crate::detector::{Detection, Feature, Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
 use crate::inspect::shares::direction_of;
 use crate::inspect::suspicion::stack_around;
 use crate::inspect::texture::{dirichlet, period_along};
@@ -34,6 +37,8 @@ pub struct SlopeBar {
     pub is_on_rim: bool,
     /// Number of features whose slope is nearest to this one.
     pub features: usize,
+    /// Number of those at the limit of the slopes.
+    pub at_limit: usize,
     /// Part (0 … 1) of all evidence, weighted by significance, whose slope is nearest to this one.
     pub evidence: f32,
     /// Share (0 … 1) of the picture that all frames show at this slope.
@@ -62,6 +67,8 @@ pub struct Spectrum {
     pub features: usize,
     /// Number of features at the limit of the slopes.
     pub at_limit: usize,
+    /// Judgement of the slopes; `None` for a method without slopes and for a single frame.
+    pub judgement: Option<SlopeJudgement>,
     /// Result of finding the slopes from the frames.
     pub finding: SlopeFinding,
     /// Confirmed evidence, strongest first.
@@ -107,12 +114,13 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
     let detection = trail.detection();
     let bars = bars(cache, &grid, &evidence);
     let aliases = aliases(cache, &evidence, &finding.evidence, monitor)?;
-    let at_limit = detection.features.iter().filter(|f| f.at_slope_limit).count();
+    let judgement = judgement::Judging::new(detection, params, Some(&finding), &evidence).map(|j| j.judgement());
     let spectrum = Spectrum {
         grid,
         bars,
         features: detection.features.len(),
-        at_limit,
+        at_limit: detection.features.iter().filter(|f| f.at_slope_limit).count(),
+        judgement,
         finding,
         evidence,
         aliases,
@@ -138,10 +146,15 @@ fn nearest(grid: &SlopeGrid, slope: Slope) -> [i64; 2] {
 
 /// For each slope of the search, in its order, the number of features whose own slope is nearest to it.
 pub fn features_at_slopes(detection: &Detection) -> Vec<usize> {
+    counts_at_slopes(detection, |_| true)
+}
+
+/// As [`features_at_slopes`], of the features for which `counts_too` holds.
+fn counts_at_slopes(detection: &Detection, counts_too: impl Fn(&Feature) -> bool) -> Vec<usize> {
     let grid = &detection.slopes;
     let (nu, nv) = (grid.u.count as i64, grid.v.count as i64);
     let mut counts = vec![0usize; grid.len()];
-    for feature in &detection.features {
+    for feature in detection.features.iter().filter(|feature| counts_too(feature)) {
         let [i, j] = nearest(grid, feature.slope);
         counts[(j.clamp(0, nv - 1) * nu + i.clamp(0, nu - 1)) as usize] += 1;
     }
@@ -176,6 +189,7 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
     places.extend(beyond);
     let total = seen.iter().fold(0.0f32, |sum, (_, significance)| sum + significance).max(f32::MIN_POSITIVE);
     let counts = features_at_slopes(detection);
+    let limits = counts_at_slopes(detection, |feature| feature.at_slope_limit);
     places
         .into_iter()
         .map(|at| {
@@ -187,6 +201,7 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
                 is_searched,
                 is_on_rim: is_searched && grid.on_rim(at[0] as usize, at[1] as usize),
                 features: if is_searched { counts[(at[1] * nu + at[0]) as usize] } else { 0 },
+                at_limit: if is_searched { limits[(at[1] * nu + at[0]) as usize] } else { 0 },
                 // An empty sum would be −0.
                 evidence: seen.iter().filter(|(place, _)| *place == at).fold(0.0, |sum, (_, s)| sum + s) / total,
                 coverage: coverage_share(slope, detection.frames_used.len(), cache.burst.size()),
@@ -197,27 +212,8 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
 
 /// The part (0 … 1) of its response that the finest blob loses half a step away from its slope: `step` in px/frame,
 /// `frames` frames, the blob's scale `sigma` in px.
-///
-/// A blob shifted by x px under a filter of its own size has (1 − x²/(2s²))·exp(−x²/(2s²)) of its response, s² = 2σ²,
-/// along the direction of the shift; the mean over the frames, the outermost of which are (N − 1)/2 half-steps away, is
-/// the response that remains.
 pub fn step_loss(step: f32, frames: usize, sigma: f32) -> f32 {
-    off_by(0.5 * step, frames, sigma)
-}
-
-/// The part (0 … 1) of its response that a blob loses at a slope that is `error` px/frame off.
-fn off_by(error: f32, frames: usize, sigma: f32) -> f32 {
-    let t0 = 0.5 * (frames.max(1) - 1) as f64;
-    let variance = 2.0 * f64::from(sigma).powi(2);
-    let left: f64 = (0..frames)
-        .map(|t| {
-            let x = (t as f64 - t0) * f64::from(error);
-            let q = x * x / (2.0 * variance);
-            (1.0 - q) * (-q).exp()
-        })
-        .sum::<f64>()
-        / frames.max(1) as f64;
-    (1.0 - left).clamp(0.0, 1.0) as f32
+    response_loss(0.5 * step, frames, sigma)
 }
 
 /// A texture that is periodic along an axis of the slopes.

@@ -2,5 +2,6 @@
 //! candidates are those of the detection.
 
 mod law;
+mod limit;
 mod probing;
 mod slopes;

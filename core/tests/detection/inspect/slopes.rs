@@ -47,21 +47,21 @@ fn stream_noise(u: usize, v: usize, t: usize) -> f32 {
     1.73 * sum
 }
 
-fn uniform(slope: Slope, frames: usize) -> Burst {
+pub fn uniform(slope: Slope, frames: usize) -> Burst {
     moving((200, 160), frames, |dt| (dt * slope.u, dt * slope.v))
 }
 
-fn asked(burst: &Burst, slopes: SlopeGrid) -> Spectrum {
+pub fn asked(burst: &Burst, slopes: SlopeGrid) -> Spectrum {
     let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
     spectrum(&cache(burst, &params), &Monitor::default()).expect("not cancelled")
 }
 
-fn about(spectrum: &Spectrum, subject: Subject) -> Option<&SlopeAdvice> {
+pub fn about(spectrum: &Spectrum, subject: Subject) -> Option<&SlopeAdvice> {
     spectrum.advice.iter().find(|advice| advice.subject == subject)
 }
 
 /// The parameters after the changes.
-fn applied(slopes: SlopeGrid, changes: &[ParamChange]) -> DetectorParams {
+pub fn applied(slopes: SlopeGrid, changes: &[ParamChange]) -> DetectorParams {
     let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
     changes.iter().fold(params, |params, change| change.applied(&params).expect("valid"))
 }
@@ -74,7 +74,7 @@ fn a_search_that_fits_needs_no_advice() {
     assert!(spectrum.features > 20);
     assert!((spectrum.most_features().expect("features").u - 1.2).abs() <= 0.5);
     let text = spectrum_text(&spectrum, "moving");
-    assert!(text.contains("nothing to change"), "{text}");
+    assert!(text.contains("the slopes fit the burst"), "{text}");
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn a_range_that_is_too_narrow_is_widened_to_the_motion() {
     let advice = about(&spectrum, Subject::Range).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
     assert!(advice.number > 0.5, "{advice:?}");
     let wider = applied(grid, &advice.changes).slopes;
-    assert!(wider.u.max > 4.2 && wider.u.min == -3.0 && (wider.u.step() - grid.u.step()).abs() < 1e-3, "{wider:?}");
+    assert!(wider.u.max > 4.2 && wider.u.min < 4.2 && wider.u.count < 9, "straight to what was found: {wider:?}");
     // Evidence beyond the range is shown.
     assert!(spectrum.bars.iter().any(|bar| !bar.is_searched && bar.evidence > 0.1 && (bar.slope.u - 4.2).abs() < 0.6));
     // After the change the advice is gone.

@@ -22,9 +22,9 @@ pub(in crate::app::panel) fn evidence_colour(ui: &Ui) -> Color32 {
     style::good(ui)
 }
 
-/// Colour of the features at a slope: the true slopes of those on the rim may lie beyond it.
+/// Colour of the features at a slope: another one where most of them are at the limit.
 pub(in crate::app::panel) fn feature_colour(ui: &Ui, bar: &SlopeBar) -> Color32 {
-    if bar.is_on_rim { style::warning(ui) } else { style::ACCENT }
+    if 2 * bar.at_limit > bar.features { style::warning(ui) } else { style::ACCENT }
 }
 
 /// Bars on the searched line, each with its place along the line.
@@ -37,15 +37,10 @@ pub(in crate::app::panel) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar
 
 /// Describes the features and evidence at a slope.
 pub(in crate::app::panel) fn bar_text(bar: &SlopeBar) -> String {
-    let where_to = if bar.is_on_rim {
-        ", at the limit: the motion may lie beyond"
-    } else if bar.is_searched {
-        ""
-    } else {
-        ", beyond what was searched"
-    };
+    let where_to = if bar.is_searched { "" } else { ", beyond what was searched" };
+    let at_limit = if bar.at_limit > 0 { format!(", {} at the limit", bar.at_limit) } else { String::new() };
     format!(
-        "Slope ({}, {}) px/frame{where_to}\n{} features\n{} % of the evidence\n{} % of the picture seen by all frames",
+        "Slope ({}, {}) px/frame{where_to}\n{} features{at_limit}\n{} % of the evidence\n{} % of the picture seen by all frames",
         number(bar.slope.u, 3),
         number(bar.slope.v, 3),
         bar.features,
@@ -82,7 +77,10 @@ fn line_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
         let half = (0.4 * cell).max(0.5);
         let up = (axis - inner.top()) * bar.features as f32 / most;
         let features = Rect::from_min_max(pos2(x - half, axis - up), pos2(x + half, axis));
-        painter.rect_filled(features, 0.0, feature_colour(ui, bar));
+        painter.rect_filled(features, 0.0, style::ACCENT);
+        let at_limit = (axis - inner.top()) * bar.at_limit as f32 / most;
+        let at_limit = Rect::from_min_max(pos2(x - half, axis - at_limit), pos2(x + half, axis));
+        painter.rect_filled(at_limit, 0.0, style::warning(ui));
         let down = (inner.bottom() - axis) * bar.evidence / part;
         let evidence = Rect::from_min_max(pos2(x - half, axis + 1.0), pos2(x + half, axis + 1.0 + down));
         if bar.is_searched {
@@ -114,11 +112,7 @@ fn key_ui(ui: &mut Ui) {
         ui.spacing_mut().item_spacing.x = 4.0;
         let keys = [
             (style::ACCENT, "features", "Features whose slope is nearest to each"),
-            (
-                style::warning(ui),
-                "at the limit",
-                "Features at the end of the searched range: their motion may lie beyond",
-            ),
+            (style::warning(ui), "at the limit", "Features whose response still rises beyond the searched slopes"),
             (evidence_colour(ui), "evidence", "What the frames have in common at each slope, before any threshold"),
         ];
         for (colour, text, tip) in keys {

@@ -12,7 +12,7 @@ use crate::app::project::side::Side;
 use crate::app::style;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
-use crate::inspect::spectrum::{SlopeAdvice, Spectrum};
+use crate::inspect::spectrum::{SlopeAdvice, Spectrum, Subject};
 use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
@@ -25,14 +25,10 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
         ui.weak(if model.slots.a.found.is_some() { "Not analysed yet" } else { "No detection yet" });
         return;
     };
-    let text = format!(
-        "{} features at {} slopes, {} of them at the limit  ·  the frames: {}",
-        spectrum.features,
-        spectrum.cost.slopes,
-        spectrum.at_limit,
-        spectrum.finding.summary()
-    );
-    ui.add(Label::new(&text).truncate()).on_hover_text(text);
+    let judged = spectrum.judgement.as_ref().map_or("", |judgement| judgement.sentence.as_str());
+    let text = format!("{} features at {} slopes  ·  {judged}", spectrum.features, spectrum.cost.slopes);
+    let tip = format!("{}\nThe frames: {}", sentence_of(judged), spectrum.finding.summary());
+    ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip);
 }
 
 /// Draws the charts and the advice.
@@ -79,10 +75,8 @@ fn waiting_ui(ui: &mut Ui, model: &mut Model) {
 /// Draws the pieces of advice, each with a button that applies it, the cost of the search, and periodic textures.
 fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
     ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
-        if spectrum.advice.is_empty() {
-            ui.add(
-                Label::new(RichText::new("The slopes fit the burst; nothing to change.").color(style::good(ui))).wrap(),
-            );
+        if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
+            ui.add(Label::new(RichText::new(sentence_of(&fits.sentence)).color(style::good(ui))).wrap());
         }
         for (index, advice) in spectrum.advice.iter().enumerate() {
             let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
@@ -99,29 +93,55 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
     });
 }
 
-/// Draws one piece of advice; the button that applies it is called `name`.
-fn piece_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
-    let mut sentence = advice.sentence.clone();
+/// Draws the judgement of the slopes and a button that applies its advice, unless the slopes suffice: above the table.
+pub fn judgement_ui(ui: &mut Ui, model: &mut Model) {
+    let advice = model.slope_judgement().and_then(|judgement| judgement.advice.clone());
+    let Some(advice) = advice.filter(|advice| advice.subject != Subject::Cost) else { return };
+    ui.horizontal(|ui| {
+        apply_ui(ui, model, "Apply slopes", &advice);
+        let sentence = sentence_of(&advice.sentence);
+        ui.add(Label::new(RichText::new(&sentence).color(style::warning(ui))).truncate()).on_hover_text(sentence);
+    });
+}
+
+/// A clause as a sentence.
+fn sentence_of(clause: &str) -> String {
+    let mut sentence = format!("{clause}.");
     if let Some(first) = sentence.get_mut(0..1) {
         first.make_ascii_uppercase();
     }
-    ui.add(Label::new(RichText::new(with_whole_numbers(&format!("{sentence}."))).color(style::warning(ui))).wrap());
+    with_whole_numbers(&sentence)
+}
+
+/// Draws one piece of advice; `name` is that of its button.
+fn piece_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
+    ui.add(Label::new(RichText::new(sentence_of(&advice.sentence)).color(style::warning(ui))).wrap());
     if !advice.changes.is_empty() {
-        let changes: Vec<String> = advice.changes.iter().map(|change| change.label()).collect();
-        let changes = changes.join(", ");
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            let tip = format!("Set {changes}; Ctrl+Z undoes it");
-            let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
-            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
-            if button.clicked() {
-                match model.apply_changes(Side::A, &advice.changes) {
-                    Ok(()) => model.messages.note(format!("Set {changes}")),
-                    Err(error) => model.messages.error("Apply", error.to_string()),
-                }
-            }
-            ui.label(RichText::new(changes).monospace());
+            apply_ui(ui, model, name, advice);
+            ui.label(RichText::new(changes_of(advice)).monospace());
         });
     }
     ui.add_space(6.0);
+}
+
+/// Labels and values of the changes that a piece of advice makes.
+fn changes_of(advice: &SlopeAdvice) -> String {
+    let changes: Vec<String> = advice.changes.iter().map(|change| change.label()).collect();
+    changes.join(", ")
+}
+
+/// Draws the button that applies a piece of advice; `name` is for screen readers.
+fn apply_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
+    let changes = changes_of(advice);
+    let tip = format!("Set {changes}; Ctrl+Z undoes it");
+    let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    if button.clicked() {
+        match model.apply_changes(Side::A, &advice.changes) {
+            Ok(()) => model.messages.note(format!("Set {changes}")),
+            Err(error) => model.messages.error("Apply", error.to_string()),
+        }
+    }
 }

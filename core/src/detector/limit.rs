@@ -1,0 +1,150 @@
+//! Features at the limit of the searched slopes: those whose own response says that their motion lies beyond.
+//!
+//! The slopes at the end of a range do not only hold what moves faster. They hold their share of the noise, of edges
+//! (which respond alike at many slopes), of ghosts, and of blobs that move just so. On a plane most slopes are on the
+//! rim, so most features are too, whatever range is searched. So a place on the rim alone is no evidence. The response
+//! is: over slope, |D| of a blob is one bump around its own slope. If a step beyond the rim it is larger than on the
+//! rim, the middle of the bump lies more than half a step beyond.
+//!
+//! Noise moves that comparison. D at two slopes has the correlation 1 − loss between them, where *loss* is the part of
+//! its response that a blob of this scale loses over that difference ([`response_loss`]), so their difference has the
+//! standard deviation σ_D·√(2·loss). A feature is at the limit if the rise exceeds [`RISE_SIGMAS`] of these. A feature
+//! of noise alone, chosen because it is strong at its slope, is weaker beyond: it does not rise so far by chance.
+
+use crate::detector::describe::patch::{FramesOfOctaves, point_response};
+use crate::detector::feature::Feature;
+use crate::detector::params::Interpolation;
+use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
+use crate::detector::scale_space::ScaleSpace;
+use crate::detector::stack::{FrameTimes, frame_offsets};
+use crate::kernel::stack::FrameOffset;
+use crate::monitor::{Cancelled, Monitor};
+use rayon::prelude::*;
+
+/// Minimum rise of the response beyond the rim, in standard deviations of the difference that noise makes.
+const RISE_SIGMAS: f32 = 2.0;
+/// Minimum ratio of the response beyond to that on the rim, for bursts with little noise.
+const RISE_RATIO: f32 = 1.02;
+/// Minimum number of frames that show the place at both slopes.
+const MIN_FRAMES: usize = 2;
+
+/// Inputs besides the features.
+pub(super) struct Limit<'a, 'f> {
+    /// Slopes that were searched.
+    pub grid: SlopeGrid,
+    /// Frames at the resolution of each octave.
+    pub frames: &'a FramesOfOctaves<'f>,
+    /// Frames that take part.
+    pub times: &'a FrameTimes,
+    /// Size (columns, rows) of the image.
+    pub size_image: (usize, usize),
+    /// Scales of the search.
+    pub space: &'a ScaleSpace,
+    /// Interpolation between pixels.
+    pub interpolation: Interpolation,
+    /// Monitor for cancellation.
+    pub monitor: &'a Monitor,
+}
+
+impl Limit<'_, '_> {
+    /// Sets [`Feature::at_slope_limit`] of each feature.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once the monitor was cancelled.
+    pub fn mark(&self, features: &mut [Feature]) -> Result<(), Cancelled> {
+        features.par_iter_mut().try_for_each(|feature| {
+            self.monitor.check()?;
+            feature.at_slope_limit = self.rises_beyond(feature);
+            Ok(())
+        })
+    }
+
+    /// Whether the response of `feature` rises from the rim of the slopes to a slope a step beyond.
+    fn rises_beyond(&self, feature: &Feature) -> bool {
+        let Some((rim, beyond)) = self.rim_and_beyond(feature.slope) else { return false };
+        let place = (feature.u, feature.v);
+        let on_rim = self.covering(place, rim);
+        let gaps = self.times.frame_count;
+        beyond.into_iter().any(|slope| {
+            let there = self.covering(place, slope);
+            let both: Vec<usize> = on_rim.iter().copied().filter(|index| there.contains(index)).collect();
+            if both.len() < MIN_FRAMES {
+                return false;
+            }
+            let of = |slope: Slope| {
+                let levels = feature.level..feature.level + 1;
+                let octave = self.frames.of(feature.octave);
+                let at = (self.space, feature.octave, levels);
+                let path = (place, slope);
+                feature.response.signum()
+                    * point_response(octave, at, self.size_image, path, self.interpolation, &both)[0]
+            };
+            let (here, there) = (of(rim), of(slope));
+            let apart = (slope.u - rim.u).hypot(slope.v - rim.v);
+            let loss = response_loss(apart, gaps, feature.sigma);
+            let frames = (on_rim.len() as f32 / both.len() as f32).sqrt();
+            let sigma_d = frames * feature.response.abs() / feature.snr;
+            there > RISE_RATIO * here.abs() && there - here > RISE_SIGMAS * sigma_d * (2.0 * loss).sqrt()
+        })
+    }
+
+    /// The slope on the rim nearest to `slope`, and those a step beyond it: three at a corner of a plane, one
+    /// elsewhere. `None` where the grid's slope nearest to `slope` is not on the rim.
+    fn rim_and_beyond(&self, slope: Slope) -> Option<(Slope, Vec<Slope>)> {
+        let grid = &self.grid;
+        if !grid.nearest_on_rim(slope) {
+            return None;
+        }
+        let (i, j) = grid.position(slope);
+        let (i, along_u) = self.outwards(&grid.u, i);
+        let (j, along_v) = self.outwards(&grid.v, j);
+        let steps = along_u.iter().flat_map(|&di| along_v.iter().map(move |&dj| (di, dj)));
+        let beyond = steps.filter(|step| *step != (0.0, 0.0)).map(|(di, dj)| grid.at(i + di, j + dj)).collect();
+        Some((grid.at(i, j), beyond))
+    }
+
+    /// The coordinate on an axis from which to look outwards, and the distances (in steps of the axis, 0 among them) to
+    /// where. A step is at least that which the finest features need: finer ones hardly change a response.
+    fn outwards(&self, axis: &SlopeAxis, at: f32) -> (f32, Vec<f32>) {
+        let last = axis.count.saturating_sub(1) as f32;
+        if axis.count < 2 {
+            return (0.0, vec![0.0]);
+        }
+        let gaps = self.times.frame_count.max(2) - 1;
+        let finest = 2.0 * self.space.sigma_image(self.space.first_octave, 0.0) as f32 / gaps as f32;
+        let step = (finest / axis.step()).max(1.0);
+        match at.round().clamp(0.0, last) {
+            first if first == 0.0 => (0.0, vec![0.0, -step]),
+            end if end == last => (last, vec![0.0, step]),
+            _ => (at, vec![0.0]),
+        }
+    }
+
+    /// Indices, among the frames that take part, of those that show the place at a slope.
+    fn covering(&self, (u, v): (f32, f32), slope: Slope) -> Vec<usize> {
+        let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
+        let at = (pixel(u, self.size_image.0), pixel(v, self.size_image.1));
+        let offsets: Vec<FrameOffset> = self.times.of(frame_offsets(self.times.frame_count, slope, self.interpolation));
+        (0..offsets.len()).filter(|&index| offsets[index].covers(at.0, at.1, self.size_image)).collect()
+    }
+}
+
+/// The part (0 … 1) of its response that a blob of scale `sigma` px loses in a stack of `frames` frames at a slope that
+/// is `error` px/frame off.
+///
+/// A blob shifted by x px under a filter of its own size has (1 − x²/(2s²))·exp(−x²/(2s²)) of its response, s² = 2σ²,
+/// along the direction of the shift; the mean over the frames, the outermost of which are off by (N − 1)/2 times the
+/// error, is the response that remains.
+pub fn response_loss(error: f32, frames: usize, sigma: f32) -> f32 {
+    let t0 = 0.5 * (frames.max(1) - 1) as f64;
+    let variance = 2.0 * f64::from(sigma).powi(2);
+    let left: f64 = (0..frames)
+        .map(|t| {
+            let x = (t as f64 - t0) * f64::from(error);
+            let q = x * x / (2.0 * variance);
+            (1.0 - q) * (-q).exp()
+        })
+        .sum::<f64>()
+        / frames.max(1) as f64;
+    (1.0 - left).clamp(0.0, 1.0) as f32
+}

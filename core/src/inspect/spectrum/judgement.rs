@@ -1,0 +1,352 @@
+//! Judgement of the slopes of a search: one sentence, and one set of changes that mends whatever is wrong. The table of
+//! features, the tab *Slopes*, the lessons and the commands `slopes` and `detect` all show this sentence.
+//!
+//! Two things speak. The *evidence* of the frames says where motion is, beyond the searched slopes too. The features *at
+//! the limit* ([`crate::detector::limit`]) say it by their own response; they decide only where the frames show nothing
+//! clear. The changes lead straight to what was found: direction, range and step of both axes at once.
+
+use super::{SlopeAdvice, Subject};
+use crate::detector::limit::response_loss;
+use crate::detector::params::doc;
+use crate::detector::scale_space::ScaleSpace;
+use crate::detector::slopes::{SlopeEvidence, axis_through, slopes_needed};
+use crate::detector::{
+    Detection, DetectorParams, Feature, Method, ParamChange, Slope, SlopeAxis, SlopeFinding, SlopeGrid, SlopeVerdict,
+};
+use crate::inspect::words::{counted, number};
+use serde::Serialize;
+
+/// Loss of the finest features half-way between two slopes from which the step is too coarse.
+const TOO_COARSE: f32 = 0.15;
+/// Loss of the finest features beside the searched line from which a window is evidence for another direction.
+const OFF_LINE: f32 = 0.25;
+/// Part of the evidence beside the line from which another direction is advised.
+const OFF_LINE_PART: f32 = 0.2;
+/// Part of the evidence beyond the range from which a wider range is advised.
+const BEYOND: f32 = 0.08;
+/// Part of the slopes that suffices, up to which the search is said to cost too much.
+const NEEDED: f64 = 0.4;
+/// Part of the stronger half of the features at the limit from which a wider range is advised where the frames show
+/// nothing clear. It is at most 0.036 for motions inside the range (at a corner of a plane; 0.012 elsewhere), and 0.12 or
+/// more for motions half a step beyond it, on textures, the demo and noise.
+const AT_LIMIT: f64 = 0.08;
+/// Part of those that must lie at one end of an axis for the axis to be widened there.
+const OF_THOSE: f64 = 0.25;
+/// Minimum number of features for which this part is computed.
+const ENOUGH_FEATURES: usize = 10;
+
+/// Judgement of the slopes of a search.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SlopeJudgement {
+    /// Sentence: a clause without a capital at its start or a full stop at its end.
+    pub sentence: String,
+    /// The fault, with the changes that mend it; `None` where the slopes fit or cannot be judged.
+    pub advice: Option<SlopeAdvice>,
+}
+
+/// Judges the slopes with which `detection` was made from a burst of `frame_count` frames; `finding` is what the frames
+/// show, if that was examined. `None` for a method without slopes and for a single frame.
+pub fn judgement(
+    detection: &Detection,
+    params: &DetectorParams,
+    finding: Option<&SlopeFinding>,
+    frame_count: usize,
+) -> Option<SlopeJudgement> {
+    let evidence = finding.map(|finding| finding.confirmed(params, frame_count)).unwrap_or_default();
+    Judging::new(detection, params, finding, &evidence).map(|judging| judging.judgement())
+}
+
+/// Inputs of the judgement.
+pub(super) struct Judging<'a> {
+    detection: &'a Detection,
+    params: &'a DetectorParams,
+    finding: Option<&'a SlopeFinding>,
+    /// Confirmed evidence.
+    evidence: &'a [SlopeEvidence],
+    pub grid: SlopeGrid,
+    /// Number of frames used.
+    pub frames: usize,
+    /// σ of the finest features, px.
+    sigma: f32,
+}
+
+impl<'a> Judging<'a> {
+    /// Inputs for a search with slopes; `None` for another.
+    pub fn new(
+        detection: &'a Detection,
+        params: &'a DetectorParams,
+        finding: Option<&'a SlopeFinding>,
+        evidence: &'a [SlopeEvidence],
+    ) -> Option<Self> {
+        let frames = detection.frames_used.len();
+        let space = ScaleSpace::of(params);
+        let sigma = space.sigma_image(space.first_octave, 0.0) as f32;
+        let has_slopes = params.method == Method::Buff && frames > 1;
+        has_slopes.then_some(Self { detection, params, finding, evidence, grid: params.used_slopes(), frames, sigma })
+    }
+
+    /// The sentence, and the advice.
+    pub fn judgement(&self) -> SlopeJudgement {
+        let features = self.detection.features.len();
+        let at_limit = self.detection.features.iter().filter(|f| f.at_slope_limit).count();
+        let clause = match (at_limit, features) {
+            (_, 0) => String::new(),
+            (0, _) => format!("; none of {} lies at the limit", counted(features, "feature")),
+            (1, _) => format!("; 1 of {} lies at the limit", counted(features, "feature")),
+            _ => format!(
+                "; {} of {} lie at the limit",
+                crate::detector::advice::grouped(at_limit as u64),
+                counted(features, "feature")
+            ),
+        };
+        let advice = self.advice().map(|advice| SlopeAdvice { sentence: advice.sentence + &clause, ..advice });
+        let sentence = advice.as_ref().map_or_else(
+            || match (self.evidence.is_empty(), self.finding) {
+                (false, _) => format!("the slopes fit the burst{clause}"),
+                (true, Some(_)) => format!("the frames show too little to judge the slopes{clause}"),
+                (true, None) => format!("the slopes fit what was found{clause}"),
+            },
+            |advice| advice.sentence.clone(),
+        );
+        SlopeJudgement { sentence, advice }
+    }
+
+    /// The one fault that matters most: direction before range, and range before step, because the changes of each mend
+    /// those after it too.
+    fn advice(&self) -> Option<SlopeAdvice> {
+        let found = self.finding.map(|finding| (finding.grid, finding.verdict));
+        // Motions within half a step of 0 lose no more there than half-way between two slopes of a right grid.
+        let half_step = self.sigma / (self.frames - 1) as f32;
+        let is_slow = !self.evidence.is_empty() && self.evidence.iter().all(|e| e.slope.magnitude() <= half_step);
+        let is_still = is_slow || matches!(found, Some((_, SlopeVerdict::Still)));
+        if is_still && self.grid.len() > 1 {
+            return Some(self.still());
+        }
+        if found.is_some_and(|(grid, _)| grid == self.grid) {
+            return None;
+        }
+        self.direction()
+            .or_else(|| self.range())
+            .or_else(|| self.range_by_features())
+            .or_else(|| self.step())
+            .or_else(|| self.cost())
+    }
+
+    /// The part of the evidence that satisfies `holds`.
+    pub fn part(&self, holds: impl Fn(&SlopeEvidence) -> bool) -> f32 {
+        let sum = |evidence: &mut dyn Iterator<Item = &SlopeEvidence>| evidence.map(|e| e.significance).sum::<f32>();
+        let all = sum(&mut self.evidence.iter());
+        if all > 0.0 { sum(&mut self.evidence.iter().filter(|e| holds(e))) / all } else { 0.0 }
+    }
+
+    /// The coordinate of the evidence along an axis of the grid, px/frame.
+    fn along(&self, e: &SlopeEvidence, second: bool) -> f32 {
+        let unit = SlopeAxis { min: 0.0, max: 1.0, count: 2 };
+        let (a, b) = SlopeGrid { u: unit, v: unit, direction_deg: self.grid.direction_deg }.position(e.slope);
+        if second { b } else { a }
+    }
+
+    /// The range, along an axis, of the evidence that satisfies `holds`.
+    fn reach_of(&self, second: bool, holds: impl Fn(f32) -> bool) -> Option<(f32, f32)> {
+        let values = self.evidence.iter().map(|e| self.along(e, second)).filter(|x| holds(*x));
+        let (min, max) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        (min <= max).then_some((min, max))
+    }
+
+    /// The range of the evidence along an axis.
+    pub fn reach(&self, second: bool) -> Option<(f32, f32)> {
+        self.reach_of(second, |_| true)
+    }
+
+    /// The axes with several slopes: whether it is the second, and the axis.
+    fn axes(&self) -> impl Iterator<Item = (bool, SlopeAxis)> {
+        [(false, self.grid.u), (true, self.grid.v)].into_iter().filter(|(_, axis)| axis.count > 1)
+    }
+
+    /// The changes from the searched slopes to `wanted`.
+    fn changes_to(&self, wanted: SlopeGrid) -> Vec<ParamChange> {
+        let grid = self.grid;
+        let u = (wanted.u != grid.u).then(|| ParamChange::new(doc::SLOPES_U, wanted.u));
+        let v = (wanted.v != grid.v).then(|| ParamChange::new(doc::SLOPES_V, wanted.v));
+        let turned = wanted.direction_deg != grid.direction_deg;
+        let direction = turned.then(|| ParamChange::new(doc::SLOPE_DIRECTION, wanted.direction_deg));
+        [u, v, direction].into_iter().flatten().collect()
+    }
+
+    fn still(&self) -> SlopeAdvice {
+        let slopes = self.grid.len();
+        let one = SlopeGrid::single(Slope::default());
+        SlopeAdvice {
+            subject: Subject::Cost,
+            number: 1.0 / slopes as f64,
+            sentence: format!("nothing moves, so one slope, 0, is enough: {} were searched", counted(slopes, "slope")),
+            changes: self.changes_to(SlopeGrid { direction_deg: self.grid.direction_deg, ..one }),
+        }
+    }
+
+    fn direction(&self) -> Option<SlopeAdvice> {
+        let (grid, found) = (self.grid, self.finding?.grid);
+        if grid.is_plane() {
+            return None;
+        }
+        let is_off = |e: &SlopeEvidence| {
+            let off = |axis: &SlopeAxis, second: bool| match axis.count {
+                1 => self.along(e, second) - axis.value(0.0),
+                _ => 0.0,
+            };
+            let across = off(&grid.u, false).hypot(off(&grid.v, true));
+            response_loss((across - e.uncertainty).max(0.0), self.frames, self.sigma) > OFF_LINE
+        };
+        let part = self.part(is_off);
+        if part <= OFF_LINE_PART {
+            return None;
+        }
+        let percent = 100.0 * part;
+        let sentence = if grid.len() == 1 {
+            format!("{percent:.0} % of what the frames show does not move at the one slope that was searched")
+        } else if found.v.count == 1 && found.u.count > 1 {
+            let degrees = number(found.direction_deg, 0);
+            format!(
+                "{percent:.0} % of what the frames show does not move along the searched line: a line at {degrees}° fits it"
+            )
+        } else {
+            format!(
+                "{percent:.0} % of what the frames show does not move along the searched line: it needs slopes in two directions"
+            )
+        };
+        let changes = self.changes_to(found);
+        Some(SlopeAdvice { subject: Subject::Direction, number: f64::from(part), sentence, changes })
+    }
+
+    fn range(&self) -> Option<SlopeAdvice> {
+        let finding = self.finding?;
+        let is_beyond = |axis: &SlopeAxis, x: f32| {
+            let margin = 0.5 * axis.step();
+            x < axis.min - margin || x > axis.max + margin
+        };
+        let part = self.part(|e| self.axes().any(|(second, axis)| is_beyond(&axis, self.along(e, second))));
+        if part <= BEYOND {
+            return None;
+        }
+        let beyond: Vec<String> = self
+            .axes()
+            .filter(|(second, axis)| self.part(|e| is_beyond(axis, self.along(e, *second))) > 0.5 * BEYOND)
+            .map(|(second, axis)| self.beyond_text(second, axis, is_beyond))
+            .collect();
+        let sentence = format!("{:.0} % of what the frames show {}", 100.0 * part, beyond.join(", and "));
+        let grid = self.grid;
+        let line = |second: bool| {
+            let degrees = grid.direction_deg + if second { 90.0 } else { 0.0 };
+            axis_through(self.evidence, self.params, self.frames, degrees)
+        };
+        let wanted = match (grid.u.count > 1, grid.v.count > 1) {
+            (true, false) => SlopeGrid { u: line(false)?, ..grid },
+            (false, true) => SlopeGrid { v: line(true)?, ..grid },
+            _ => finding.grid,
+        };
+        let changes = self.changes_to(wanted);
+        Some(SlopeAdvice { subject: Subject::Range, number: f64::from(part), sentence, changes })
+    }
+
+    /// The part of the sentence about one axis, some of whose evidence lies beyond its range.
+    fn beyond_text(&self, second: bool, axis: SlopeAxis, is_beyond: impl Fn(&SlopeAxis, f32) -> bool) -> String {
+        let turned = self.grid.direction_deg != 0.0;
+        let name = match (turned, second) {
+            (false, false) => "u ",
+            (false, true) => "v ",
+            (true, false) => "",
+            (true, true) => "across ",
+        };
+        let range = format!("the range {name}{} to {} px/frame", number(axis.min, 2), number(axis.max, 2));
+        // A range on one side of 0, and motion on the other side.
+        let side = if axis.max <= -axis.min { -1.0 } else { 1.0 };
+        let is_one_sided = (axis.min >= 0.0 || axis.max <= 0.0) && axis.min != -axis.max;
+        let is_opposite = |x: f32| is_one_sided && side * x < 0.0 && is_beyond(&axis, x);
+        let part = |holds: &dyn Fn(f32) -> bool| self.part(|e| holds(self.along(e, second)));
+        let mostly_opposite = part(&is_opposite) > 0.5 * part(&|x| is_beyond(&axis, x));
+        match self.reach_of(second, |x| !mostly_opposite || is_opposite(x)) {
+            Some((min, max)) if mostly_opposite => {
+                format!("moves the other way than {range}: from {} to {}", number(min, 2), number(max, 2))
+            }
+            reach => {
+                let (min, max) = reach.unwrap_or((axis.min, axis.max));
+                format!("moves beyond {range}: it reaches from {} to {}", number(min, 2), number(max, 2))
+            }
+        }
+    }
+
+    /// Advice from the features at the limit, where the frames show nothing clear.
+    fn range_by_features(&self) -> Option<SlopeAdvice> {
+        // The stronger half: a strong blob beyond the range also leaves weaker smears of itself at other slopes.
+        let features = &self.detection.features;
+        let strong = &features[..features.len().div_ceil(2)];
+        let at_limit: Vec<&Feature> = strong.iter().filter(|f| f.at_slope_limit).collect();
+        let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
+        let part = share(at_limit.len(), strong.len());
+        if features.len() < ENOUGH_FEATURES || part < AT_LIMIT || !self.evidence.is_empty() {
+            return None;
+        }
+        let grid = self.grid;
+        let at = |second: bool, f: &Feature| if second { grid.position(f.slope).1 } else { grid.position(f.slope).0 };
+        let mut ends: Vec<String> = Vec::new();
+        let mut widened = |second: bool, axis: SlopeAxis| {
+            let last = axis.count.saturating_sub(1) as f32;
+            let mut more = |end: f32, slope: f32| {
+                let there = at_limit.iter().filter(|f| at(second, f).clamp(0.0, last).round() == end).count();
+                let is_many = axis.count > 1 && share(there, at_limit.len()) >= OF_THOSE;
+                if is_many {
+                    ends.push(format!("{} {}", if second { "v" } else { "u" }, number(slope, 2)));
+                }
+                if is_many { axis.count.saturating_sub(1).div_ceil(2).max(1) } else { 0 }
+            };
+            let (below, above) = (more(0.0, axis.min), more(last, axis.max));
+            axis.with_more(below, above)
+        };
+        let wanted = SlopeGrid { u: widened(false, grid.u), v: widened(true, grid.v), ..grid };
+        let sentence = format!(
+            "the response of {:.0} % of the stronger half of the features still rises beyond {} px/frame",
+            100.0 * part,
+            ends.join(" and ")
+        );
+        let changes = self.changes_to(wanted);
+        (!changes.is_empty()).then_some(SlopeAdvice { subject: Subject::Range, number: part, sentence, changes })
+    }
+
+    fn step(&self) -> Option<SlopeAdvice> {
+        let loss = |axis: &SlopeAxis| response_loss(0.5 * axis.step(), self.frames, self.sigma);
+        let needed = |axis: &SlopeAxis| slopes_needed(axis, self.params, self.frames, self.grid.is_plane());
+        let coarse = |axis: &SlopeAxis| axis.count > 1 && loss(axis) > TOO_COARSE && needed(axis) > axis.count;
+        let finer = |axis: SlopeAxis| if coarse(&axis) { SlopeAxis { count: needed(&axis), ..axis } } else { axis };
+        let wanted = SlopeGrid { u: finer(self.grid.u), v: finer(self.grid.v), ..self.grid };
+        let changed = |axis: &SlopeAxis, wanted: SlopeAxis| (*axis != wanted).then_some((*axis, wanted));
+        let both = [changed(&self.grid.u, wanted.u), changed(&self.grid.v, wanted.v)];
+        let (axis, finer) = both.into_iter().flatten().max_by(|a, b| a.0.step().total_cmp(&b.0.step()))?;
+        let sentence = format!(
+            "a step of {} px/frame moves the outermost of {} frames by {} px between two slopes: half-way the finest features (σ {} px) lose {:.0} % of their response; a step of {} loses {:.0} %",
+            number(axis.step(), 2),
+            self.frames,
+            number(0.5 * axis.step() * (self.frames - 1) as f32, 1),
+            number(self.sigma, 1),
+            100.0 * loss(&axis),
+            number(finer.step(), 2),
+            100.0 * loss(&finer)
+        );
+        let changes = self.changes_to(wanted);
+        Some(SlopeAdvice { subject: Subject::Step, number: f64::from(loss(&axis)), sentence, changes })
+    }
+
+    fn cost(&self) -> Option<SlopeAdvice> {
+        let finding = self.finding.filter(|finding| finding.verdict == SlopeVerdict::Found)?;
+        let (grid, found) = (self.grid, finding.grid);
+        let part = found.len() as f64 / grid.len() as f64;
+        if part > NEEDED {
+            return None;
+        }
+        let sentence = format!(
+            "{} were searched, and {} are enough: nothing in the frames has other motions",
+            counted(grid.len(), "slope"),
+            found.len()
+        );
+        Some(SlopeAdvice { subject: Subject::Cost, number: part, sentence, changes: self.changes_to(found) })
+    }
+}
