@@ -2,13 +2,16 @@
 //! range, an alias of periodic texture. Each suspicion comes with its evidence in numbers; people decide whether it is
 //! right.
 
+use super::fate::apart_sigmas;
 use super::remedy::{nearest_slope, widened_towards};
 use super::response::{beyond_the_rim, covering, snr_at};
-use super::shares::{Shape, Shares, direction_of};
+use super::shares::direction_of;
 use super::texture::{Period, dirichlet, period_along};
-use super::words::{number, slope_text};
+use super::words::{number, rounded_up, slope_text};
+use crate::detector::coherence::{Evenness, Shape};
+use crate::detector::params::doc;
 use crate::detector::stack::motion_stack;
-use crate::detector::{Feature, ParamChange, Slope, Trail};
+use crate::detector::{DetectorParams, Distinct, Feature, ParamChange, Slope, Trail};
 use crate::inspect::Fate;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -64,36 +67,108 @@ const TEXTURE_SIGMAS: f32 = 8.0;
 const TEXTURE_LEAST_PX: usize = 24;
 const TEXTURE_MOST_PX: usize = 64;
 
-/// Suspicions about a kept candidate, whose frames' shares are `shares`. Empty for one that became no feature.
+/// Suspicions about a kept candidate whose frames respond with `evenness`, each with the change that would correct it.
+/// Empty for one that became no feature.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
-pub fn suspicions(trail: &Trail, fate: &Fate, shares: &Shares, monitor: &Monitor) -> Result<Vec<Suspicion>, Cancelled> {
+pub fn suspicions(
+    trail: &Trail,
+    fate: &Fate,
+    evenness: &Evenness,
+    monitor: &Monitor,
+) -> Result<Vec<Suspicion>, Cancelled> {
     let Some(&index) = fate.features.first() else {
         return Ok(Vec::new());
     };
+    let mut found = suspicions_of_feature(trail, index, evenness, monitor)?;
+    for suspicion in &mut found {
+        suspicion.change = match suspicion.kind {
+            Kind::Duplicate => suspicion.other.and_then(|other| wider_distinct(trail, index, other)),
+            Kind::Ghost => evenness.coherence.and_then(|coherence| higher_coherence(trail, coherence)),
+            Kind::AtLimit | Kind::Alias => None,
+        };
+    }
+    found.extend(at_limit(trail, fate, &trail.detection().features[index]));
+    Ok(found)
+}
+
+/// Suspicions about feature `index` of the detection, except that of a slope beyond the range, and without changes.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn suspicions_of_feature(
+    trail: &Trail,
+    index: usize,
+    evenness: &Evenness,
+    monitor: &Monitor,
+) -> Result<Vec<Suspicion>, Cancelled> {
     let feature = trail.detection().features[index];
     let mut found: Vec<Suspicion> = Vec::new();
     found.extend(duplicate(trail, index, &feature));
-    found.extend(ghost(trail, index, &feature, shares));
-    found.extend(at_limit(trail, fate, &feature));
+    found.extend(ghost(trail, index, &feature, evenness));
     found.extend(alias(trail, &feature, monitor)?);
     Ok(found)
 }
 
-/// Suspicion that a stronger feature shows the same blob.
+/// The change after which the rule for distinct keypoints removes the keypoint of feature `index`, which shows the blob
+/// of feature `other`; `None` where no single change does.
+fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChange> {
+    let params = trail.params();
+    let (own, stronger) = (trail.keypoint_of_feature(index), trail.keypoint_of_feature(other));
+    let Distinct::Radius(radius) = params.distinct else {
+        let default = DetectorParams::default().distinct;
+        return Some(ParamChange::new(doc::DISTINCT, default));
+    };
+    let (a, b) = (trail.keypoints()[stronger], trail.keypoints()[own]);
+    let (apart, scales) = (apart_sigmas(&a, &b), (a.in_image().2, b.in_image().2));
+    let wider = rounded_up(1.001 * f64::from(apart), 2);
+    let ratio = rounded_up(1.001 * f64::from((scales.0 / scales.1).max(scales.1 / scales.0)), 3);
+    let by_radius = wider > f64::from(radius) && !trail.would_stay(own, wider as f32, params.distinct_scale);
+    let by_ratio = || ratio > f64::from(params.distinct_scale) && !trail.would_stay(own, radius, ratio as f32);
+    match () {
+        () if by_radius => Some(ParamChange::new(doc::DISTINCT, wider)),
+        () if by_ratio() => Some(ParamChange::new(doc::DISTINCT_SCALE, ratio)),
+        () => None,
+    }
+}
+
+/// The change after which a feature of this coherence is rejected: the next tenth above it.
+fn higher_coherence(trail: &Trail, coherence: f32) -> Option<ParamChange> {
+    let min = (10.0 * coherence).floor() + 1.0;
+    (min <= 10.0 && 0.1 * min > trail.params().used_coherence())
+        .then(|| ParamChange::new(doc::COHERENCE, rounded_up(0.1 * f64::from(min) - 1e-6, 2)))
+}
+
+/// Distance, in input pixels, of the paths of two features in each frame that took part.
+fn path_distances<'t>(trail: &'t Trail, a: &Feature, b: &Feature) -> impl Iterator<Item = f32> + 't {
+    let (_, kept, frame_count) = trail.frames();
+    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    let (du, dv) = (b.u - a.u, b.v - a.v);
+    let (slope_u, slope_v) = (b.slope.u - a.slope.u, b.slope.v - a.slope.v);
+    kept.iter().map(move |&t| {
+        let dt = t as f32 - t0;
+        (du + dt * slope_u).hypot(dv + dt * slope_v)
+    })
+}
+
+/// Suspicion that a stronger feature shows the same blob: one that lies on it in most frames.
 fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion> {
     let own = trail.keypoint_of_feature(index);
     let features = &trail.detection().features;
-    let nearest = (0..index)
-        .filter(|&other| {
-            trail.keypoint_of_feature(other) != own && features[other].response.signum() == feature.response.signum()
-        })
-        .map(|other| {
-            let f = &features[other];
-            (other, (f.u - feature.u).hypot(f.v - feature.v) / f.sigma, f.sigma / feature.sigma)
-        })
+    let on_it = |other: &Feature| {
+        let distances = path_distances(trail, other, feature);
+        2 * distances.filter(|px| *px < NEAR_SIGMAS * other.sigma).count() > trail.frames().1.len()
+    };
+    let nearest = features[..index]
+        .iter()
+        .enumerate()
+        .map(|(other, f)| (other, (f.u - feature.u).hypot(f.v - feature.v) / f.sigma, f.sigma / feature.sigma))
         .filter(|(_, apart, ratio)| *apart < NEAR_SIGMAS && ratio.max(ratio.recip()) < NEAR_SCALES)
+        .filter(|(other, ..)| {
+            let f = &features[*other];
+            f.response.signum() == feature.response.signum() && trail.keypoint_of_feature(*other) != own && on_it(f)
+        })
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let (other, apart, _) = nearest;
     let stronger = &features[other];
@@ -125,27 +200,21 @@ fn same_blob(other: usize, stronger: &Feature, feature: &Feature, apart_sigmas: 
 
 /// Suspicion that the feature is a ghost of a stronger one whose path crosses its own, where only a part of the frames
 /// responds.
-fn ghost(trail: &Trail, index: usize, feature: &Feature, shares: &Shares) -> Option<Suspicion> {
-    if shares.shape != Shape::Bump {
+fn ghost(trail: &Trail, index: usize, feature: &Feature, evenness: &Evenness) -> Option<Suspicion> {
+    if evenness.shape != Shape::Bump {
         return None;
     }
     let features = &trail.detection().features;
-    let (_, kept, frame_count) = trail.frames();
-    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    let span = trail.frames().2 as f32 - 1.0;
     let crosses = |other: &Feature| {
-        let apart = |t: usize| {
-            let dt = t as f32 - t0;
-            let (du, dv) = (other.u - feature.u, other.v - feature.v);
-            (du + dt * (other.slope.u - feature.slope.u)).hypot(dv + dt * (other.slope.v - feature.slope.v))
-        };
-        kept.iter().any(|&t| apart(t) < CROSSES_SIGMAS * other.sigma.max(feature.sigma))
+        path_distances(trail, feature, other).any(|px| px < CROSSES_SIGMAS * other.sigma.max(feature.sigma))
     };
     let of = (0..index).find(|&other| {
         let f = &features[other];
-        let differ = (f.slope.u - feature.slope.u).hypot(f.slope.v - feature.slope.v) * 2.0 * t0;
+        let differ = (f.slope.u - feature.slope.u).hypot(f.slope.v - feature.slope.v) * span;
         differ > f.sigma && crosses(f)
     });
-    let coherence = shares.coherence.unwrap_or(0.0);
+    let coherence = evenness.coherence.unwrap_or(0.0);
     let of_what = of.map_or_else(
         || "no stronger feature crosses its path".to_owned(),
         |other| {

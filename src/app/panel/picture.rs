@@ -6,6 +6,7 @@ use crate::app::project::look::{FeaturesShown, RangeClass};
 use crate::app::project::{Model, Stale};
 use crate::app::style;
 use crate::detector::{Detection, Feature, Slope};
+use crate::inspect::verdict::Judged;
 use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
@@ -79,7 +80,7 @@ impl PictureState {
         &mut self,
         by: overlay::ColourBy,
         detection: &Arc<Detection>,
-        coherences: Option<&Arc<Vec<Option<f32>>>>,
+        coherences: Option<&Arc<Vec<Judged>>>,
     ) -> overlay::ColourScale {
         let scale = match &self.scale {
             Some((of, scale)) if Arc::ptr_eq(of, detection) && scale.by == by => scale.clone(),

@@ -6,13 +6,17 @@ use crate::app::canvas::overlay::circle_radius_image;
 use crate::app::canvas::signed_number;
 use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
+use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Descriptor, Feature};
+use crate::inspect::verdict::{Judged, Verdict};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::sample_patch_turned;
 use crate::requests::PictureKind;
-use egui::{Color32, Rect, RichText, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2};
+use egui::{
+    Color32, Label, Rect, RichText, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
+};
 use std::sync::Arc;
 
 /// State of the panel, kept between passes: the two patches.
@@ -51,7 +55,11 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
         ui.add_space(4.0);
         patches_ui(ui, model, state, &feature);
         ui.add_space(4.0);
-        numbers_ui(ui, index, &feature, model.coherence_text(index));
+        let judged = model.judged().and_then(|judged| judged.get(index)).cloned();
+        if let Some(judged) = &judged {
+            verdict_ui(ui, judged);
+        }
+        numbers_ui(ui, index, &feature, judged.map(|judged| coherence_words(judged.coherence)));
         ui.add_space(6.0);
         let descriptor = model.slots.a.found.as_ref().and_then(|f| f.detection.descriptors.get(index).copied());
         if let Some(descriptor) = descriptor {
@@ -61,6 +69,16 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
             descriptor_ui(ui, "Descriptor", &descriptor, side, colour);
         }
     });
+}
+
+/// Draws the verdict about the feature, with its reason.
+fn verdict_ui(ui: &mut Ui, judged: &Judged) {
+    let colour = match judged.verdict {
+        Verdict::Real | Verdict::Unclear => ui.visuals().text_color(),
+        Verdict::Ghost | Verdict::Alias | Verdict::Duplicate => crate::app::style::warning(ui),
+    };
+    ui.add(Label::new(RichText::new(verdict_words(judged)).color(colour)).wrap());
+    ui.add_space(4.0);
 }
 
 fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>) {

@@ -1,13 +1,13 @@
 //! Probes of places whose explanation is known, the candidates of a whole picture, and maps of the winning slopes.
 
 use super::law::scene;
+use burstscope_core::detector::coherence::Shape;
 use burstscope_core::detector::{
     DetectorParams, NoiseGate, ParamChange, SearchParams, Slope, SlopeExtrema, SlopeGrid, Test,
 };
 use burstscope_core::inspect::candidates::{SurveyOptions, coverage_map, survey, winning_slopes};
 use burstscope_core::inspect::probe::fate_of;
 use burstscope_core::inspect::remedy::duplicate_remedy;
-use burstscope_core::inspect::shares::Shape;
 use burstscope_core::inspect::{Fate, Outcome, Probe, ProbeCache, ProbeError, ProbeOptions, probe};
 use burstscope_core::synth::Example;
 use burstscope_core::synth::random::Stream;
@@ -205,7 +205,8 @@ fn candidates_account_for_everything_that_was_an_extremum() {
                 | Test::InterpolatedContrast
                 | Test::Edge
                 | Test::Outside
-                | Test::Duplicate => assert_eq!(count.samples, count.candidates, "{rule:?} {count:?}"),
+                | Test::Duplicate
+                | Test::Coherence => assert_eq!(count.samples, count.candidates, "{rule:?} {count:?}"),
                 // These tests reject samples that are no candidates.
                 Test::SpaceExtremum | Test::ScaleExtremum => assert_eq!(count.candidates, 0, "{count:?}"),
                 Test::PeakThreshold | Test::NoiseGate => assert!(count.candidates <= count.samples, "{count:?}"),

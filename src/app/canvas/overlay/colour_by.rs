@@ -2,6 +2,7 @@
 
 use crate::app::view::ColourBy;
 use crate::detector::feature::Feature;
+use crate::inspect::verdict::Judged;
 use crate::plane::display::{ColourMap, direction_colour};
 use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
@@ -19,7 +20,7 @@ pub struct ColourScale {
     /// 256 colours from min to max.
     table: Vec<Color32>,
     /// Coherence of each feature, where known; for [`ColourBy::Coherence`].
-    coherences: Option<Arc<Vec<Option<f32>>>>,
+    coherences: Option<Arc<Vec<Judged>>>,
 }
 
 /// Colour of features whose quantity is not known.
@@ -71,13 +72,13 @@ impl ColourScale {
     /// Adds the coherences of the features, in their order. Without them all features are grey when their colour shows
     /// the coherence.
     #[must_use]
-    pub fn with_coherences(self, coherences: Option<&Arc<Vec<Option<f32>>>>) -> Self {
+    pub fn with_coherences(self, coherences: Option<&Arc<Vec<Judged>>>) -> Self {
         Self { coherences: coherences.cloned(), ..self }
     }
 
     /// Whether some features are grey, because their quantity is not known.
     pub fn has_unknown(&self) -> bool {
-        let is_unknown = |values: &Arc<Vec<Option<f32>>>| values.iter().any(Option::is_none);
+        let is_unknown = |values: &Arc<Vec<Judged>>| values.iter().any(|judged| judged.coherence.is_none());
         self.by == ColourBy::Coherence && self.coherences.as_ref().is_none_or(is_unknown)
     }
 
@@ -96,7 +97,7 @@ impl ColourScale {
             ColourBy::Limit => self.along(f32::from(feature.at_slope_limit)),
             ColourBy::Response => self.along(feature.response),
             ColourBy::Coherence => {
-                let value = self.coherences.as_ref().and_then(|values| *values.get(index)?);
+                let value = self.coherences.as_ref().and_then(|values| values.get(index)?.coherence);
                 value.map_or(UNKNOWN, |value| self.along(value))
             }
         }

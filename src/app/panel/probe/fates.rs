@@ -35,6 +35,7 @@ fn short_name(test: Test) -> &'static str {
         Test::Edge => "edge",
         Test::Outside => "inside",
         Test::Duplicate => "distinct",
+        Test::Coherence => "coherence",
         Test::MaxFeatures => "strongest",
     }
 }

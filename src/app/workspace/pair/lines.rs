@@ -118,7 +118,7 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
         // Its position is that at another time.
         let same = |f: &Feature| Feature { u: feature.u, v: feature.v, ..*f } == feature;
         let index = found.detection.features.iter().position(same)?;
-        model.coherence.of(&found.detection)?.get(index).copied()
+        model.coherence.of(&found.detection)?.get(index).cloned()
     });
     let scale = overlay::ColourScale::of(model.colour_by, &detection.features)
         .with_coherences(coherence.map(|value| Arc::new(vec![value])).as_ref());
