@@ -10,6 +10,7 @@ use crate::app::project::look::FeaturesShown;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
+use crate::app::view::signed_slope;
 use crate::detector::{Detection, Feature, Slope, SlopeGrid};
 use crate::inspect::verdict::Judged;
 use egui::{Color32, Frame, Label, Margin, Pos2, Rect, RichText, Ui, UiBuilder, vec2};
@@ -241,10 +242,9 @@ fn near_slope(grid: &SlopeGrid) -> f32 {
 fn tip_ui(ui: &Ui, name: &str, f: &Feature, judged: Option<&Judged>) {
     let coherence = judged.map_or_else(String::new, |j| format!("\ncoherence {}", coherence_words(j.coherence)));
     let text = format!(
-        "{name}  σ {:.2} px\nslope ({:+.2}, {:+.2}) px/frame\nresponse {}  SNR {:.1}{coherence}",
+        "{name}  σ {:.2} px\nslope ({}) px/frame\nresponse {}  SNR {:.1}{coherence}",
         f.sigma,
-        f.slope.u,
-        f.slope.v,
+        signed_slope(f.slope, 2),
         signed_number(f.response, 3),
         f.snr
     );

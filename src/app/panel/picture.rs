@@ -5,6 +5,7 @@ use crate::app::canvas::{self, Quantity, Readout, overlay};
 use crate::app::project::look::{FeaturesShown, RangeClass};
 use crate::app::project::{Model, Stale};
 use crate::app::style;
+use crate::app::view::fixed;
 use crate::detector::{Detection, Feature, Slope};
 use crate::inspect::verdict::Judged;
 use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest};
@@ -158,7 +159,7 @@ fn describe_request(request: &PictureRequest) -> String {
     };
     let about = request.kind.about();
     let at = about.scale.map(|(octave, level)| format!("  ·  octave {octave}, level {level}"));
-    let of = about.slope.map(|Slope { u, v }| format!("  ·  slope ({u:.2}, {v:.2}) px/frame"));
+    let of = about.slope.map(|Slope { u, v }| format!("  ·  slope ({}, {}) px/frame", fixed(u, 2), fixed(v, 2)));
     format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())
 }
 

@@ -8,6 +8,7 @@ use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::workspace::Workspace;
+use crate::app::view::{fixed, signed_slope};
 use crate::detector::{Descriptor, Feature};
 use crate::inspect::verdict::{Judged, Verdict};
 use crate::plane::Plane;
@@ -88,14 +89,18 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>)
         row(
             "Place (u, v)",
             "At mid-burst, pixels; the centre of the first pixel is (0, 0)",
-            format!("{:.2}, {:.2} px", f.u, f.v),
+            format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2)),
         );
         row("Scale σ", "Of the blob, in input pixels", format!("{:.2} px", f.sigma));
-        row("Orientation", "From +u towards +v, clockwise on screen", format!("{:.1}°", f.orientation.to_degrees()));
+        row(
+            "Orientation",
+            "From +u towards +v, clockwise on screen",
+            format!("{}°", fixed(f.orientation.to_degrees(), 1)),
+        );
         row(
             "Slope (u, v)",
             "Apparent motion, refined between the grid's slopes",
-            format!("{:+.3}, {:+.3} px/frame", f.slope.u, f.slope.v),
+            format!("{} px/frame", signed_slope(f.slope, 3)),
         );
         row("Speed", "Length of the slope", format!("{:.3} px/frame", f.slope.magnitude()));
         row(

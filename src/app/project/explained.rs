@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// Detection time, seconds, above which the slopes are examined only on the user's request: that takes nearly as long
 /// again.
-const SHORT_SECS: f32 = 5.0;
+pub(in crate::app) const SHORT_SECS: f32 = 5.0;
 
 /// Explanations that are known, the requests for them, and the user's choices.
 #[derive(Debug, Default)]

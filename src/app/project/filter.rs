@@ -1,7 +1,7 @@
 //! Filter and sort order of the features, and the list that results: what the table shows, and steps through it.
 
 use crate::app::project::{Model, filter};
-use crate::app::view::{signed_number, without_minus_zero};
+use crate::app::view::{fixed, signed, signed_number};
 use crate::detector::{Feature, Slope};
 use crate::inspect::verdict::{Judged, Verdict};
 use serde::{Deserialize, Serialize};
@@ -196,12 +196,12 @@ impl Column {
     pub fn text(self, index: usize, feature: &Feature, judged: Option<&Judged>) -> String {
         match self {
             Self::Rank => (index + 1).to_string(),
-            Self::U => format!("{:.2}", feature.u),
-            Self::V => format!("{:.2}", feature.v),
+            Self::U => fixed(feature.u, 2),
+            Self::V => fixed(feature.v, 2),
             Self::Sigma => format!("{:.2}", feature.sigma),
-            Self::Orientation => format!("{:.0}°", feature.orientation.to_degrees()),
-            Self::SlopeU => without_minus_zero(format!("{:+.2}", feature.slope.u)),
-            Self::SlopeV => without_minus_zero(format!("{:+.2}", feature.slope.v)),
+            Self::Orientation => format!("{}°", fixed(feature.orientation.to_degrees(), 0)),
+            Self::SlopeU => signed(feature.slope.u, 2),
+            Self::SlopeV => signed(feature.slope.v, 2),
             Self::Response => signed_number(feature.response, 3),
             Self::Snr => format!("{:.1}", feature.snr),
             Self::Octave => feature.octave.to_string(),
