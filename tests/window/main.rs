@@ -21,6 +21,7 @@ mod dataset_matches;
 mod datasets;
 mod detecting;
 mod finding_ones_way;
+mod ghosts;
 mod help;
 mod keeping;
 mod lab;

@@ -7,7 +7,7 @@
 //! frames of a true feature would miss it. It comes after the rule for distinct keypoints, so a ghost that is removed
 //! has removed the weaker keypoints on its blob.
 
-use crate::detector::describe::patch::{FramesOfOctaves, point_response};
+use crate::detector::describe::patch::{FramesOfOctaves, point_response, response_of};
 use crate::detector::feature::Feature;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::search::setup::Inputs;
@@ -76,19 +76,27 @@ impl Along<'_, '_> {
         let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
         let at = (pixel(place[0], size.0), pixel(place[1], size.1));
         let (octave, level) = scale;
-        let way = ((place[0], place[1]), slope);
+        let Inputs { space, params, noise, .. } = self.inputs;
+        let frames = self.frames.of(octave);
+        let (planes, in_octave) = (frames.planes(), frames.offsets(slope, params.interpolation));
+        let factor = noise.place_factor(octave, &offsets, floor_pixel((place[0], place[1]), *size), *size);
         let response = |(index, &t): (usize, &usize)| {
             monitor.check()?;
             let dt = t as f32 - t0;
             let covers = offsets[index].covers(at.0, at.1, *size);
-            let value =
-                if covers { self.point_response((octave, level..level + 1), way, &[index])[0] } else { f32::NAN };
+            let of_frame = index..index + 1;
+            let value = if covers {
+                let one = (&planes[of_frame.clone()], &in_octave[of_frame.clone()]);
+                response_of(frames, one, (space, octave, level..level + 1), *size, (place[0], place[1]))[0]
+            } else {
+                f32::NAN
+            };
             Ok(FrameResponse {
                 frame: frames_used.start + t,
                 pos_frame: [place[0] + dt * slope.u, place[1] + dt * slope.v],
                 covers,
                 value,
-                sigma_d: sigma_d_at(self.inputs, self.gate_factor, scale, (way, &offsets), &[index]),
+                sigma_d: noise.sigma_d(space, scale, (slope, &offsets[of_frame]), self.gate_factor) * factor,
             })
         };
         times.kept.iter().enumerate().map(response).collect()
@@ -110,6 +118,12 @@ pub(in crate::detector) fn offsets(inputs: &Inputs, slope: Slope) -> Vec<FrameOf
     times.of(frame_offsets(times.frame_count, slope, inputs.params.interpolation))
 }
 
+/// Pixel in whose columns and rows `place` lies, inside an image of `size`.
+fn floor_pixel(place: (f32, f32), size: (usize, usize)) -> (usize, usize) {
+    let pixel = |x: f32, n: usize| (x.max(0.0) as usize).min(n - 1);
+    (pixel(place.0, size.0), pixel(place.1, size.1))
+}
+
 /// See [`crate::detector::Trail::sigma_d_at`]; `all` are the frames' offsets at the slope.
 pub(in crate::detector) fn sigma_d_at(
     inputs: &Inputs,
@@ -120,8 +134,7 @@ pub(in crate::detector) fn sigma_d_at(
 ) -> f32 {
     let Inputs { space, noise, size_image: size, .. } = inputs;
     let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| all[index]).collect();
-    let pixel = |x: f32, n: usize| (x.max(0.0) as usize).min(n - 1);
-    let at = (pixel(place.0, size.0), pixel(place.1, size.1));
+    let at = floor_pixel(place, *size);
     let min = noise.sigma_d(space, (octave, level), (slope, &offsets), gate_factor);
     // The place factor samples all frames that took part.
     let covering = coverage(&offsets, at.0, at.1, *size).max(1);

@@ -10,11 +10,11 @@ use super::texture::{Period, dirichlet, period_along};
 use super::words::{number, rounded_up, slope_text};
 use crate::detector::coherence::{Evenness, Shape};
 use crate::detector::params::doc;
-use crate::detector::stack::motion_stack;
 use crate::detector::{DetectorParams, Distinct, Feature, ParamChange, Slope, Trail};
 use crate::inspect::Fate;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
+use crate::plane::tile::Region;
 use serde::Serialize;
 
 /// Possible fault of a feature.
@@ -64,6 +64,8 @@ const ALIAS_RESPONSE: f32 = 0.7;
 /// Pixels to each side in which a period is searched: in σ, at least, and at most. Longer periods exceed the difference
 /// of any slopes searched.
 const TEXTURE_SIGMAS: f32 = 8.0;
+/// Distance of slopes, pixels per frame, below which none is a period away, allowing for [`PERIOD_PART`].
+const SHORTEST_PERIOD_PX: f32 = 2.0;
 const TEXTURE_LEAST_PX: usize = 24;
 const TEXTURE_MOST_PX: usize = 64;
 
@@ -312,19 +314,26 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
 /// it is clearest.
 fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<(Period, [f32; 2])>, Cancelled> {
     let grid = trail.params().used_slopes();
-    let half_px = ((TEXTURE_SIGMAS * feature.sigma) as usize).clamp(TEXTURE_LEAST_PX, TEXTURE_MOST_PX);
-    let (stack, centre) = stack_around(trail, [feature.u, feature.v], feature.slope, half_px + 8, monitor)?;
     let axis = |count: usize, towards: Slope, from: Slope| {
         (count > 1).then(|| direction_of(Slope::new(towards.u - from.u, towards.v - from.v)))
     };
     let origin = grid.at(0.0, 0.0);
     let directions = [axis(grid.u.count, grid.at(1.0, 0.0), origin), axis(grid.v.count, grid.at(0.0, 1.0), origin)];
-    let found = directions.into_iter().flatten().filter_map(|d| Some((period_along(&stack, centre, d, half_px)?, d)));
+    // No other slope is a period away where the searched range is shorter than any period.
+    let along = |[du, dv]: [f32; 2], slope: Slope| (slope.u - feature.slope.u) * du + (slope.v - feature.slope.v) * dv;
+    let reaches = |direction: &[f32; 2]| grid.slopes().any(|slope| along(*direction, slope).abs() > SHORTEST_PERIOD_PX);
+    let directions: Vec<[f32; 2]> = directions.into_iter().flatten().filter(reaches).collect();
+    if directions.is_empty() {
+        return Ok(None);
+    }
+    let half_px = ((TEXTURE_SIGMAS * feature.sigma) as usize).clamp(TEXTURE_LEAST_PX, TEXTURE_MOST_PX);
+    let (stack, centre) = stack_around(trail, [feature.u, feature.v], feature.slope, half_px + 8, monitor)?;
+    let found = directions.into_iter().filter_map(|d| Some((period_along(&stack, centre, d, half_px)?, d)));
     Ok(found.max_by(|a, b| a.0.correlation.total_cmp(&b.0.correlation)))
 }
 
-/// The motion stack at `slope` in a square around a place, and the place's position in it. The square is smaller at the
-/// border of the image.
+/// The motion stack at `slope` in a square around a place, less its value in the middle, and the place's position in it.
+/// The square is smaller at the border of the image.
 pub(super) fn stack_around(
     trail: &Trail,
     [u, v]: [f32; 2],
@@ -338,24 +347,10 @@ pub(super) fn stack_around(
         at.saturating_sub(half_px)..(at + half_px + 1).min(n)
     };
     let (columns, rows) = (range(u, width), range(v, height));
-    let (frames, kept, frame_count) = trail.frames();
+    monitor.check()?;
     let shown = covering(trail, [u, v], slope);
-    let t0 = 0.5 * (frame_count as f32 - 1.0);
-    // Each frame's part along the motion, so that only the square is stacked.
-    let parts: Vec<Plane> = shown
-        .iter()
-        .map(|&index| {
-            let dt = kept[index] as f32 - t0;
-            Plane::from_fn(columns.len(), rows.len(), |x, y| {
-                let place = ((columns.start + x) as f32 + dt * slope.u, (rows.start + y) as f32 + dt * slope.v);
-                let inside = (place.0.clamp(0.0, (width - 1) as f32), place.1.clamp(0.0, (height - 1) as f32));
-                crate::plane::sample::bilinear(&frames[index], inside.0, inside.1).unwrap_or(0.0)
-            })
-        })
-        .collect();
-    let parts: Vec<&Plane> = parts.iter().collect();
-    let stack = motion_stack(&parts, Slope::default(), trail.params().interpolation, monitor)?;
-    Ok((stack, [u - columns.start as f32, v - rows.start as f32]))
+    let place = [u - columns.start as f32, v - rows.start as f32];
+    Ok((trail.stack_part(&Region { columns, rows }, slope, &shown), place))
 }
 
 #[cfg(test)]

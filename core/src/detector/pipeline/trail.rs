@@ -11,7 +11,7 @@
 //! sample by sample.
 
 use crate::detector::coherence::{self, Along, Evenness, FrameResponse};
-use crate::detector::describe::patch::{FramesOfOctaves, Motions};
+use crate::detector::describe::patch::{FramesOfOctaves, Motions, OctaveFrames};
 use crate::detector::distinct::{self, Blob};
 use crate::detector::feature::{Detection, Feature, Keypoint, Test};
 use crate::detector::noise_model::NoiseModel;
@@ -23,6 +23,7 @@ use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdic
 use crate::detector::search::setup::{FirstLevels, HELD, Inputs, Search};
 use crate::detector::search::slope_window::{OtherSlopes, refined_slope};
 use crate::kernel::gaussian_bank::FilterScratch;
+use crate::kernel::patch::{Patch, PatchScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
@@ -300,6 +301,23 @@ impl Trail {
             Ok(evenness)
         };
         self.along(|along| features.par_iter().map(|feature| evenness(along, feature)).collect())
+    }
+
+    /// The mean of the `chosen` frames (indices among those that took part), shifted by `slope`, in a rectangle of the
+    /// image, less its value in the middle.
+    pub fn stack_part(&self, region: &Region, slope: Slope, chosen: &[usize]) -> Plane {
+        let planes = self.inputs.planes();
+        let frames = OctaveFrames::new(&planes, &self.inputs.times, 0, false);
+        let offsets = frames.offsets(slope, self.inputs.params.interpolation);
+        let chosen_offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
+        let chosen: Vec<&Plane> = chosen.iter().map(|&index| planes[index]).collect();
+        let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
+        let pixels = |range: &Range<usize>| range.start as i64..range.end as i64;
+        let (columns, rows) = (pixels(&region.columns), pixels(&region.rows));
+        let base = frames.base(&chosen, &chosen_offsets);
+        base.patch(self.inputs.size_image, columns, rows.clone(), &mut scratch, &mut patch);
+        let values = rows.flat_map(|v| patch.row(v).iter().copied());
+        Plane::from_vec(region.columns.len(), region.rows.len(), values.collect())
     }
 
     /// The coherence of a keypoint that the test of coherence rejects; `None` for others.

@@ -257,18 +257,22 @@ mod tests {
         ColourScale::of(ColourBy::Snr, &[noiseless]).colour(0, &noiseless);
     }
 
+    fn judged(coherence: Option<f32>) -> Judged {
+        Judged { verdict: crate::inspect::verdict::Verdict::Unclear, coherence, why: String::new() }
+    }
+
     #[test]
     fn what_is_not_known_is_grey() {
         let features = [feature(0.0, 0.0, 2.0, (0.0, 0.0), 0.1); 3];
         let scale = ColourScale::of(ColourBy::Coherence, &features);
         let colours = |scale: &ColourScale| [0, 1, 2].map(|i| scale.colour(i, &features[i]));
         assert!(scale.has_unknown() && colours(&scale) == [UNKNOWN; 3]);
-        let some = scale.clone().with_coherences(Some(&Arc::new(vec![Some(0.2), None, Some(0.9)])));
+        let some = scale.clone().with_coherences(Some(&Arc::new([Some(0.2), None, Some(0.9)].map(judged).to_vec())));
         let [low, unknown, high] = colours(&some);
         assert!(some.has_unknown() && unknown == UNKNOWN);
         assert!(low != high && low != UNKNOWN && high != UNKNOWN);
         assert_eq!((low, high), (some.along(0.2), some.along(0.9)));
-        let all = scale.with_coherences(Some(&Arc::new(vec![Some(1.0); 3])));
+        let all = scale.with_coherences(Some(&Arc::new(vec![judged(Some(1.0)); 3])));
         assert!(!all.has_unknown() && !ColourScale::of(ColourBy::Snr, &features).has_unknown());
     }
 

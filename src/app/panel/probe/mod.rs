@@ -12,12 +12,14 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::section_ui;
 use crate::app::parts::mark;
 use crate::app::project::Model;
+use crate::app::project::explained::verdict_words;
 use crate::app::project::prices::KnownPrice;
 use crate::app::project::workspace::Workspace;
 use crate::app::style;
 use crate::app::view::signed;
 use crate::detector::ParamChange;
 use crate::inspect::suspicion::{Kind, Suspicion};
+use crate::inspect::verdict::{Judged, Verdict};
 use crate::inspect::words::{counted_from_one, number};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
@@ -244,8 +246,13 @@ fn title(kind: Kind) -> (&'static str, &'static str) {
     }
 }
 
-/// Draws all suspicions.
+/// Draws the verdict where nothing is suspected that explains it, and all suspicions.
 fn suspicions_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
+    let is_clear = |judged: &&Judged| matches!(judged.verdict, Verdict::Real | Verdict::Unclear);
+    if let Some(judged) = answer.probe.judged.as_ref().filter(is_clear) {
+        ui.add(Label::new(verdict_words(judged)).wrap());
+        ui.add_space(4.0);
+    }
     for suspicion in &answer.probe.suspicions {
         let frame = Frame::new().stroke(Stroke::new(1.0, style::warning(ui))).corner_radius(4);
         frame.inner_margin(Margin::symmetric(6, 4)).show(ui, |ui| {

@@ -315,7 +315,7 @@ fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
     }
     let place = match &unmatched.expected[..] {
         [] => return "The geometry puts it outside B.".to_owned(),
-        [[u, v]] => format!("The geometry puts it at {}, {} in B", fixed(*u, 1), fixed(*v, 1)),
+        [[u, v]] => format!("The geometry puts it at {}, {} in B", fixed(*u as f32, 1), fixed(*v as f32, 1)),
         _ => "The geometry puts it on the line drawn in B".to_owned(),
     };
     match unmatched.there.first() {
