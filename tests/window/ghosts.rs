@@ -10,7 +10,6 @@ use burstscope::detector::Test;
 use burstscope::inspect::verdict::Verdict;
 use burstscope::requests::BurstSource;
 use burstscope::synth::Example;
-use egui::accesskit::Role;
 use egui::pos2;
 use egui_kittest::kittest::Queryable;
 
@@ -37,8 +36,6 @@ fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it(
     assert!(window.app().model.listed.iter().map(coherence).is_sorted());
     // Only ghosts.
     window.harness.query_all_by_label_contains("Filter").next().expect("the filter").click();
-    window.harness.run_steps(3);
-    window.harness.get_by_role_and_label(Role::ComboBox, "Verdict").click();
     window.harness.run_steps(3);
     window.click("ghost");
     window.settle();
@@ -70,7 +67,7 @@ fn apply_says_its_price_before_it_is_pressed() {
     let change = fate.remedy.as_ref().expect("a lower gate").change.clone();
     let known = window.app().model.price_of(Side::A, &change, Some(fate.of_sample()));
     let KnownPrice::Counted(price) = known else { panic!("not counted: {known:?}") };
-    assert_eq!(price.own, Some((0, 1)), "it is kept then");
+    assert!(price.own.is_some_and(|(now, then)| now == 0 && then > 0), "it is kept then: {price:?}");
     assert!(window.shows("Keeps this one, and "), "{}", known.text());
     window.snapshot("probe_price");
     window.click(&format!("Apply {}", change.label()));

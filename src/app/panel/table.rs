@@ -261,16 +261,13 @@ fn ranges_ui(ui: &mut Ui, model: &mut Model) {
 
 /// Draws the choice of the verdict.
 fn verdict_ui(ui: &mut Ui, model: &mut Model) {
-    ui.horizontal(|ui| {
-        let name = crate::app::panel::widgets::label_ui(ui, "Verdict", 70.0).on_hover_text(Column::Verdict.help());
+    ui.horizontal_wrapped(|ui| {
+        crate::app::panel::widgets::label_ui(ui, "Verdict", 70.0).on_hover_text(Column::Verdict.help());
         let text = |verdict: Option<Verdict>| verdict.map_or("all", Verdict::word);
-        let shown = text(model.filter.verdict);
-        let combo = egui::ComboBox::from_id_salt("verdict").selected_text(shown).show_ui(ui, |ui| {
-            for verdict in std::iter::once(None).chain(Verdict::ALL.map(Some)) {
-                ui.selectable_value(&mut model.filter.verdict, verdict, text(verdict));
-            }
-        });
-        combo.response.labelled_by(name.id);
+        // No list that unfolds: a click on one would close the menu.
+        for verdict in std::iter::once(None).chain(Verdict::ALL.map(Some)) {
+            ui.selectable_value(&mut model.filter.verdict, verdict, text(verdict));
+        }
     });
 }
 
