@@ -8,6 +8,7 @@ use super::ProbeCache;
 use super::probe::fate_of;
 use super::words::counted;
 use crate::burst::Burst;
+use crate::detector::advice::grouped;
 use crate::detector::params::doc;
 use crate::detector::scale_space::{octave_size, searched_octaves};
 use crate::detector::{DetectError, DetectorParams, ParamChange, Sample, SearchParams, Trail};
@@ -30,11 +31,14 @@ impl Price {
     pub fn sentence(&self) -> String {
         let (own_now, own_then) = self.own.unwrap_or_default();
         let (now, then) = (self.now - own_now.min(self.now), self.then - own_then.min(self.then));
-        let others = |count: usize| counted(count, if self.own.is_some() { "other" } else { "feature" });
+        let is_removed = own_now > 0 && own_then == 0;
+        let noun = if self.own.is_some() { "other" } else { "feature" };
+        let counted_as = |count: usize, how: &str| counted(count, noun).replacen(noun, &format!("{how}{noun}"), 1);
         let more = match then.cmp(&now) {
             std::cmp::Ordering::Equal => None,
-            std::cmp::Ordering::Greater => Some(format!("{} more", others(then - now))),
-            std::cmp::Ordering::Less => Some(format!("{} fewer", others(now - then))),
+            std::cmp::Ordering::Greater if self.own.is_some() => Some(format!("{} more", grouped((then - now) as u64))),
+            std::cmp::Ordering::Greater => Some(counted_as(then - now, "more ")),
+            std::cmp::Ordering::Less => Some(counted_as(now - then, if is_removed { "" } else { "fewer " })),
         };
         let own = match self.own {
             None => return more.unwrap_or_else(|| "the number of features stays".to_owned()),
@@ -139,13 +143,14 @@ mod tests {
     #[test]
     fn a_price_says_what_happens_to_this_one_and_how_many_others_there_are_then() {
         let price = |now, then, own| Price { now, then, own }.sentence();
-        assert_eq!(price(10, 1_111, Some((0, 1))), "keeps this one, and 1 100 others more");
+        assert_eq!(price(10, 1_111, Some((0, 1))), "keeps this one, and 1 100 more");
         assert_eq!(price(10, 11, Some((0, 1))), "keeps this one, and as many others as now");
-        assert_eq!(price(10, 7, Some((2, 0))), "removes this one, and 1 other fewer");
-        assert_eq!(price(10, 12, Some((0, 0))), "does not keep this one, and 2 others more");
+        assert_eq!(price(10, 7, Some((2, 0))), "removes this one, and 1 other");
+        assert_eq!(price(10, 9, Some((0, 1))), "keeps this one, and 2 fewer others");
+        assert_eq!(price(10, 12, Some((0, 0))), "does not keep this one, and 2 more");
         assert_eq!(
             (price(3, 5, None), price(3, 3, None)),
-            ("2 features more".into(), "the number of features stays".into())
+            ("2 more features".into(), "the number of features stays".into())
         );
     }
 
