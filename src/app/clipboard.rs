@@ -6,6 +6,7 @@ use super::pane::PaneId;
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchColumn, MatchRow, Side};
 use crate::app::project::workspace::Workspace;
+use crate::app::view::fixed;
 use crate::burst::OpenOptions;
 use crate::detector::Feature;
 use crate::export::{COLUMNS, FeatureRow};
@@ -31,7 +32,7 @@ pub fn value_text(readout: &Readout) -> String {
 
 /// A place, (u, v) in pixels of the input image.
 pub fn place_text(readout: &Readout) -> String {
-    format!("{:.2}, {:.2}", readout.u, readout.v)
+    format!("{}, {}", fixed(readout.u, 2), fixed(readout.v, 2))
 }
 
 /// The picture of a pane in its range and colours; `None` without one.

@@ -29,6 +29,7 @@ use super::settings::{Recent, Settings};
 use super::startup::{EndRequest, Startup};
 use super::workspace::pair::PairPanels;
 use super::workspace::{WorkspaceParts, switch_ui, workspace_ui};
+use crate::app::view::fixed;
 use crate::engine::{Engine, OnUpdate};
 use crate::requests::BurstSource;
 use egui::{CentralPanel, Frame, Margin, Panel};
@@ -405,7 +406,12 @@ impl BurstscopeApp {
             let (first, rest) = self.widgets.values.split_first()?;
             let value = |v: &PlaceValue| format!("{}: {}", v.number, v.readout.short_text());
             let values: Vec<String> = std::iter::once(first).chain(rest).map(value).collect();
-            return Some(format!("u {:.1}  v {:.1}   {}", first.readout.u, first.readout.v, values.join("  ")));
+            return Some(format!(
+                "u {}  v {}   {}",
+                fixed(first.readout.u, 1),
+                fixed(first.readout.v, 1),
+                values.join("  ")
+            ));
         }
         let readouts = self.model.visible_panes().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
         readouts.into_iter().next().map(|readout: Readout| readout.to_string())

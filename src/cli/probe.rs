@@ -8,6 +8,7 @@ use super::inputs::{open_options, resolve_one};
 use crate::export::{ExportError, write_whole};
 use crate::files::path_text;
 use crate::inspect::figure::{probe_svg, spectrum_svg};
+use crate::inspect::price::price;
 use crate::inspect::probe::{ProbeError, Wanted};
 use crate::inspect::report::{probe_text, spectrum_text};
 use crate::inspect::spectrum::spectrum;
@@ -48,11 +49,19 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
         rules.check(path)?;
         write_text(path, &probe_svg(&answer, &input.name))?;
     }
+    let remedy = answer.subject_fate().and_then(|fate| Some((fate.of_sample(), &fate.remedy.as_ref()?.change)));
+    let price = match remedy.filter(|_| args.price) {
+        Some((sample, change)) => Some(price(&cache, &burst, change, Some(sample), &console.monitor)?),
+        None => None,
+    };
     let mut text = String::new();
     if let Some(finding) = &cache.finding {
         text += &format!("slopes {}\n", finding.summary());
     }
     text += &probe_text(&answer, &input.name);
+    if let (Some(price), Some((_, change))) = (price, remedy) {
+        text += &format!("{} {}\n", change.option(), price.sentence());
+    }
     if let Some(path) = &args.plot {
         text += &format!("wrote {}\n", path.display());
     }
@@ -71,6 +80,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
         "features": cache.detection().features.len(),
         "plot": args.plot.as_deref().map(path_text),
         "probe": answer,
+        "price": price,
     }))
 }
 
@@ -196,6 +206,9 @@ pub struct ProbeArgs {
     /// The place of this feature, counted from 0 in the order of 'detect'.
     #[arg(long, value_name = "N")]
     pub feature: Option<usize>,
+    /// Say also how many features the option that would keep the candidate gives; this takes another search.
+    #[arg(long)]
+    pub price: bool,
     /// Draw the answer as a figure: the response over slope and scale, each frame's share, a slice along the motion,
     /// and the tests.
     #[arg(long, value_name = "FILE.svg")]
@@ -212,6 +225,7 @@ const PROBE_HELP: &str = "\
 Examples:
   burstscope probe night/ --at 412,230
   burstscope probe night/ --at 412,230 --slopes-u -3:3:7 --plot why.svg
+  burstscope probe night/ --at 412,230 --price
   burstscope probe night/ --feature 0 --json
 
 JSON (--json), beside version, params, name, inputs and what was searched:
@@ -220,7 +234,9 @@ JSON (--json), beside version, params, name, inputs and what was searched:
       \"tests\": [{\"test\", \"outcome\": passes, fails, not-asked or unknown, \"value\", \"limit\", \"side\": at-least or at-most, \"unit\", \"rival\"}],
       \"first_failed\": test or null, \"features\": [index], \"verdict\", \"remedy\": {\"sentence\", \"change\": {\"parameter\", \"value\"}, \"then_fails\"}}],
     \"subject\", \"response\": {\"scales\", \"slopes\", \"snr\": [row], \"gate\", \"plane\"}, \"shares\": {\"frames\", \"coherence\", \"shape\", \"meaning\"},
-    \"suspicions\": [{\"kind\", \"evidence\", \"number\", \"other\", \"change\"}]}";
+    \"judged\": {\"verdict\": real, ghost, alias, duplicate or unclear, \"coherence\", \"why\"} or null,
+    \"suspicions\": [{\"kind\", \"evidence\", \"number\", \"other\", \"change\"}]}
+  \"price\": {\"now\", \"then\", \"own\": [now, then]} or null, with --price";
 
 fn parse_place(text: &str) -> Result<[f32; 2], String> {
     let bad = || format!("'{text}' is not U,V in pixels, such as 412,230.5");

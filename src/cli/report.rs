@@ -270,6 +270,11 @@ fn write_summary(out: &mut String, report: &BurstReport, params: &DetectorParams
     writeln!(out)
 }
 
+/// `x`, or 0 without a sign where `decimals` decimals would write −0.
+pub(super) fn unsigned_zero(x: f32, decimals: i32) -> f32 {
+    if (x * 10f32.powi(decimals)).round() == 0.0 { 0.0 } else { x }
+}
+
 fn write_histogram(out: &mut String, slopes: &[SlopeCount]) -> std::fmt::Result {
     let max = slopes.iter().map(|s| s.features).max().unwrap_or(0).max(1);
     let mut counts: Vec<usize> = slopes.iter().map(|s| s.features).filter(|&n| n > 0).collect();
@@ -279,7 +284,13 @@ fn write_histogram(out: &mut String, slopes: &[SlopeCount]) -> std::fmt::Result 
     writeln!(out, "  by slope (px/frame)")?;
     for slope in &shown {
         let bar = "#".repeat((slope.features * BAR_WIDTH).div_ceil(max));
-        writeln!(out, "    ({:>6.2}, {:>6.2}) {:>7}  {bar}", slope.u, slope.v, slope.features)?;
+        writeln!(
+            out,
+            "    ({:>6.2}, {:>6.2}) {:>7}  {bar}",
+            unsigned_zero(slope.u, 2),
+            unsigned_zero(slope.v, 2),
+            slope.features
+        )?;
     }
     let rest = slopes.iter().filter(|s| s.features > 0).count() - shown.len();
     if rest > 0 {
@@ -292,6 +303,17 @@ fn write_histogram(out: &mut String, slopes: &[SlopeCount]) -> std::fmt::Result 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_that_rounds_to_zero_has_no_minus() {
+        assert_eq!(
+            [-0.004, -0.0, 0.004, -0.006].map(|x| format!("{:.2}", unsigned_zero(x, 2))),
+            ["0.00", "0.00", "0.00", "-0.01"]
+        );
+        let mut text = String::new();
+        write_histogram(&mut text, &[SlopeCount { u: -0.0, v: -0.001, features: 3 }]).expect("written");
+        assert!(text.contains("(  0.00,   0.00)"), "{text}");
+    }
 
     #[test]
     fn a_long_histogram_shows_the_largest_and_counts_the_rest() {

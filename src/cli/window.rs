@@ -8,6 +8,7 @@ use super::failure::{Failure, print};
 use super::inputs::{DEMO, Input};
 use super::opening::{Opening, what_to_open};
 use super::render::{Sources, drawn, sources_of};
+use super::report::unsigned_zero;
 use super::signals;
 use crate::app::{RenderOptions, Startup};
 use crate::baseline::search;
@@ -176,13 +177,13 @@ pub(super) fn feature_table(detection: &Detection, count: usize) -> String {
         let _ = writeln!(
             text,
             "{:>8.2}{:>8.2}{:>8.2}{:>13.1}{:>9.2}{:>9.2}{:>10.4}{:>8.1}{:>8}{:>7}",
-            f.u,
-            f.v,
+            unsigned_zero(f.u, 2),
+            unsigned_zero(f.v, 2),
             f.sigma,
-            f.orientation.to_degrees(),
-            f.slope.u,
-            f.slope.v,
-            f.response,
+            unsigned_zero(f.orientation.to_degrees(), 1),
+            unsigned_zero(f.slope.u, 2),
+            unsigned_zero(f.slope.v, 2),
+            unsigned_zero(f.response, 4),
             f.snr,
             f.octave,
             f.level

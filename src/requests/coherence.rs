@@ -1,14 +1,14 @@
-//! Coherence of each feature of a detection: how evenly the frames contribute to it.
+//! Coherence of each feature of a detection (how evenly the frames contribute to it), and the verdict that follows.
 
 use super::error::JobError;
 use super::request::{Request, Urgency, Work};
 use super::trail::{DetectionSource, trail_and_rest};
 use crate::detector::Detection;
-use crate::inspect::shares::coherences;
+use crate::inspect::verdict::{Judged, judged};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// Request for the coherence of the features of a detection.
+/// Request for the coherence of the features, and the verdicts on them, of a detection.
 #[derive(Debug, Clone)]
 pub struct CoherenceRequest {
     /// The detection that found them.
@@ -17,14 +17,13 @@ pub struct CoherenceRequest {
     pub detection: Arc<Detection>,
 }
 
-/// The coherences of the features of a detection.
+/// The coherences of the features of a detection, with the verdicts.
 #[derive(Debug, Clone)]
 pub struct Coherences {
     /// The detection.
     pub detection: Arc<Detection>,
-    /// For each feature, 0 … 1; `None` where single frames are too noisy to tell. See
-    /// [`crate::inspect::shares::Shares::coherence`].
-    pub values: Arc<Vec<Option<f32>>>,
+    /// One for each feature.
+    pub values: Arc<Vec<Judged>>,
 }
 
 impl Request for CoherenceRequest {
@@ -41,7 +40,7 @@ impl Request for CoherenceRequest {
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Coherences, JobError> {
         let (cache, rest) = trail_and_rest(work.kept.trails, &self.of, work.monitor)?;
-        let values = Arc::new(coherences(&cache.trail, &rest)?);
+        let values = Arc::new(judged(&cache.trail, &rest)?);
         Ok(Coherences { detection: self.detection, values })
     }
 }
@@ -57,7 +56,7 @@ mod tests {
     use crate::synth::Example;
 
     #[test]
-    fn the_coherences_of_all_features_are_those_that_the_probe_says_of_each() {
+    fn the_verdicts_on_all_features_are_those_that_the_probe_says_of_each() {
         let burst = OpenBurst::new(Example::Depths.burst(), BurstSource::Example(Example::Depths));
         let slopes = SlopeGrid::line(-3.0..=3.0, 7);
         let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
@@ -68,14 +67,14 @@ mod tests {
         let request = CoherenceRequest { of: of.clone(), detection };
         let Coherences { detection, values } = request.compute(&Work::alone(&monitor)).expect("valid");
         assert_eq!(values.len(), detection.features.len());
-        assert!(values.iter().flatten().all(|c| (0.0..=1.0).contains(c)));
+        assert!(values.iter().filter_map(|j| j.coherence).all(|c| (0.0..=1.0).contains(&c)));
         let cache = of.trail(&monitor).expect("valid");
         let (mut told, step) = (0, (values.len() / 25).max(1));
         for index in (0..values.len()).step_by(step) {
             let options = ProbeOptions { wanted: Wanted::Feature(index), ..ProbeOptions::default() };
             let probed = probe(&cache, [0.0, 0.0], &options, &monitor).expect("a feature");
-            assert_eq!(probed.shares.coherence, values[index], "feature {index}");
-            told += usize::from(values[index].is_some());
+            assert_eq!(probed.judged.as_ref(), Some(&values[index]), "feature {index}");
+            told += usize::from(values[index].coherence.is_some());
         }
         assert!(told > 10, "only {told} were told");
     }

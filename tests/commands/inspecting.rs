@@ -24,11 +24,13 @@ fn probe_says_what_became_of_a_place() {
     assert!(fates.iter().any(|f| f["first_failed"].is_null()), "something was kept");
     for fate in fates {
         let tests = fate["tests"].as_array().expect("tests");
-        assert_eq!(tests.len(), 11);
+        assert_eq!(tests.len(), 12);
         let failed = tests.iter().find(|t| t["outcome"] == "fails").map_or(Value::Null, |t| t["test"].clone());
         assert_eq!(failed, fate["first_failed"], "{fate:#}");
     }
     assert_eq!(found["probe"]["shares"]["frames"].as_array().map(Vec::len), Some(10));
+    assert_eq!(found["probe"]["judged"]["verdict"], "real", "the moon is no ghost");
+    assert!(text.contains("likely real: the frames respond alike (coherence 0.9"), "{text}");
     let rows = found["probe"]["response"]["snr"].as_array().expect("a map");
     assert_eq!(rows.len(), found["probe"]["response"]["scales"].as_array().map_or(0, Vec::len));
 }
@@ -68,6 +70,38 @@ fn an_option_that_probe_proposes_keeps_what_was_lost() {
     let same = |f: &&Value| ["octave", "level", "slope_index", "sample"].iter().all(|key| f[*key] == lost[*key]);
     let now = again["probe"]["fates"].as_array().expect("fates").iter().find(same).expect("the same candidate");
     assert_ne!(now["first_failed"], "noise_gate", "{now:#}");
+}
+
+#[test]
+fn the_price_of_an_option_is_what_it_then_gives() {
+    let home = tempfile::tempdir().expect("a folder");
+    let search = ["demo-low-contrast", "--slopes-u", "-2:2:9", "--noise-gate", "8"];
+    let asked = json(home.path(), &[&["probe", "--json", "--at", "160,120", "--price"], &search[..]].concat());
+    let (probe, price) = (&asked["probe"], &asked["price"]);
+    let subject = probe["subject"]["fate"].as_u64().expect("a candidate is there") as usize;
+    let change = &probe["fates"][subject]["remedy"]["change"];
+    let (option, value) = (format!("--{}", change["parameter"].as_str().expect("a name")), change["value"].clone());
+    let option = [option.as_str(), value.as_str().expect("a value")];
+    let again = json(home.path(), &[&["probe", "--json", "--at", "160,120"], &search[..3], &option[..]].concat());
+    assert_eq!((&price["now"], &price["then"]), (&asked["features"], &again["features"]), "{price}");
+    let text = run_well(home.path(), &[&["probe", "--at", "160,120", "--price"], &search[..]].concat());
+    assert!(text.contains(&format!("{} keeps this one, and ", option.join(" "))), "{text}");
+}
+
+#[test]
+fn the_test_of_coherence_is_an_option_and_counted() {
+    let home = tempfile::tempdir().expect("a folder");
+    let found = |more: &[&str]| {
+        let line = ["detect", "demo", "--slopes-u", "-3:3:13", "--out", "found", "--force", "--json"];
+        json(home.path(), &[&line[..], more].concat())["bursts"][0].clone()
+    };
+    let (open, tested) = (found(&[]), found(&["--coherence", "0.5"]));
+    let count = |burst: &Value, test: &str| burst["tally"]["rejected"][test].as_u64().unwrap_or_default();
+    assert_eq!(count(&open, "coherence"), 0);
+    assert!(count(&tested, "coherence") > 0, "{}", tested["tally"]);
+    assert!(tested["features"].as_u64() < open["features"].as_u64());
+    let error = run_badly(home.path(), &["detect", "demo", "--coherence", "2", "--out", "found"], 2);
+    assert!(error.contains("give 0 to 1"), "{error}");
 }
 
 #[test]

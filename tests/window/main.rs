@@ -22,6 +22,7 @@ mod datasets;
 mod detecting;
 mod finding_ones_way;
 mod first_start;
+mod ghosts;
 mod help;
 mod keeping;
 mod lab;

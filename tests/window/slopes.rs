@@ -9,7 +9,7 @@ use burstscope::app::project::side::Side;
 use burstscope::app::session::Session;
 use burstscope::detector::{DetectorParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid, SlopeVerdict};
 use burstscope::inspect::ProbeCache;
-use burstscope::inspect::shares::coherences;
+use burstscope::inspect::verdict::judged;
 use burstscope::synth::random::Stream;
 use egui::accesskit::Role;
 use egui::{Key, pos2, vec2};
@@ -107,12 +107,13 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let values = model.coherence.of(&detection).unwrap().clone();
     let cache =
         ProbeCache::new(&model.slots.a.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default()).unwrap();
-    assert_eq!(*values, coherences(&cache.trail, &Monitor::default()).unwrap());
+    assert_eq!(*values, judged(&cache.trail, &Monitor::default()).unwrap());
     assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not computed yet"));
-    assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(Option::is_none));
+    assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(|judged| judged.coherence.is_none()));
     // The selected feature and the one under the pointer show their values.
-    let index = (0..values.len()).find(|&i| values[i].is_some_and(|c| c < 0.995)).expect("one is not quite even");
-    let text = format!("{:.2}", values[index].unwrap());
+    let index =
+        (0..values.len()).find(|&i| values[i].coherence.is_some_and(|c| c < 0.995)).expect("one is not quite even");
+    let text = format!("{:.2}", values[index].coherence.unwrap());
     window.app_mut().model.selected = Some(index);
     window.harness.run_steps(2);
     window.settle();

@@ -85,13 +85,15 @@ pub enum Test {
     Outside,
     /// A stronger keypoint shows this blob.
     Duplicate,
+    /// Single frames respond too differently along its motion.
+    Coherence,
     /// The feature is weaker than the strongest `max_features`.
     MaxFeatures,
 }
 
 impl Test {
     /// All tests, in order.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::PeakThreshold,
         Self::NoiseGate,
         Self::SpaceExtremum,
@@ -102,6 +104,7 @@ impl Test {
         Self::Edge,
         Self::Outside,
         Self::Duplicate,
+        Self::Coherence,
         Self::MaxFeatures,
     ];
 
@@ -118,6 +121,7 @@ impl Test {
             Self::Edge => "on an edge",
             Self::Outside => "outside the image or the scales",
             Self::Duplicate => "the same blob as a stronger one",
+            Self::Coherence => "only some frames respond",
             Self::MaxFeatures => "weaker than the strongest kept",
         }
     }
@@ -130,7 +134,7 @@ pub struct Tally {
     /// which lack neighbours) × the levels that have one above and one below × the slopes.
     pub samples: u64,
     /// Number of samples that each test rejected, in the order of [`Test::ALL`].
-    pub rejected: [u64; 11],
+    pub rejected: [u64; 12],
     /// Number of keypoints that passed every test (before they were split by orientation).
     pub kept: u64,
 }

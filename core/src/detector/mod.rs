@@ -4,7 +4,8 @@
 //! and average) → [`scale_space`] (Gaussian levels and their differences D, tile by tile) → [`search`] (extrema over
 //! place and scale, at each slope for itself or jointly over slope) → [`refine`] (between the samples) → [`distinct`]
 //! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale,
-//! slope) → [`orient`] and [`describe`] (on the pixels around the feature) → [`feature`].
+//! slope) → [`orient`] and [`describe`] (on the pixels around the feature) → [`coherence`] (if requested, the single
+//! frames agree) → [`feature`].
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
@@ -13,6 +14,7 @@
 //! Everything here is a function from values to values; the costly inner loops are in [`crate::kernel`].
 
 pub mod advice;
+pub mod coherence;
 pub mod describe;
 pub mod distinct;
 pub mod feature;

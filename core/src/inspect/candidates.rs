@@ -170,6 +170,7 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
                 let keypoint = keypoint?;
                 match trail.covered_by(keypoint) {
                     Some(_) => Some(Test::Duplicate),
+                    None if trail.incoherent(keypoint).is_some() => Some(Test::Coherence),
                     None if max > 0 && trail.ranks_of(keypoint).all(|rank| rank >= max) => Some(Test::MaxFeatures),
                     None => None,
                 }

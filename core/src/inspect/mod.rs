@@ -13,6 +13,7 @@ pub mod candidates;
 pub mod changes;
 pub mod fate;
 pub mod figure;
+pub mod price;
 pub mod probe;
 pub mod remedy;
 pub mod report;
@@ -25,6 +26,7 @@ pub mod telling;
 pub mod texture;
 pub mod truth;
 pub mod unmatched;
+pub mod verdict;
 pub mod words;
 
 pub use fate::{Fate, Outcome, TestReport};

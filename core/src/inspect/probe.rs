@@ -7,6 +7,7 @@ use super::remedy::duplicate_remedy;
 use super::response::{ResponseMap, response_map};
 use super::shares::{Shares, Slice, across, direction_of, shares, slice};
 use super::suspicion::{Suspicion, suspicions};
+use super::verdict::Judged;
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
 use crate::detector::{Sample, Slope, Tally, Test, Trail};
@@ -134,6 +135,8 @@ pub struct Probe {
     pub response: ResponseMap,
     /// Response of each frame along the subject's motion.
     pub shares: Shares,
+    /// Likely nature of the subject, if it was kept.
+    pub judged: Option<Judged>,
     /// Reasons to doubt the subject, if it was kept.
     pub suspicions: Vec<Suspicion>,
     /// Slices through the subject's position: along its motion, and across it.
@@ -262,13 +265,15 @@ pub fn probe(
     let response = response_map(trail, subject.pos_image, grid.coordinates(subject.slope_index), scale, monitor)?;
     let shares = shares(trail, scale, subject.pos_image, subject.slope, monitor)?;
     let suspicions = match subject.fate {
-        Some(index) => suspicions(trail, &fates[index], &shares, monitor)?,
+        Some(index) => suspicions(trail, &fates[index], &shares.evenness(), monitor)?,
         None => Vec::new(),
     };
+    let is_feature = subject.fate.is_some_and(|index| !fates[index].features.is_empty());
+    let judged = is_feature.then(|| Judged::of(&shares.evenness(), &suspicions));
     let direction = direction_of(subject.slope);
     let slices = [direction, across(direction)].map(|d| slice(trail, subject.pos_image, d, options.slice_half_px));
     let summary = summary_of(&nearness, &fates, near, &response);
-    Ok(Probe { pos_image: place, fates, near, samples, subject, response, shares, suspicions, slices, summary })
+    Ok(Probe { pos_image: place, fates, near, samples, subject, response, shares, judged, suspicions, slices, summary })
 }
 
 fn check_place(trail: &Trail, [u, v]: [f32; 2]) -> Result<(), ProbeError> {

@@ -21,6 +21,7 @@ pub fn test_name(test: Test) -> &'static str {
         Test::Edge => "no edge, curvature ratio",
         Test::Outside => "inside, samples from the end",
         Test::Duplicate => "distinct, σ from another",
+        Test::Coherence => "coherence of the frames",
         Test::MaxFeatures => "among the strongest",
     }
 }
@@ -52,6 +53,11 @@ pub fn test_sentence(report: &TestReport) -> String {
     };
     match report.test {
         Test::MaxFeatures if not_asked => "the number of features is not limited".to_owned(),
+        Test::Coherence if not_asked && report.value.is_some() => format!("coherence {has}; none is required"),
+        Test::Coherence if not_asked => "no coherence is required".to_owned(),
+        Test::Coherence if report.outcome == Outcome::Unknown => "unknown, because it became no keypoint".to_owned(),
+        Test::Coherence if report.value.is_none() => "single frames are too noisy to tell".to_owned(),
+        Test::Coherence => format!("coherence {has}, {needs} is required{by}"),
         Test::MaxFeatures if report.value.is_none() => "it became no keypoint".to_owned(),
         Test::MaxFeatures => format!("number {has} by strength; {needs} are kept"),
         _ if report.outcome == Outcome::Unknown => "unknown, because the fit did not settle".to_owned(),
@@ -113,6 +119,9 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
         writeln!(out)?;
         write_fate(out, fate)?;
     }
+    if let Some(judged) = &probe.judged {
+        writeln!(out, "  {}: {}", judged.verdict.clause(), judged.why)?;
+    }
     for suspicion in &probe.suspicions {
         let what = match suspicion.kind {
             super::suspicion::Kind::Duplicate => "duplicate",
@@ -120,7 +129,9 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
             super::suspicion::Kind::AtLimit => "at the limit of the slopes",
             super::suspicion::Kind::Alias => "alias",
         };
-        writeln!(out, "  {what}? {}", suspicion.evidence)?;
+        if probe.judged.as_ref().is_none_or(|judged| judged.why != suspicion.evidence) {
+            writeln!(out, "  {what}? {}", suspicion.evidence)?;
+        }
         if let Some(change) = &suspicion.change {
             writeln!(out, "    try {}", change.option())?;
         }

@@ -2,16 +2,19 @@
 //! range, an alias of periodic texture. Each suspicion comes with its evidence in numbers; people decide whether it is
 //! right.
 
+use super::fate::apart_sigmas;
 use super::remedy::{nearest_slope, widened_towards};
 use super::response::{beyond_the_rim, covering, snr_at};
-use super::shares::{Shape, Shares, direction_of};
+use super::shares::direction_of;
 use super::texture::{Period, dirichlet, period_along};
-use super::words::{number, slope_text};
-use crate::detector::stack::motion_stack;
-use crate::detector::{Feature, ParamChange, Slope, Trail};
+use super::words::{number, rounded_up, slope_text};
+use crate::detector::coherence::{Evenness, Shape};
+use crate::detector::params::doc;
+use crate::detector::{DetectorParams, Distinct, Feature, ParamChange, Slope, Trail};
 use crate::inspect::Fate;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
+use crate::plane::tile::Region;
 use serde::Serialize;
 
 /// Possible fault of a feature.
@@ -61,39 +64,113 @@ const ALIAS_RESPONSE: f32 = 0.7;
 /// Pixels to each side in which a period is searched: in σ, at least, and at most. Longer periods exceed the difference
 /// of any slopes searched.
 const TEXTURE_SIGMAS: f32 = 8.0;
+/// Distance of slopes, pixels per frame, below which none is a period away, allowing for [`PERIOD_PART`].
+const SHORTEST_PERIOD_PX: f32 = 2.0;
 const TEXTURE_LEAST_PX: usize = 24;
 const TEXTURE_MOST_PX: usize = 64;
 
-/// Suspicions about a kept candidate, whose frames' shares are `shares`. Empty for one that became no feature.
+/// Suspicions about a kept candidate whose frames respond with `evenness`, each with the change that would correct it.
+/// Empty for one that became no feature.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
-pub fn suspicions(trail: &Trail, fate: &Fate, shares: &Shares, monitor: &Monitor) -> Result<Vec<Suspicion>, Cancelled> {
+pub fn suspicions(
+    trail: &Trail,
+    fate: &Fate,
+    evenness: &Evenness,
+    monitor: &Monitor,
+) -> Result<Vec<Suspicion>, Cancelled> {
     let Some(&index) = fate.features.first() else {
         return Ok(Vec::new());
     };
+    let mut found = suspicions_of_feature(trail, index, evenness, monitor)?;
+    for suspicion in &mut found {
+        suspicion.change = match suspicion.kind {
+            Kind::Duplicate => suspicion.other.and_then(|other| wider_distinct(trail, index, other)),
+            Kind::Ghost => evenness.coherence.and_then(|coherence| higher_coherence(trail, coherence)),
+            Kind::AtLimit | Kind::Alias => None,
+        };
+    }
+    found.extend(at_limit(trail, fate, &trail.detection().features[index]));
+    Ok(found)
+}
+
+/// Suspicions about feature `index` of the detection, except that of a slope beyond the range, and without changes.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn suspicions_of_feature(
+    trail: &Trail,
+    index: usize,
+    evenness: &Evenness,
+    monitor: &Monitor,
+) -> Result<Vec<Suspicion>, Cancelled> {
     let feature = trail.detection().features[index];
     let mut found: Vec<Suspicion> = Vec::new();
     found.extend(duplicate(trail, index, &feature));
-    found.extend(ghost(trail, index, &feature, shares));
-    found.extend(at_limit(trail, fate, &feature));
+    found.extend(ghost(trail, index, &feature, evenness));
     found.extend(alias(trail, &feature, monitor)?);
     Ok(found)
 }
 
-/// Suspicion that a stronger feature shows the same blob.
+/// The change after which the rule for distinct keypoints removes the keypoint of feature `index`, which shows the blob
+/// of feature `other`; `None` where no single change does.
+fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChange> {
+    let params = trail.params();
+    let (own, stronger) = (trail.keypoint_of_feature(index), trail.keypoint_of_feature(other));
+    let Distinct::Radius(radius) = params.distinct else {
+        let default = DetectorParams::default().distinct;
+        return Some(ParamChange::new(doc::DISTINCT, default));
+    };
+    let (a, b) = (trail.keypoints()[stronger], trail.keypoints()[own]);
+    let (apart, scales) = (apart_sigmas(&a, &b), (a.in_image().2, b.in_image().2));
+    let wider = rounded_up(1.001 * f64::from(apart), 2);
+    let ratio = rounded_up(1.001 * f64::from((scales.0 / scales.1).max(scales.1 / scales.0)), 3);
+    let by_radius = wider > f64::from(radius) && !trail.would_stay(own, wider as f32, params.distinct_scale);
+    let by_ratio = || ratio > f64::from(params.distinct_scale) && !trail.would_stay(own, radius, ratio as f32);
+    match () {
+        () if by_radius => Some(ParamChange::new(doc::DISTINCT, wider)),
+        () if by_ratio() => Some(ParamChange::new(doc::DISTINCT_SCALE, ratio)),
+        () => None,
+    }
+}
+
+/// The change after which a feature of this coherence is rejected: the next tenth above it.
+fn higher_coherence(trail: &Trail, coherence: f32) -> Option<ParamChange> {
+    let min = (10.0 * coherence).floor() + 1.0;
+    (min <= 10.0 && 0.1 * min > trail.params().used_coherence())
+        .then(|| ParamChange::new(doc::COHERENCE, rounded_up(0.1 * f64::from(min) - 1e-6, 2)))
+}
+
+/// Distance, in input pixels, of the paths of two features in each frame that took part.
+fn path_distances<'t>(trail: &'t Trail, a: &Feature, b: &Feature) -> impl Iterator<Item = f32> + 't {
+    let (_, kept, frame_count) = trail.frames();
+    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    let (du, dv) = (b.u - a.u, b.v - a.v);
+    let (slope_u, slope_v) = (b.slope.u - a.slope.u, b.slope.v - a.slope.v);
+    kept.iter().map(move |&t| {
+        let dt = t as f32 - t0;
+        (du + dt * slope_u).hypot(dv + dt * slope_v)
+    })
+}
+
+/// Suspicion that a stronger feature shows the same blob: one that lies on it in most frames.
 fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion> {
     let own = trail.keypoint_of_feature(index);
     let features = &trail.detection().features;
-    let nearest = (0..index)
-        .filter(|&other| {
-            trail.keypoint_of_feature(other) != own && features[other].response.signum() == feature.response.signum()
-        })
-        .map(|other| {
-            let f = &features[other];
-            (other, (f.u - feature.u).hypot(f.v - feature.v) / f.sigma, f.sigma / feature.sigma)
-        })
+    let on_it = |other: &Feature| {
+        let distances = path_distances(trail, other, feature);
+        2 * distances.filter(|px| *px < NEAR_SIGMAS * other.sigma).count() > trail.frames().1.len()
+    };
+    let nearest = features[..index]
+        .iter()
+        .enumerate()
+        .map(|(other, f)| (other, (f.u - feature.u).hypot(f.v - feature.v) / f.sigma, f.sigma / feature.sigma))
         .filter(|(_, apart, ratio)| *apart < NEAR_SIGMAS && ratio.max(ratio.recip()) < NEAR_SCALES)
+        .filter(|(other, ..)| {
+            let f = &features[*other];
+            f.response.signum() == feature.response.signum() && trail.keypoint_of_feature(*other) != own && on_it(f)
+        })
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let (other, apart, _) = nearest;
     let stronger = &features[other];
@@ -125,27 +202,21 @@ fn same_blob(other: usize, stronger: &Feature, feature: &Feature, apart_sigmas: 
 
 /// Suspicion that the feature is a ghost of a stronger one whose path crosses its own, where only a part of the frames
 /// responds.
-fn ghost(trail: &Trail, index: usize, feature: &Feature, shares: &Shares) -> Option<Suspicion> {
-    if shares.shape != Shape::Bump {
+fn ghost(trail: &Trail, index: usize, feature: &Feature, evenness: &Evenness) -> Option<Suspicion> {
+    if evenness.shape != Shape::Bump {
         return None;
     }
     let features = &trail.detection().features;
-    let (_, kept, frame_count) = trail.frames();
-    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    let span = trail.frames().2 as f32 - 1.0;
     let crosses = |other: &Feature| {
-        let apart = |t: usize| {
-            let dt = t as f32 - t0;
-            let (du, dv) = (other.u - feature.u, other.v - feature.v);
-            (du + dt * (other.slope.u - feature.slope.u)).hypot(dv + dt * (other.slope.v - feature.slope.v))
-        };
-        kept.iter().any(|&t| apart(t) < CROSSES_SIGMAS * other.sigma.max(feature.sigma))
+        path_distances(trail, feature, other).any(|px| px < CROSSES_SIGMAS * other.sigma.max(feature.sigma))
     };
     let of = (0..index).find(|&other| {
         let f = &features[other];
-        let differ = (f.slope.u - feature.slope.u).hypot(f.slope.v - feature.slope.v) * 2.0 * t0;
+        let differ = (f.slope.u - feature.slope.u).hypot(f.slope.v - feature.slope.v) * span;
         differ > f.sigma && crosses(f)
     });
-    let coherence = shares.coherence.unwrap_or(0.0);
+    let coherence = evenness.coherence.unwrap_or(0.0);
     let of_what = of.map_or_else(
         || "no stronger feature crosses its path".to_owned(),
         |other| {
@@ -243,19 +314,26 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
 /// it is clearest.
 fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<(Period, [f32; 2])>, Cancelled> {
     let grid = trail.params().used_slopes();
-    let half_px = ((TEXTURE_SIGMAS * feature.sigma) as usize).clamp(TEXTURE_LEAST_PX, TEXTURE_MOST_PX);
-    let (stack, centre) = stack_around(trail, [feature.u, feature.v], feature.slope, half_px + 8, monitor)?;
     let axis = |count: usize, towards: Slope, from: Slope| {
         (count > 1).then(|| direction_of(Slope::new(towards.u - from.u, towards.v - from.v)))
     };
     let origin = grid.at(0.0, 0.0);
     let directions = [axis(grid.u.count, grid.at(1.0, 0.0), origin), axis(grid.v.count, grid.at(0.0, 1.0), origin)];
-    let found = directions.into_iter().flatten().filter_map(|d| Some((period_along(&stack, centre, d, half_px)?, d)));
+    // No other slope is a period away where the searched range is shorter than any period.
+    let along = |[du, dv]: [f32; 2], slope: Slope| (slope.u - feature.slope.u) * du + (slope.v - feature.slope.v) * dv;
+    let reaches = |direction: &[f32; 2]| grid.slopes().any(|slope| along(*direction, slope).abs() > SHORTEST_PERIOD_PX);
+    let directions: Vec<[f32; 2]> = directions.into_iter().flatten().filter(reaches).collect();
+    if directions.is_empty() {
+        return Ok(None);
+    }
+    let half_px = ((TEXTURE_SIGMAS * feature.sigma) as usize).clamp(TEXTURE_LEAST_PX, TEXTURE_MOST_PX);
+    let (stack, centre) = stack_around(trail, [feature.u, feature.v], feature.slope, half_px + 8, monitor)?;
+    let found = directions.into_iter().filter_map(|d| Some((period_along(&stack, centre, d, half_px)?, d)));
     Ok(found.max_by(|a, b| a.0.correlation.total_cmp(&b.0.correlation)))
 }
 
-/// The motion stack at `slope` in a square around a place, and the place's position in it. The square is smaller at the
-/// border of the image.
+/// The motion stack at `slope` in a square around a place, less its value in the middle, and the place's position in it.
+/// The square is smaller at the border of the image.
 pub(super) fn stack_around(
     trail: &Trail,
     [u, v]: [f32; 2],
@@ -269,24 +347,10 @@ pub(super) fn stack_around(
         at.saturating_sub(half_px)..(at + half_px + 1).min(n)
     };
     let (columns, rows) = (range(u, width), range(v, height));
-    let (frames, kept, frame_count) = trail.frames();
+    monitor.check()?;
     let shown = covering(trail, [u, v], slope);
-    let t0 = 0.5 * (frame_count as f32 - 1.0);
-    // Each frame's part along the motion, so that only the square is stacked.
-    let parts: Vec<Plane> = shown
-        .iter()
-        .map(|&index| {
-            let dt = kept[index] as f32 - t0;
-            Plane::from_fn(columns.len(), rows.len(), |x, y| {
-                let place = ((columns.start + x) as f32 + dt * slope.u, (rows.start + y) as f32 + dt * slope.v);
-                let inside = (place.0.clamp(0.0, (width - 1) as f32), place.1.clamp(0.0, (height - 1) as f32));
-                crate::plane::sample::bilinear(&frames[index], inside.0, inside.1).unwrap_or(0.0)
-            })
-        })
-        .collect();
-    let parts: Vec<&Plane> = parts.iter().collect();
-    let stack = motion_stack(&parts, Slope::default(), trail.params().interpolation, monitor)?;
-    Ok((stack, [u - columns.start as f32, v - rows.start as f32]))
+    let place = [u - columns.start as f32, v - rows.start as f32];
+    Ok((trail.stack_part(&Region { columns, rows }, slope, &shown), place))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! the grid between pixels.
 
 use super::{Picture, RectTransform, number};
+use crate::app::view::fixed;
 use crate::detector::Slope;
 use crate::plane::display::Display;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2};
@@ -91,7 +92,7 @@ impl Readout {
 impl std::fmt::Display for Readout {
     /// For example `u 12.3  v 45.6    0.01235 = 809.4 of 65535`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "u {:.1}  v {:.1}", self.u, self.v)?;
+        write!(f, "u {}  v {}", fixed(self.u, 1), fixed(self.v, 1))?;
         if self.image_from_picture_scale != 1.0 {
             write!(f, "  (pixel {}, {})", self.pixel.0, self.pixel.1)?;
         }

@@ -20,6 +20,7 @@ use crate::app::project::look::RangeClass;
 use crate::app::project::pair::Matches;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
+use crate::app::view::fixed;
 use crate::detector::{Detection, Feature};
 use crate::export::{ColourBar, Drawing, FigureLink, FigureMark, FigurePanel, LegendEntry, draw_links, lay_out};
 use crate::plane::Plane;
@@ -219,7 +220,7 @@ fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
             .step_by(every)
             .map(|i| {
                 let slope = grid.slope(i);
-                entry(Feature { slope, ..sample }, format!("({:.2}, {:.2}) px/frame", slope.u, slope.v))
+                entry(Feature { slope, ..sample }, format!("({}, {}) px/frame", fixed(slope.u, 2), fixed(slope.v, 2)))
             })
             .collect();
     }

@@ -9,6 +9,7 @@ use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use crate::app::ticks;
+use crate::app::view::fixed;
 use crate::plane::sample::{RegionStatistics, region_statistics};
 use crate::plane::statistics::{Histogram, Region, histogram};
 use egui::{Color32, RichText, ScrollArea, Ui};
@@ -86,11 +87,11 @@ pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut 
         button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Clear rectangle"));
         let rect = region.rect_image;
         ui.weak(format!(
-            "({:.1}, {:.1}) to ({:.1}, {:.1}): {:.1} × {:.1} px",
-            rect.min.x,
-            rect.min.y,
-            rect.max.x,
-            rect.max.y,
+            "({}, {}) to ({}, {}): {:.1} × {:.1} px",
+            fixed(rect.min.x, 1),
+            fixed(rect.min.y, 1),
+            fixed(rect.max.x, 1),
+            fixed(rect.max.y, 1),
             rect.width(),
             rect.height()
         ));
@@ -199,7 +200,8 @@ pub fn profile_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
         button_ui(ui, model, queue, ActionId::MeasureLine, Some("Draw a line"));
         button_ui(ui, model, queue, ActionId::ExportProfile, Some("Export as CSV…"));
         button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Clear line"));
-        ui.weak(format!("({:.1}, {:.1}) to ({:.1}, {:.1}), {:.1} px", from.x, from.y, to.x, to.y, from.distance(to)));
+        let place = |at: egui::Pos2| format!("({}, {})", fixed(at.x, 1), fixed(at.y, 1));
+        ui.weak(format!("{} to {}, {:.1} px", place(from), place(to), from.distance(to)));
     });
     let plot = Plot::new("profile")
         .legend(Legend::default().position(Corner::RightTop))

@@ -13,6 +13,7 @@ use crate::app::project::Model;
 use crate::app::project::against::{Kind, Row, Shown, With};
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
+use crate::app::view::{fixed, signed_slope};
 use crate::requests::Picture;
 use egui::{Align, Button, Color32, Label, Layout, ProgressBar, RichText, Sense, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder};
@@ -83,7 +84,7 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
         let why = ui.add_enabled(selected.is_some(), Button::new("Why here?").small());
         let why = why.on_hover_text(PROBE_HELP).on_disabled_hover_text("Select a row first");
         if let Some(row) = selected.filter(|_| why.clicked()) {
-            model.probe_place(side, row.pos_image);
+            model.ask_probe(side, row.question());
         }
         ui.separator();
         for &kind in Kind::of(shown.with) {
@@ -100,7 +101,7 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
     });
     let (clicked, probed) = table_ui(ui, model, side, &shown);
     if let Some(row) = probed.and_then(|row| shown.rows.get(row)) {
-        model.probe_place(side, row.pos_image);
+        model.ask_probe(side, row.question());
     }
     if let Some(row) = clicked {
         select(model, side, &shown, Some(row));
@@ -192,10 +193,10 @@ fn table_ui(ui: &mut Ui, model: &mut Model, side: Side, shown: &Shown) -> (Optio
 
 fn cells(row: &Row) -> [String; 5] {
     [
-        format!("{:.1}", row.pos_image[0]),
-        format!("{:.1}", row.pos_image[1]),
+        fixed(row.pos_image[0], 1),
+        fixed(row.pos_image[1], 1),
         format!("{:.2}", row.sigma),
-        row.slope.map_or_else(|| "–".to_owned(), |s| format!("{:+.2}, {:+.2}", s.u, s.v)),
+        row.slope.map_or_else(|| "–".to_owned(), |s| signed_slope(s, 2)),
         row.feature.map_or_else(|| "–".to_owned(), |index| format!("#{}", index + 1)),
     ]
 }
@@ -282,7 +283,7 @@ fn select(model: &mut Model, side: Side, shown: &Shown, row: Option<usize>) {
 }
 
 fn tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
-    let slope = row.slope.map_or_else(String::new, |s| format!("  slope ({:+.2}, {:+.2}) px/frame", s.u, s.v));
+    let slope = row.slope.map_or_else(String::new, |s| format!("  slope ({}) px/frame", signed_slope(s, 2)));
     let note = if row.note.is_empty() { String::new() } else { format!("\n{}", row.note) };
     let text = format!("{}  σ {:.2} px{slope}{note}", shown.label(row.kind), row.sigma);
     let (id, anchor) = (egui::Id::unique("compared tip"), egui::PopupAnchor::Pointer);
@@ -342,6 +343,7 @@ mod tests {
             sigma: 2.345,
             slope: None,
             feature: None,
+            candidate: None,
             note: String::new(),
         };
         assert_eq!(cells(&row), ["10.0", "20.0", "2.35", "–", "–"]);

@@ -6,13 +6,15 @@ use crate::app::panel::against::{self, marks_ui};
 use crate::app::panel::legend;
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::project::Model;
-use crate::app::project::explained::coherence_words;
+use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
+use crate::app::view::signed_slope;
 use crate::detector::{Detection, Feature, Slope, SlopeGrid};
-use egui::{Pos2, RichText, Ui, vec2};
+use crate::inspect::verdict::Judged;
+use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
 /// Options for features over one picture.
@@ -181,8 +183,8 @@ pub fn features_ui(
         && !output.response.dragged()
     {
         let name = layer.method.map_or_else(|| format!("#{}", i + 1), |method| method.label().to_owned());
-        let coherence = model.coherence.of(&layer.detection).and_then(|values| values.get(i).copied());
-        tip_ui(ui, &name, &layer.placed[i], coherence);
+        let judged = model.coherence.of(&layer.detection).and_then(|values| values.get(i));
+        tip_ui(ui, &name, &layer.placed[i], judged);
     }
     if options.legend && !layer.placed.is_empty() {
         let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
@@ -241,21 +243,27 @@ fn near_slope(grid: &SlopeGrid) -> f32 {
 }
 
 /// Shows the numbers of the feature under the pointer.
-fn tip_ui(ui: &Ui, name: &str, f: &Feature, coherence: Option<Option<f32>>) {
-    let coherence = coherence.map_or_else(String::new, |c| format!("\ncoherence {}", coherence_words(c)));
+fn tip_ui(ui: &Ui, name: &str, f: &Feature, judged: Option<&Judged>) {
+    let coherence = judged.map_or_else(String::new, |j| format!("\ncoherence {}", coherence_words(j.coherence)));
     let text = format!(
-        "{name}  σ {:.2} px\nslope ({:+.2}, {:+.2}) px/frame\nresponse {}  SNR {:.1}{coherence}",
+        "{name}  σ {:.2} px\nslope ({}) px/frame\nresponse {}  SNR {:.1}{coherence}",
         f.sigma,
-        f.slope.u,
-        f.slope.v,
+        signed_slope(f.slope, 2),
         signed_number(f.response, 3),
         f.snr
     );
     let (id, anchor) = (egui::Id::unique("feature tip"), egui::PopupAnchor::Pointer);
-    egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
-        .gap(14.0)
-        .show(|ui| ui.label(RichText::new(text).monospace()));
+    egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor).gap(14.0).show(|ui| {
+        ui.label(RichText::new(text).monospace());
+        if let Some(judged) = judged {
+            ui.set_max_width(TIP_WIDTH);
+            ui.add(Label::new(verdict_words(judged)).wrap());
+        }
+    });
 }
+
+/// Width of the sentence in a feature's tip, points.
+const TIP_WIDTH: f32 = 320.0;
 
 /// Reason why features are grey, if some are.
 fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) -> Option<String> {

@@ -91,9 +91,11 @@ fn field_ui(ui: &mut Ui, field: Field<'_>, drag: &Drag, label: Id, frame_count: 
 /// Field for a number with the record's speed, suffix and word for 0.
 fn dragged<'a>(field: DragValue<'a>, drag: &Drag) -> DragValue<'a> {
     let field = field.speed(drag.speed).suffix(drag.suffix);
-    let Some(word) = drag.zero else { return field };
+    let (Some(word), decimals) = (drag.zero, drag.decimals) else { return field };
+    // A value that would be shown as 0 is 0.
+    let least = 0.5 * 0.1f64.powi(decimals as i32);
     field
-        .custom_formatter(move |n, _| if n < 0.5 { word.to_owned() } else { format!("{n:.0}") })
+        .custom_formatter(move |n, _| if n < least { word.to_owned() } else { format!("{n:.decimals$}") })
         .custom_parser(move |text| if text.trim() == word { Some(0.0) } else { text.trim().parse().ok() })
 }
 

@@ -5,7 +5,9 @@ use crate::app::canvas::{self, Quantity, Readout, overlay};
 use crate::app::project::look::{FeaturesShown, RangeClass};
 use crate::app::project::{Model, Stale};
 use crate::app::style;
+use crate::app::view::fixed;
 use crate::detector::{Detection, Feature, Slope};
+use crate::inspect::verdict::Judged;
 use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
@@ -79,7 +81,7 @@ impl PictureState {
         &mut self,
         by: overlay::ColourBy,
         detection: &Arc<Detection>,
-        coherences: Option<&Arc<Vec<Option<f32>>>>,
+        coherences: Option<&Arc<Vec<Judged>>>,
     ) -> overlay::ColourScale {
         let scale = match &self.scale {
             Some((of, scale)) if Arc::ptr_eq(of, detection) && scale.by == by => scale.clone(),
@@ -158,7 +160,7 @@ fn describe_request(request: &PictureRequest) -> String {
     };
     let about = request.kind.about();
     let at = about.scale.map(|(octave, level)| format!("  ·  octave {octave}, level {level}"));
-    let of = about.slope.map(|Slope { u, v }| format!("  ·  slope ({u:.2}, {v:.2}) px/frame"));
+    let of = about.slope.map(|Slope { u, v }| format!("  ·  slope ({}, {}) px/frame", fixed(u, 2), fixed(v, 2)));
     format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())
 }
 

@@ -6,13 +6,18 @@ use crate::app::canvas::overlay::circle_radius_image;
 use crate::app::canvas::signed_number;
 use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
+use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::workspace::Workspace;
+use crate::app::view::{fixed, signed_slope};
 use crate::detector::{Descriptor, Feature};
+use crate::inspect::verdict::{Judged, Verdict};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::sample_patch_turned;
 use crate::requests::PictureKind;
-use egui::{Color32, Rect, RichText, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2};
+use egui::{
+    Color32, Label, Rect, RichText, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
+};
 use std::sync::Arc;
 
 /// State of the panel, kept between passes: the two patches.
@@ -51,7 +56,11 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
         ui.add_space(4.0);
         patches_ui(ui, model, state, &feature);
         ui.add_space(4.0);
-        numbers_ui(ui, index, &feature, model.coherence_text(index));
+        let judged = model.judged().and_then(|judged| judged.get(index)).cloned();
+        if let Some(judged) = &judged {
+            verdict_ui(ui, judged);
+        }
+        numbers_ui(ui, index, &feature, judged.map(|judged| coherence_words(judged.coherence)));
         ui.add_space(6.0);
         let descriptor = model.slots.a.found.as_ref().and_then(|f| f.detection.descriptors.get(index).copied());
         if let Some(descriptor) = descriptor {
@@ -63,6 +72,16 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
     });
 }
 
+/// Draws the verdict about the feature, with its reason.
+fn verdict_ui(ui: &mut Ui, judged: &Judged) {
+    let colour = match judged.verdict {
+        Verdict::Real | Verdict::Unclear => ui.visuals().text_color(),
+        Verdict::Ghost | Verdict::Alias | Verdict::Duplicate => crate::app::style::warning(ui),
+    };
+    ui.add(Label::new(RichText::new(verdict_words(judged)).color(colour)).wrap());
+    ui.add_space(4.0);
+}
+
 fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>) {
     egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0).show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
@@ -70,14 +89,18 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>)
         row(
             "Place (u, v)",
             "At mid-burst, pixels; the centre of the first pixel is (0, 0)",
-            format!("{:.2}, {:.2} px", f.u, f.v),
+            format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2)),
         );
         row("Scale σ", "Of the blob, in input pixels", format!("{:.2} px", f.sigma));
-        row("Orientation", "From +u towards +v, clockwise on screen", format!("{:.1}°", f.orientation.to_degrees()));
+        row(
+            "Orientation",
+            "From +u towards +v, clockwise on screen",
+            format!("{}°", fixed(f.orientation.to_degrees(), 1)),
+        );
         row(
             "Slope (u, v)",
             "Apparent motion, refined between the grid's slopes",
-            format!("{:+.3}, {:+.3} px/frame", f.slope.u, f.slope.v),
+            format!("{} px/frame", signed_slope(f.slope, 3)),
         );
         row("Speed", "Length of the slope", format!("{:.3} px/frame", f.slope.magnitude()));
         row(

@@ -5,8 +5,10 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::{progress_text, with_whole_numbers};
 use crate::app::project::Model;
 use crate::app::project::messages::Messages;
+use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::recovery::{Offer, RecoveryChoice};
+use crate::detector::ParamChange;
 use crate::inspect::words::counted;
 use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
 use std::time::Duration;
@@ -193,6 +195,11 @@ pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let text = RichText::new(with_whole_numbers(&advice.for_window())).color(crate::app::style::warning(ui));
         ui.horizontal_wrapped(|ui| {
             ui.add(Label::new(text).wrap()).on_hover_text(advice.parameter.help());
+            let change = ParamChange { parameter: advice.parameter, value: advice.value.clone() };
+            let price = model.price_of(Side::A, &change, None).text();
+            if !price.is_empty() {
+                ui.weak(format!("({price})"));
+            }
             if model.features().is_empty() && model.workspace == Workspace::Inspect {
                 button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
             }

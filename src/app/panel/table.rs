@@ -9,6 +9,7 @@ use crate::app::project::filter::{Column, Interval, Order};
 use crate::app::project::side::Side;
 use crate::app::words::{explained, word};
 use crate::detector::Feature;
+use crate::inspect::verdict::Verdict;
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};
 
@@ -34,6 +35,8 @@ impl SortedColumn for Column {
             Self::Octave => Some("octave"),
             Self::Level => Some("level"),
             Self::AtSlopeLimit => Some("slope-limit"),
+            Self::Coherence => Some("coherence"),
+            Self::Verdict => Some("ghost"),
         }
     }
 
@@ -41,9 +44,9 @@ impl SortedColumn for Column {
         match self {
             Self::Rank | Self::Sigma | Self::Octave => 34.0,
             Self::Level | Self::AtSlopeLimit => 36.0,
-            Self::Orientation | Self::Snr => 40.0,
+            Self::Orientation | Self::Snr | Self::Coherence => 40.0,
             Self::U | Self::V | Self::SlopeU | Self::SlopeV => 46.0,
-            Self::Response => 64.0,
+            Self::Response | Self::Verdict => 64.0,
         }
     }
 }
@@ -60,7 +63,10 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     }
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let listed = Listed { items: &model.listed, selected: model.selected, hovered: model.hovered };
-    let text = |column: Column, index: usize| column.text(index, &model.features()[index]);
+    let judged = model.judged().cloned();
+    let text = |column: Column, index: usize| {
+        column.text(index, &model.features()[index], judged.as_ref().and_then(|judged| judged.get(index)))
+    };
     let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
         let Some(feature) = model.features().get(index) else { return };
@@ -229,6 +235,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         ui.set_min_width(330.0);
         ranges_ui(ui, model);
         ui.separator();
+        verdict_ui(ui, model);
         ui.checkbox(&mut model.filter.hide_slope_limit, "Hide features at the slope limit")
             .on_hover_text("Their slope is at the end of the searched range, so their true motion may lie beyond it");
         near_slope_ui(ui, model);
@@ -248,26 +255,34 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 fn ranges_ui(ui: &mut Ui, model: &mut Model) {
     let found = model.slots.a.found.clone();
     let features: &[Feature] = found.as_ref().map_or(&[], |f| &f.detection.features);
-    range_ui(ui, "Slope u", "px/frame", features, |f| f.slope.u, &mut model.filter.slope_u);
-    range_ui(ui, "Slope v", "px/frame", features, |f| f.slope.v, &mut model.filter.slope_v);
-    range_ui(ui, "Scale σ", "px", features, |f| f.sigma, &mut model.filter.sigma);
-    range_ui(ui, "|Response|", "of full scale", features, |f| f.response.abs(), &mut model.filter.response);
+    let of = |value: fn(&Feature) -> f32| ends(features.iter().map(value));
+    range_ui(ui, "Slope u", "px/frame", of(|f| f.slope.u), &mut model.filter.slope_u);
+    range_ui(ui, "Slope v", "px/frame", of(|f| f.slope.v), &mut model.filter.slope_v);
+    range_ui(ui, "Scale σ", "px", of(|f| f.sigma), &mut model.filter.sigma);
+    range_ui(ui, "|Response|", "of full scale", of(|f| f.response.abs()), &mut model.filter.response);
+    range_ui(ui, "Coherence", "those too noisy to tell pass", (0.0, 1.0), &mut model.filter.coherence);
 }
 
-/// Draws two handles over the range of the features' values; the whole range accepts all.
-fn range_ui(
-    ui: &mut Ui,
-    label: &str,
-    unit: &str,
-    features: &[Feature],
-    value: fn(&Feature) -> f32,
-    interval: &mut Option<Interval>,
-) {
-    let (low, high) = features
-        .iter()
-        .map(value)
-        .filter(|x| x.is_finite())
-        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+/// Draws the choice of the verdict.
+fn verdict_ui(ui: &mut Ui, model: &mut Model) {
+    ui.horizontal_wrapped(|ui| {
+        crate::app::panel::widgets::label_ui(ui, "Verdict", 70.0).on_hover_text(Column::Verdict.help());
+        let text = |verdict: Option<Verdict>| verdict.map_or("all", Verdict::word);
+        // No list that unfolds: a click on one would close the menu.
+        for verdict in std::iter::once(None).chain(Verdict::ALL.map(Some)) {
+            ui.selectable_value(&mut model.filter.verdict, verdict, text(verdict));
+        }
+    });
+}
+
+/// Smallest and largest of the finite values.
+fn ends(values: impl Iterator<Item = f32>) -> (f32, f32) {
+    let finite = values.filter(|x| x.is_finite());
+    finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+}
+
+/// Draws two handles over a range, that of the features' values; the whole range accepts all.
+fn range_ui(ui: &mut Ui, label: &str, unit: &str, (low, high): (f32, f32), interval: &mut Option<Interval>) {
     ui.horizontal(|ui| {
         let name = crate::app::panel::widgets::label_ui(ui, label, 70.0).on_hover_text(format!("{label}, {unit}"));
         if high <= low {

@@ -8,6 +8,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
+use crate::app::view::signed_slope;
 use crate::detector::advice::grouped;
 use crate::detector::{NoiseGate, Slope, Test};
 use crate::inspect::candidates::{CandidateMark, Survey};
@@ -245,14 +246,13 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
         (None, _) => "kept".to_owned(),
     };
     format!(
-        "candidate at ({}, {})  σ {:.2} px\noctave {} level {}  slope ({:+.2}, {:+.2}) px/frame\nD {:+.5}  SNR {:.1}\n{fails}",
+        "candidate at ({}, {})  σ {:.2} px\noctave {} level {}  slope ({}) px/frame\nD {:+.5}  SNR {:.1}\n{fails}",
         number(u, 4),
         number(v, 4),
         mark.sigma,
         mark.octave,
         mark.level,
-        slope.u,
-        slope.v,
+        signed_slope(slope, 2),
         mark.value,
         mark.snr
     )

@@ -1,16 +1,18 @@
 //! Explanations of detections: the slopes and the candidates of the one on show, and how evenly the frames contribute to
 //! each feature of either burst (its coherence).
 
-use crate::app::project::Model;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{BottomTab, Model};
 use crate::app::view::ColourBy;
 use crate::detector::params::doc;
 use crate::detector::{Detection, DetectorParams, Method, ParamChange, ParamError, SlopeChoice, Test};
 use crate::engine::{Engine, Wanted};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
+use crate::inspect::verdict::Judged;
+use crate::inspect::words::counted_from_one;
 use crate::requests::{
     CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Request, Running,
 };
@@ -18,7 +20,7 @@ use std::sync::Arc;
 
 /// Detection time, seconds, above which the slopes are examined only on the user's request: that takes nearly as long
 /// again.
-const SHORT_SECS: f32 = 5.0;
+pub(in crate::app) const SHORT_SECS: f32 = 5.0;
 
 /// Explanations that are known, the requests for them, and the user's choices.
 #[derive(Debug, Default)]
@@ -200,8 +202,8 @@ impl CoherenceState {
         self.wanted.both().into_iter().find_map(Wanted::running)
     }
 
-    /// Coherences of the features of `detection`, if they are known.
-    pub fn of(&self, detection: &Arc<Detection>) -> Option<&Arc<Vec<Option<f32>>>> {
+    /// Coherences and verdicts of the features of `detection`, if they are known.
+    pub fn of(&self, detection: &Arc<Detection>) -> Option<&Arc<Vec<Judged>>> {
         self.known.iter().find(|known| Arc::ptr_eq(&known.detection, detection)).map(|known| &known.values)
     }
 
@@ -219,6 +221,14 @@ impl CoherenceState {
 }
 
 impl Model {
+    /// Whether coherences and verdicts of A's features are listed: in the open table, by its filter or order, or for the
+    /// selected feature.
+    fn lists_verdicts(&self) -> bool {
+        let is_in_table = self.shows_bottom() && self.bottom_tab == BottomTab::Table;
+        self.workspace == Workspace::Inspect
+            && (is_in_table || self.filter.needs_verdicts() || self.selected_feature().is_some())
+    }
+
     /// The request for the features of `side`, if their coherence is to be shown and not known yet. A running detection
     /// comes first.
     pub fn missing_coherence(&self, side: Side) -> Option<CoherenceRequest> {
@@ -229,7 +239,8 @@ impl Model {
             }
             _ => false,
         };
-        if self.colour_by != ColourBy::Coherence || !is_shown || self.slots[side].detecting.is_pending() {
+        let is_asked = self.colour_by == ColourBy::Coherence && is_shown || side == Side::A && self.lists_verdicts();
+        if !is_asked || self.slots[side].detecting.is_pending() {
             return None;
         }
         let (of, detection) = (self.found_source(side)?, self.found_of(side)?.detection.clone());
@@ -261,11 +272,17 @@ impl Model {
         }
     }
 
-    /// The coherence of a feature of the first burst in words; `None` while it is not known.
-    pub fn coherence_text(&self, index: usize) -> Option<String> {
-        let detection = &self.slots.a.found.as_ref()?.detection;
-        Some(coherence_words(*self.coherence.of(detection)?.get(index)?))
+    /// The coherences and verdicts of the features of the first burst; `None` while they are not known.
+    pub fn judged(&self) -> Option<&Arc<Vec<Judged>>> {
+        self.coherence.of(&self.slots.a.found.as_ref()?.detection)
     }
+}
+
+/// A verdict with its reason, as sentences. Features are counted from 1.
+pub fn verdict_words(judged: &Judged) -> String {
+    let clause = judged.verdict.clause();
+    let (first, rest) = clause.split_at(1);
+    format!("{}{rest}: {}.", first.to_uppercase(), counted_from_one(&judged.why))
 }
 
 /// A coherence in words; `None` is too noisy to tell.

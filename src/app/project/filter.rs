@@ -1,8 +1,9 @@
 //! Filter and sort order of the features, and the list that results: what the table shows, and steps through it.
 
 use crate::app::project::{Model, filter};
-use crate::app::view::{signed_number, without_minus_zero};
+use crate::app::view::{fixed, signed, signed_number};
 use crate::detector::{Feature, Slope};
+use crate::inspect::verdict::{Judged, Verdict};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -35,6 +36,10 @@ pub struct Filter {
     pub response: Option<Interval>,
     /// Whether features at the limit of the slopes are hidden.
     pub hide_slope_limit: bool,
+    /// Coherence of the frames' responses, 0 … 1. Features without one (too noisy to tell) pass.
+    pub coherence: Option<Interval>,
+    /// Verdict on the feature.
+    pub verdict: Option<Verdict>,
     /// Largest distance of a feature's slope from the slope on show, pixels per frame.
     pub near_slope: Option<f32>,
 }
@@ -45,19 +50,29 @@ impl Filter {
         *self == Self::default()
     }
 
-    /// Whether `feature` passes, when the slope on show is `slope`.
-    pub fn passes(&self, feature: &Feature, slope: crate::detector::Slope) -> bool {
+    /// Whether it depends on what is judged of the features.
+    pub fn needs_verdicts(&self) -> bool {
+        self.coherence.is_some() || self.verdict.is_some()
+    }
+
+    /// Whether `feature` passes, when the slope on show is `slope`; `judged` is what is known of it. Before that is
+    /// known, it passes.
+    pub fn passes(&self, feature: &Feature, judged: Option<&Judged>, slope: crate::detector::Slope) -> bool {
         let inside = |limit: Option<Interval>, x: f32| limit.is_none_or(|i| i.holds(x));
         inside(self.slope_u, feature.slope.u)
             && inside(self.slope_v, feature.slope.v)
             && inside(self.sigma, feature.sigma)
             && inside(self.response, feature.response.abs())
+            && judged.is_none_or(|judged| {
+                judged.coherence.is_none_or(|coherence| inside(self.coherence, coherence))
+                    && self.verdict.is_none_or(|verdict| judged.verdict == verdict)
+            })
             && !(self.hide_slope_limit && feature.at_slope_limit)
             && self.near_slope.is_none_or(|limit| (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) <= limit)
     }
 }
 
-/// Columns of the table, which are those of the CSV; the most important come first.
+/// Columns of the table: those of the CSV, and the verdict; the most important come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Column {
@@ -86,11 +101,15 @@ pub enum Column {
     Level,
     /// Whether it is at the limit of the slopes.
     AtSlopeLimit,
+    /// How alike the frames respond.
+    Coherence,
+    /// Likely nature.
+    Verdict,
 }
 
 impl Column {
     /// All columns, from left to right.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Rank,
         Self::U,
         Self::V,
@@ -98,6 +117,8 @@ impl Column {
         Self::SlopeU,
         Self::SlopeV,
         Self::Snr,
+        Self::Coherence,
+        Self::Verdict,
         Self::Response,
         Self::Orientation,
         Self::Octave,
@@ -120,6 +141,8 @@ impl Column {
             Self::Octave => "Oct.",
             Self::Level => "Level",
             Self::AtSlopeLimit => "Limit",
+            Self::Coherence => "Coher.",
+            Self::Verdict => "Verdict",
         }
     }
 
@@ -135,6 +158,12 @@ impl Column {
             Self::SlopeV => "Apparent motion downwards, in pixels per frame",
             Self::Response => "Interpolated DoG value, as a fraction of full scale; bright blobs are negative",
             Self::Snr => "|response| over the standard deviation of the noise in D",
+            Self::Coherence => {
+                "How alike the frames respond along its motion, 0 to 1; about the share of frames that respond"
+            }
+            Self::Verdict => {
+                "Likely real, a ghost of another motion, an alias of a periodic texture, a duplicate, or unclear"
+            }
             Self::Octave => "Octave in which it was found; −1 is the doubled image",
             Self::Level => "Level within the octave",
             Self::AtSlopeLimit => {
@@ -143,8 +172,8 @@ impl Column {
         }
     }
 
-    /// The value by which the column sorts.
-    pub fn value(self, index: usize, feature: &Feature) -> f32 {
+    /// The value by which the column sorts; `judged` is what is known of the feature. What is not known is greatest.
+    pub fn value(self, index: usize, feature: &Feature, judged: Option<&Judged>) -> f32 {
         match self {
             Self::Rank => index as f32,
             Self::U => feature.u,
@@ -158,38 +187,48 @@ impl Column {
             Self::Octave => feature.octave as f32,
             Self::Level => feature.level as f32,
             Self::AtSlopeLimit => f32::from(u8::from(feature.at_slope_limit)),
+            Self::Coherence => judged.and_then(|judged| judged.coherence).unwrap_or(f32::INFINITY),
+            Self::Verdict => judged.map_or(f32::INFINITY, |judged| judged.verdict as u8 as f32),
         }
     }
 
-    /// The value as the table shows it.
-    pub fn text(self, index: usize, feature: &Feature) -> String {
+    /// The value as the table shows it; `judged` is what is known of the feature.
+    pub fn text(self, index: usize, feature: &Feature, judged: Option<&Judged>) -> String {
         match self {
             Self::Rank => (index + 1).to_string(),
-            Self::U => format!("{:.2}", feature.u),
-            Self::V => format!("{:.2}", feature.v),
+            Self::U => fixed(feature.u, 2),
+            Self::V => fixed(feature.v, 2),
             Self::Sigma => format!("{:.2}", feature.sigma),
-            Self::Orientation => format!("{:.0}°", feature.orientation.to_degrees()),
-            Self::SlopeU => without_minus_zero(format!("{:+.2}", feature.slope.u)),
-            Self::SlopeV => without_minus_zero(format!("{:+.2}", feature.slope.v)),
+            Self::Orientation => format!("{}°", fixed(feature.orientation.to_degrees(), 0)),
+            Self::SlopeU => signed(feature.slope.u, 2),
+            Self::SlopeV => signed(feature.slope.v, 2),
             Self::Response => signed_number(feature.response, 3),
             Self::Snr => format!("{:.1}", feature.snr),
             Self::Octave => feature.octave.to_string(),
             Self::Level => feature.level.to_string(),
             Self::AtSlopeLimit => if feature.at_slope_limit { "yes" } else { "" }.to_owned(),
+            Self::Coherence => match judged {
+                Some(judged) => judged.coherence.map_or_else(|| "?".to_owned(), |c| format!("{c:.2}")),
+                None => "…".to_owned(),
+            },
+            Self::Verdict => judged.map_or("…", |judged| judged.verdict.word()).to_owned(),
         }
     }
 }
 
-/// Indices of the features that pass the filter at `slope`, sorted by `order`.
+/// Indices of the features that pass the filter at `slope`, sorted by `order`; `judged` is what is known of them.
 pub fn listed(
     features: &[Feature],
+    judged: Option<&[Judged]>,
     filter: &Filter,
     slope: crate::detector::Slope,
     order: Order<Column>,
 ) -> Vec<usize> {
-    let mut indices: Vec<usize> = (0..features.len()).filter(|&i| filter.passes(&features[i], slope)).collect();
+    let of = |index: usize| judged.and_then(|judged| judged.get(index));
+    let mut indices: Vec<usize> = (0..features.len()).filter(|&i| filter.passes(&features[i], of(i), slope)).collect();
     indices.sort_by(|&a, &b| {
-        let by = order.column.value(a, &features[a]).total_cmp(&order.column.value(b, &features[b]));
+        let value = |index: usize| order.column.value(index, &features[index], of(index));
+        let by = value(a).total_cmp(&value(b));
         let by = if order.descending { by.reverse() } else { by };
         by.then(a.cmp(&b))
     });
@@ -200,6 +239,7 @@ pub fn listed(
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ListedFor {
     detection: usize,
+    judged: usize,
     filter: Filter,
     order: Order<Column>,
     slope: Slope,
@@ -215,14 +255,22 @@ impl Model {
         };
         // The slope on show matters only to the filter by slope.
         let slope = if self.filter.near_slope.is_some() { self.cursor().slope } else { Slope::default() };
+        let judged = self.coherence.of(&found.detection);
         let now = ListedFor {
             detection: Arc::as_ptr(&found.detection) as usize,
+            judged: judged.map_or(0, |judged| Arc::as_ptr(judged) as usize),
             filter: self.filter,
             order: self.order,
             slope,
         };
         if self.listed_for.as_ref() != Some(&now) {
-            self.listed = filter::listed(&found.detection.features, &self.filter, slope, self.order);
+            self.listed = filter::listed(
+                &found.detection.features,
+                judged.map(|judged| &judged[..]),
+                &self.filter,
+                slope,
+                self.order,
+            );
             self.listed_for = Some(now);
         }
     }
@@ -306,20 +354,20 @@ mod tests {
         let mut filter = Filter::default();
         assert!(filter.is_open());
         let order = Order::default().clicked(Column::U);
-        assert_eq!(listed(&features, &filter, slope, order), [1, 2, 0]);
-        assert_eq!(listed(&features, &filter, slope, order.clicked(Column::U)), [0, 2, 1]);
+        assert_eq!(listed(&features, None, &filter, slope, order), [1, 2, 0]);
+        assert_eq!(listed(&features, None, &filter, slope, order.clicked(Column::U)), [0, 2, 1]);
         filter.sigma = Some(Interval { min: 3.0, max: 9.0 });
-        assert_eq!(listed(&features, &filter, slope, Order::default()), [1, 2]);
+        assert_eq!(listed(&features, None, &filter, slope, Order::default()), [1, 2]);
         filter.hide_slope_limit = true;
-        assert_eq!(listed(&features, &filter, slope, Order::default()), [1]);
+        assert_eq!(listed(&features, None, &filter, slope, Order::default()), [1]);
         let near = Filter { near_slope: Some(0.5), ..Filter::default() };
-        assert_eq!(listed(&features, &near, slope, Order::default()), [0]);
+        assert_eq!(listed(&features, None, &near, slope, Order::default()), [0]);
     }
 
     #[test]
     fn a_response_of_a_dark_burst_is_not_nought() {
         let dark = Feature { response: -0.000_021_7, ..feature(5.0, 2.0, 3.0) };
-        assert_eq!(Column::Response.text(0, &dark), "−2.17e−5");
+        assert_eq!(Column::Response.text(0, &dark, None), "−2.17e−5");
     }
 
     #[test]
@@ -327,7 +375,7 @@ mod tests {
         let feature = feature(5.0, 2.0, 3.0);
         for column in Column::ALL {
             assert!(!column.heading().is_empty() && !column.help().is_empty());
-            assert!(!column.text(0, &feature).is_empty(), "{column:?}");
+            assert!(!column.text(0, &feature, None).is_empty(), "{column:?}");
         }
     }
 }

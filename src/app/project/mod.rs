@@ -22,6 +22,7 @@ pub mod pair;
 pub mod panels;
 pub mod panes;
 mod pictures;
+pub mod prices;
 pub mod probe;
 pub mod side;
 pub mod slot;
@@ -144,6 +145,8 @@ pub struct Model {
     pub explained: ExplainedState,
     /// Coherences of the features: how evenly the frames contribute to each.
     pub coherence: CoherenceState,
+    /// Prices of the changes on offer.
+    pub prices: prices::Prices,
     /// The place that is probed.
     pub probe: ProbeModel,
     /// Whether a lesson is open; everything here then belongs to it.

@@ -9,6 +9,7 @@ use crate::app::project::cursor::Cursor;
 use crate::app::project::side::Side;
 use crate::app::project::{Effect, Model};
 use crate::app::view::View;
+use crate::app::view::fixed;
 use crate::burst::{self, OpenOptions};
 use crate::detector::{
     Advice, Detection, DetectorParams, Feature, Method, ParamError, SearchParams, Slope, SlopeFinding, SlopeGrid,
@@ -433,7 +434,11 @@ impl Model {
             let slope = grid.slope(index);
             self.panes.get_mut(id).into_iter().for_each(|pane| pane.cursor.slope = slope);
             let Slope { u, v } = slope;
-            self.messages.note(format!("Most features ({count}) are at slope ({u:.2}, {v:.2}) px/frame"));
+            self.messages.note(format!(
+                "Most features ({count}) are at slope ({}, {}) px/frame",
+                fixed(u, 2),
+                fixed(v, 2)
+            ));
         }
     }
 }

@@ -6,6 +6,7 @@ mod pan_zoom;
 
 pub use pan_zoom::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
 
+use crate::detector::Slope;
 use serde::{Deserialize, Serialize};
 
 /// Quantity that the colour of a feature shows.
@@ -104,6 +105,23 @@ pub fn signed_number(value: f32, digits: usize) -> String {
     if value > 0.0 { format!("+{text}") } else { text }
 }
 
+/// Formats with `decimals` decimals; a number that rounds to zero has no minus.
+pub fn fixed(value: f32, decimals: usize) -> String {
+    without_minus_zero(format!("{value:.decimals$}"))
+}
+
+/// Formats as [`fixed`] does, with a `+` before positive numbers; zero has no sign.
+pub fn signed(value: f32, decimals: usize) -> String {
+    let text = format!("{value:+.decimals$}");
+    let is_zero = !text.contains(|c: char| ('1'..='9').contains(&c)) && value.is_finite();
+    if is_zero { text.trim_start_matches(['+', '-']).to_owned() } else { text }
+}
+
+/// Formats a slope's two parts as [`signed`] does: `+1.25, -0.50`.
+pub fn signed_slope(slope: Slope, decimals: usize) -> String {
+    format!("{}, {}", signed(slope.u, decimals), signed(slope.v, decimals))
+}
+
 /// Drops the minus sign of a number that was rounded to zero: `-0.00` becomes `0.00`.
 pub fn without_minus_zero(text: String) -> String {
     let is_zero = !text.contains(|c: char| ('1'..='9').contains(&c)) && text.contains('0');
@@ -120,6 +138,12 @@ mod tests {
         for (text, wanted) in cases {
             assert_eq!(without_minus_zero(text.to_owned()), wanted);
         }
+        assert_eq!([fixed(-0.004, 2), fixed(-0.006, 2), fixed(0.0, 1)], ["0.00", "-0.01", "0.0"]);
+        assert_eq!(
+            [signed(-0.004, 2), signed(0.004, 2), signed(-0.0, 1), signed(2.5, 1)],
+            ["0.00", "0.00", "0.0", "+2.5"]
+        );
+        assert_eq!(signed_slope(Slope::new(-0.001, -1.5), 2), "0.00, -1.50");
         let mut style = egui::Style::default();
         crate::app::style::numbers(&mut style);
         assert_eq!(style.number_formatter.format(-0.001, 2..=2), "0.00");

@@ -129,7 +129,18 @@ pub(in crate::detector) fn point_response(
     let (planes, offsets) = (frames.planes(), frames.offsets(slope, interpolation));
     let planes: Vec<&Plane> = chosen.iter().map(|&index| planes[index]).collect();
     let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
-    let from = frames.sigma_octave(&offsets);
+    response_of(frames, (&planes, &offsets), (space, octave, levels), size_image, place)
+}
+
+/// As [`point_response`], for the mean of the frames `planes` of `frames`, read at `offsets`.
+pub(in crate::detector) fn response_of(
+    frames: &OctaveFrames<'_>,
+    (planes, offsets): (&[&Plane], &[FrameOffset]),
+    (space, octave, levels): (&ScaleSpace, i32, Range<i32>),
+    size_image: (usize, usize),
+    place: (f32, f32),
+) -> Vec<f32> {
+    let from = frames.sigma_octave(offsets);
     let kernel = |s: i32| {
         let sigma = space.sigma_octave(f64::from(s));
         GaussianKernel::new((sigma * sigma - from * from).max(0.0).sqrt())
@@ -140,7 +151,7 @@ pub(in crate::detector) fn point_response(
     let inside = |x: f32, n: usize| (x / pixel).clamp(0.0, n as f32 - 1.0);
     let (x, y) = (inside(place.0, size.0), inside(place.1, size.1));
     let reach = kernels.last().map_or(0, GaussianKernel::radius);
-    let base: Base<'_> = frames.base(&planes, &offsets);
+    let base: Base<'_> = frames.base(planes, offsets);
     let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
     base.patch(size, around(x, reach), around(y, reach), &mut scratch, &mut patch);
     let weighted: Vec<f32> = kernels.iter().map(|kernel| weighted(&patch, kernel, reach)).collect();

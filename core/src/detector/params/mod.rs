@@ -55,6 +55,11 @@ impl DetectorParams {
         if self.used_slopes().len() == 1 { SlopeExtrema::Each } else { self.slope_extrema }
     }
 
+    /// Min coherence that takes part: a single image has one frame, which agrees with itself.
+    pub fn used_coherence(&self) -> f32 {
+        if self.method == Method::Buff { self.coherence } else { 0.0 }
+    }
+
     /// Texts of the parameters that decide the result of `stage`: those of this stage and of the ones before it.
     pub fn deciding(&self, stage: Stage) -> Vec<String> {
         doc::ALL.iter().filter(|record| record.stage <= stage).map(|record| record.text(self)).collect()
@@ -112,7 +117,7 @@ mod tests {
     #[test]
     fn nonsense_is_named_with_its_remedy() {
         let good = DetectorParams::default;
-        let cases: [(DetectorParams, &str); 9] = [
+        let cases: [(DetectorParams, &str); 10] = [
             (DetectorParams { slopes: SlopeGrid::line(3.0..=-3.0, 7), ..good() }, "slopes-u"),
             (DetectorParams { slopes: SlopeGrid::line(0.0..=0.0, 2), ..good() }, "slopes-u"),
             (DetectorParams { slopes: SlopeGrid::plane(0.0..=1.0, 100, 0.0..=1.0, 100), ..good() }, "slopes-v"),
@@ -122,6 +127,7 @@ mod tests {
             (DetectorParams { peak_threshold: f32::NAN, ..good() }, "peak-threshold"),
             (DetectorParams { edge_threshold: 0.5, ..good() }, "edge-threshold"),
             (DetectorParams { noise_gate: NoiseGate::Factor(-1.0), ..good() }, "noise-gate"),
+            (DetectorParams { coherence: 1.5, ..good() }, "coherence"),
         ];
         for (params, name) in cases {
             assert_eq!(params.validate().expect_err(name).parameter, name);

@@ -1,8 +1,8 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
 //! The inputs give the frames that take part and their noise; the [search](crate::detector::search) goes through
-//! octaves, tiles and slopes and finds keypoints. Then of the keypoints on one blob the strongest stays, and those that
-//! stay are localised, described and ranked. The data for explaining the detection is gathered in a [`Trail`], which
+//! octaves, tiles and slopes and finds keypoints. Then of the keypoints on one blob the strongest stays; those that stay
+//! are localised and described, tested for their [coherence](crate::detector::coherence) if requested, and ranked. The data for explaining the detection is gathered in a [`Trail`], which
 //! judges single samples ([`Judgement`]).
 
 #[cfg(test)]
@@ -16,6 +16,7 @@ use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally, Test};
 use super::memory::{self, Account, OF_PROCESS, Plan};
 use super::params::DetectorParams;
 use crate::burst::Burst;
+use crate::detector::coherence::Along;
 use crate::detector::describe::patch::{Describing, FramesOfOctaves, Motions};
 use crate::detector::describe::{self, Described};
 use crate::detector::distinct::{self, Blob};
@@ -26,6 +27,8 @@ use crate::detector::search::setup::{FirstLevels, Inputs, Search, SlopeGroup};
 use crate::detector::search::{SEARCH_PART, Searched};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
+use rayon::prelude::*;
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -94,6 +97,17 @@ fn search_as_planned(
     let started = Instant::now();
     let described: Vec<Keypoint> = kept.iter().map(|&index| keypoints[index]).collect();
     let mut found = search.describe(&octaves, &described, (bases.as_deref(), &plan.describe), &octave_frames)?;
+    let incoherent = if params.used_coherence() > 0.0 {
+        octave_frames.make(described.iter());
+        let along = Along { frames: &octave_frames, inputs: &inputs, gate_factor: search.gate_factor };
+        let incoherent = incoherent(&along, &found, params.used_coherence(), monitor)?;
+        found.retain(|one| !incoherent.contains_key(&one.keypoint));
+        incoherent.into_iter().map(|(described, coherence)| (kept[described], coherence)).collect()
+    } else {
+        HashMap::new()
+    };
+    tally.reject(Test::Coherence, incoherent.len() as u64);
+    tally.kept -= incoherent.len() as u64;
     monitor.check()?;
     found.sort_by(|Described { feature: a, .. }, Described { feature: b, .. }| {
         let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));
@@ -126,7 +140,24 @@ fn search_as_planned(
     };
     drop(octave_frames);
     drop(planes);
-    Ok(Trail::new(inputs, bases, keypoints, covered_by, ranked, detection))
+    Ok(Trail::new(inputs, bases, keypoints, covered_by, (ranked, incoherent), detection))
+}
+
+/// Keypoints of `found` whose coherence is known and below `min`, with their coherence. Features of one keypoint, which
+/// follow one another, have the same.
+fn incoherent(
+    along: &Along<'_, '_>,
+    found: &[Described],
+    min: f32,
+    monitor: &Monitor,
+) -> Result<HashMap<usize, f32>, Cancelled> {
+    let of_keypoints: Vec<&Described> = found.chunk_by(|a, b| a.keypoint == b.keypoint).map(|same| &same[0]).collect();
+    let low = |one: &&Described| {
+        let coherence = along.evenness(&one.feature, monitor)?.coherence;
+        Ok(coherence.filter(|coherence| *coherence < min).map(|coherence| (one.keypoint, coherence)))
+    };
+    let low: Vec<Option<(usize, f32)>> = of_keypoints.par_iter().map(low).collect::<Result<_, Cancelled>>()?;
+    Ok(low.into_iter().flatten().collect())
 }
 
 impl Search<'_> {

@@ -10,9 +10,10 @@
 //! tile, slope after slope; here they apply to one sample. A test in tests/detection/inspect checks that both agree,
 //! sample by sample.
 
-use crate::detector::describe::patch::{FramesOfOctaves, Motions, point_response};
+use crate::detector::coherence::{self, Along, Evenness, FrameResponse};
+use crate::detector::describe::patch::{FramesOfOctaves, Motions, OctaveFrames};
 use crate::detector::distinct::{self, Blob};
-use crate::detector::feature::{Detection, Keypoint, Test};
+use crate::detector::feature::{Detection, Feature, Keypoint, Test};
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::params::{DetectorParams, Distinct, SlopeNeighbours};
@@ -21,15 +22,16 @@ use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, ScaleSpace, d
 use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
 use crate::detector::search::setup::{FirstLevels, HELD, Inputs, Search};
 use crate::detector::search::slope_window::{OtherSlopes, refined_slope};
-use crate::detector::stack::coverage;
 use crate::kernel::gaussian_bank::FilterScratch;
+use crate::kernel::patch::{Patch, PatchScratch};
 use crate::kernel::stack::FrameOffset;
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// Key of a keypoint's sample: octave, level, slope and place.
@@ -49,6 +51,8 @@ pub struct Trail {
     covered_by: Vec<Option<usize>>,
     /// Keypoint of each described feature, strongest first and including those cut off by `max_features`.
     ranked: Vec<usize>,
+    /// Coherence of the keypoints that the test of coherence rejects.
+    incoherent: HashMap<usize, f32>,
     by_sample: HashMap<SampleKey, usize>,
     /// Keypoints that stayed, sorted by row.
     stayed: Vec<(usize, Blob)>,
@@ -65,12 +69,12 @@ impl Trail {
         bases: Option<Vec<FirstLevels>>,
         keypoints: Vec<Keypoint>,
         covered_by: Vec<Option<usize>>,
-        ranked: Vec<usize>,
+        (ranked, incoherent): (Vec<usize>, HashMap<usize, f32>),
         detection: Detection,
     ) -> Self {
         let means = inputs.octaves().map(|_| OnceLock::new()).collect();
         let (by_sample, stayed, sigma_d) = (HashMap::new(), Vec::new(), Vec::new());
-        Self { inputs, bases, keypoints, covered_by, ranked, by_sample, stayed, sigma_d, means, detection }
+        Self { inputs, bases, keypoints, covered_by, ranked, incoherent, by_sample, stayed, sigma_d, means, detection }
     }
 
     /// Adds the lookup tables that questions need.
@@ -218,6 +222,11 @@ impl Trail {
         self.ranked[index]
     }
 
+    /// Number of features including those beyond `max_features`.
+    pub fn ranked(&self) -> usize {
+        self.ranked.len()
+    }
+
     /// Ranks by strength of a keypoint's features, including those beyond `max_features`.
     pub fn ranks_of(&self, keypoint: usize) -> impl Iterator<Item = usize> + '_ {
         self.ranked.iter().enumerate().filter(move |(_, of)| **of == keypoint).map(|(rank, _)| rank)
@@ -230,8 +239,7 @@ impl Trail {
 
     /// Offsets at which the frames that took part are read at `slope`.
     pub fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
-        let times = &self.inputs.times;
-        times.of(crate::detector::stack::frame_offsets(times.frame_count, slope, self.inputs.params.interpolation))
+        coherence::offsets(&self.inputs, slope)
     }
 
     /// σ_D at `octave` and `level` (−1 … S) for slope `slope_index` of the grid, at the place of least noise.
@@ -247,16 +255,9 @@ impl Trail {
         (place, slope): ((f32, f32), Slope),
         chosen: &[usize],
     ) -> f32 {
-        let Inputs { space, noise, size_image: size, .. } = &self.inputs;
         let all = self.offsets(slope);
-        let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| all[index]).collect();
-        let pixel = |x: f32, n: usize| (x.max(0.0) as usize).min(n - 1);
-        let at = (pixel(place.0, size.0), pixel(place.1, size.1));
         let gate = self.detection.noise_gate_factor;
-        let min = noise.sigma_d(space, (octave, level), (slope, &offsets), gate);
-        // The place factor samples all frames that took part.
-        let covering = coverage(&offsets, at.0, at.1, *size).max(1);
-        min * (offsets.len() as f32 / covering as f32).sqrt() * noise.place_factor(octave, &all, at, *size)
+        coherence::sigma_d_at(&self.inputs, gate, (octave, level), ((place, slope), &all), chosen)
     }
 
     /// D of the mean of the `chosen` frames (indices among those that took part) at each of the DoG `levels` of
@@ -268,17 +269,68 @@ impl Trail {
         (place, slope): ((f32, f32), Slope),
         chosen: &[usize],
     ) -> Vec<f32> {
+        self.along(|along| along.point_response((octave, levels), (place, slope), chosen))
+    }
+
+    /// The response of each frame that took part at the scale (octave, DoG level), along the motion through `place`
+    /// (input pixels, at mid-burst) at `slope`, in time order.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn frame_responses(
+        &self,
+        scale: (i32, i32),
+        place: [f32; 2],
+        slope: Slope,
+        monitor: &Monitor,
+    ) -> Result<Vec<FrameResponse>, Cancelled> {
+        self.along(|along| along.each_frame(scale, place, slope, monitor))
+    }
+
+    /// Evenness of the frames' responses along the motion of each of `features`, in their order.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn evenness_of(&self, features: &[Feature], monitor: &Monitor) -> Result<Vec<Evenness>, Cancelled> {
+        let done = AtomicUsize::new(0);
+        monitor.report(Stage::Frames, 0.0);
+        let evenness = |along: &Along<'_, '_>, feature: &Feature| {
+            let evenness = along.evenness(feature, monitor)?;
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            monitor.report(Stage::Frames, done as f32 / features.len() as f32);
+            Ok(evenness)
+        };
+        self.along(|along| features.par_iter().map(|feature| evenness(along, feature)).collect())
+    }
+
+    /// The mean of the `chosen` frames (indices among those that took part), shifted by `slope`, in a rectangle of the
+    /// image, less its value in the middle.
+    pub fn stack_part(&self, region: &Region, slope: Slope, chosen: &[usize]) -> Plane {
+        let planes = self.inputs.planes();
+        let frames = OctaveFrames::new(&planes, &self.inputs.times, 0, false);
+        let offsets = frames.offsets(slope, self.inputs.params.interpolation);
+        let chosen_offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
+        let chosen: Vec<&Plane> = chosen.iter().map(|&index| planes[index]).collect();
+        let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
+        let pixels = |range: &Range<usize>| range.start as i64..range.end as i64;
+        let (columns, rows) = (pixels(&region.columns), pixels(&region.rows));
+        let base = frames.base(&chosen, &chosen_offsets);
+        base.patch(self.inputs.size_image, columns, rows.clone(), &mut scratch, &mut patch);
+        let values = rows.flat_map(|v| patch.row(v).iter().copied());
+        Plane::from_vec(region.columns.len(), region.rows.len(), values.collect())
+    }
+
+    /// The coherence of a keypoint that the test of coherence rejects; `None` for others.
+    pub fn incoherent(&self, keypoint: usize) -> Option<f32> {
+        self.incoherent.get(&keypoint).copied()
+    }
+
+    /// Calls `work` with the source of responses along any motion.
+    fn along<T>(&self, work: impl FnOnce(&Along<'_, '_>) -> T) -> T {
         let planes = self.inputs.planes();
         let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.means);
-        let Inputs { space, params, size_image, .. } = &self.inputs;
-        point_response(
-            frames.of(octave),
-            (space, octave, levels),
-            *size_image,
-            (place, slope),
-            params.interpolation,
-            chosen,
-        )
+        let gate_factor = self.detection.noise_gate_factor;
+        work(&Along { frames: &frames, inputs: &self.inputs, gate_factor })
     }
 }
 

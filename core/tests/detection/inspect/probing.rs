@@ -1,16 +1,16 @@
 //! Probes of places whose explanation is known, the candidates of a whole picture, and maps of the winning slopes.
 
 use super::law::scene;
+use burstscope_core::detector::coherence::Shape;
 use burstscope_core::detector::{
     DetectorParams, NoiseGate, ParamChange, SearchParams, Slope, SlopeExtrema, SlopeGrid, Test,
 };
 use burstscope_core::inspect::candidates::{SurveyOptions, coverage_map, survey, winning_slopes};
 use burstscope_core::inspect::probe::fate_of;
 use burstscope_core::inspect::remedy::duplicate_remedy;
-use burstscope_core::inspect::shares::Shape;
 use burstscope_core::inspect::{Fate, Outcome, Probe, ProbeCache, ProbeError, ProbeOptions, probe};
-use burstscope_core::synth::Example;
 use burstscope_core::synth::random::Stream;
+use burstscope_core::synth::{Example, demo_burst};
 use burstscope_core::{Burst, Monitor, Plane};
 
 /// Gaussian blobs (column and row at mid-burst, σ px, height, slope) over an even background with a little noise.
@@ -205,7 +205,8 @@ fn candidates_account_for_everything_that_was_an_extremum() {
                 | Test::InterpolatedContrast
                 | Test::Edge
                 | Test::Outside
-                | Test::Duplicate => assert_eq!(count.samples, count.candidates, "{rule:?} {count:?}"),
+                | Test::Duplicate
+                | Test::Coherence => assert_eq!(count.samples, count.candidates, "{rule:?} {count:?}"),
                 // These tests reject samples that are no candidates.
                 Test::SpaceExtremum | Test::ScaleExtremum => assert_eq!(count.candidates, 0, "{count:?}"),
                 Test::PeakThreshold | Test::NoiseGate => assert!(count.candidates <= count.samples, "{count:?}"),
@@ -228,6 +229,32 @@ fn candidates_account_for_everything_that_was_an_extremum() {
         assert!(gated.marks.iter().all(|m| m.first_failed == Some(Test::NoiseGate) && (2.5..=3.0).contains(&m.snr)));
         assert_eq!(gated.counts, survey.counts, "all are counted, whatever is listed");
     }
+}
+
+/// On the built-in demo: near a scale, candidates come in order of their distance in place and scale together, larger
+/// blobs are last, and nothing beyond a click's exactness is examined unasked.
+#[test]
+fn on_the_demo_the_nearest_candidate_near_the_scale_in_view_comes_first_and_large_blobs_last() {
+    let slopes = SlopeGrid::line(-3.0..=3.0, 13);
+    let cache = cache(&demo_burst(), &DetectorParams { slopes, ..DetectorParams::default() });
+    let (mut larger, mut nothing_here) = (0, 0);
+    for place in [[92.0, 58.0], [200.0, 90.0], [300.0, 40.0], [240.0, 180.0], [60.0, 250.0], [410.0, 300.0]] {
+        for sigma in [2.3f32, 6.4, 13.0] {
+            let options = ProbeOptions { near_sigma: Some(sigma), ..ProbeOptions::default() };
+            let probe = probe(&cache, place, &options, &Monitor::default()).expect("inside");
+            let away = |fate: &Fate| (fate.pos_image[0] - place[0]).hypot(fate.pos_image[1] - place[1]);
+            let scales = |fate: &Fate| (fate.sigma / sigma).max(sigma / fate.sigma);
+            let apart = |fate: &Fate| (away(fate) / 3.0).max(1.0) * (scales(fate) / 1.3).max(1.0);
+            assert!(probe.near_fates().iter().map(apart).is_sorted(), "{place:?} {sigma}");
+            assert!(probe.near_fates().iter().all(|fate| away(fate) <= sigma.max(8.0)), "{place:?} {sigma}");
+            assert!(probe.larger_fates().iter().all(|fate| away(fate) > 3.0), "{place:?} {sigma}");
+            larger += probe.larger_fates().len();
+            let [u, v] = probe.subject.pos_image;
+            assert!((u - place[0]).hypot(v - place[1]) <= 3.0, "a click moves by three pixels at most");
+            nothing_here += usize::from(probe.subject.fate.is_none());
+        }
+    }
+    assert!(larger > 20 && nothing_here > 0, "{larger} {nothing_here}: it would hold for nothing");
 }
 
 #[test]

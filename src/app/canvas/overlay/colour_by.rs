@@ -3,6 +3,7 @@
 use crate::app::view::ColourBy;
 use crate::detector::feature::Feature;
 use crate::detector::{SlopeAxis, SlopeGrid};
+use crate::inspect::verdict::Judged;
 use crate::plane::display::{ColourMap, direction_colour};
 use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
@@ -23,7 +24,7 @@ pub struct ColourScale {
     /// 256 colours from min to max.
     table: Vec<Color32>,
     /// Coherence of each feature, where known; for [`ColourBy::Coherence`].
-    coherences: Option<Arc<Vec<Option<f32>>>>,
+    coherences: Option<Arc<Vec<Judged>>>,
 }
 
 /// Colour of features whose quantity is not known.
@@ -94,13 +95,13 @@ impl ColourScale {
     /// Adds the coherences of the features, in their order. Without them all features are grey when their colour shows
     /// the coherence.
     #[must_use]
-    pub fn with_coherences(self, coherences: Option<&Arc<Vec<Option<f32>>>>) -> Self {
+    pub fn with_coherences(self, coherences: Option<&Arc<Vec<Judged>>>) -> Self {
         Self { coherences: coherences.cloned(), ..self }
     }
 
     /// Whether some features are grey, because their quantity is not known.
     pub fn has_unknown(&self) -> bool {
-        let is_unknown = |values: &Arc<Vec<Option<f32>>>| values.iter().any(Option::is_none);
+        let is_unknown = |values: &Arc<Vec<Judged>>| values.iter().any(|judged| judged.coherence.is_none());
         self.by == ColourBy::Coherence && self.coherences.as_ref().is_none_or(is_unknown)
     }
 
@@ -123,7 +124,7 @@ impl ColourScale {
             ColourBy::Limit => self.along(f32::from(feature.at_slope_limit)),
             ColourBy::Response => self.along(feature.response),
             ColourBy::Coherence => {
-                let value = self.coherences.as_ref().and_then(|values| *values.get(index)?);
+                let value = self.coherences.as_ref().and_then(|values| values.get(index)?.coherence);
                 value.map_or(UNKNOWN, |value| self.along(value))
             }
         }
@@ -305,18 +306,22 @@ mod tests {
         ColourScale::of(ColourBy::Snr, &[noiseless], &PLANE).colour(0, &noiseless);
     }
 
+    fn judged(coherence: Option<f32>) -> Judged {
+        Judged { verdict: crate::inspect::verdict::Verdict::Unclear, coherence, why: String::new() }
+    }
+
     #[test]
     fn what_is_not_known_is_grey() {
         let features = [feature(0.0, 0.0, 2.0, (0.0, 0.0), 0.1); 3];
         let scale = ColourScale::of(ColourBy::Coherence, &features, &PLANE);
         let colours = |scale: &ColourScale| [0, 1, 2].map(|i| scale.colour(i, &features[i]));
         assert!(scale.has_unknown() && colours(&scale) == [UNKNOWN; 3]);
-        let some = scale.clone().with_coherences(Some(&Arc::new(vec![Some(0.2), None, Some(0.9)])));
+        let some = scale.clone().with_coherences(Some(&Arc::new([Some(0.2), None, Some(0.9)].map(judged).to_vec())));
         let [low, unknown, high] = colours(&some);
         assert!(some.has_unknown() && unknown == UNKNOWN);
         assert!(low != high && low != UNKNOWN && high != UNKNOWN);
         assert_eq!((low, high), (some.along(0.2), some.along(0.9)));
-        let all = scale.with_coherences(Some(&Arc::new(vec![Some(1.0); 3])));
+        let all = scale.with_coherences(Some(&Arc::new(vec![judged(Some(1.0)); 3])));
         assert!(!all.has_unknown() && !ColourScale::of(ColourBy::Snr, &features, &PLANE).has_unknown());
     }
 

@@ -7,6 +7,7 @@ use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::style;
+use crate::app::view::signed;
 use crate::detector::Test;
 use crate::inspect::fate::{Outcome, Rival, TestReport};
 use crate::inspect::probe::Wanted;
@@ -35,6 +36,7 @@ fn short_name(test: Test) -> &'static str {
         Test::Edge => "edge",
         Test::Outside => "inside",
         Test::Duplicate => "distinct",
+        Test::Coherence => "coherence",
         Test::MaxFeatures => "strongest",
     }
 }
@@ -182,7 +184,7 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
 /// Distance beyond or short of a limit, in percent; empty from 1000 % on.
 fn margin_text(margin: f64) -> String {
     if margin.is_finite() && margin.abs() < 10.0 {
-        format!("{:+.0} %", 100.0 * margin).replace('-', "−")
+        format!("{} %", signed((100.0 * margin) as f32, 0)).replace('-', "−")
     } else {
         String::new()
     }
@@ -197,10 +199,7 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, fate: &Fate, queue: &mut Queue) {
             .then_fails
             .map_or_else(String::new, |test| format!(" It would then be rejected as {}.", test.reason()));
         ui.add(Label::new(format!("{}{then}", sentence(&remedy.sentence))).wrap());
-        ui.horizontal(|ui| {
-            apply_ui(ui, model, &remedy.change, queue);
-            ui.label(RichText::new(remedy.change.label()).weak());
-        });
+        ui.horizontal_wrapped(|ui| apply_ui(ui, model, &remedy.change, queue));
     }
     if let Some(rival) = fate.first_failed.and_then(|test| fate.report(test).rival) {
         rival_ui(ui, model, &rival);
@@ -277,7 +276,7 @@ mod tests {
 
     #[test]
     fn margins_are_percents_with_a_real_minus_and_nothing_where_they_say_nothing() {
-        let texts = [(0.25, "+25 %"), (-0.081, "−8 %"), (0.0, "+0 %"), (12.0, ""), (f64::INFINITY, "")];
+        let texts = [(0.25, "+25 %"), (-0.081, "−8 %"), (0.0, "0 %"), (-0.003, "0 %"), (12.0, ""), (f64::INFINITY, "")];
         for (margin, text) in texts {
             assert_eq!(margin_text(margin), text);
         }

@@ -3,6 +3,7 @@
 //! It shows the answers of [`crate::inspect`]: the fates of the candidates near the place, the response over slope and
 //! scale, each frame's share, and suspicions about a feature.
 
+mod colour_bar;
 mod fates;
 mod response;
 mod shares;
@@ -11,10 +12,14 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::section_ui;
 use crate::app::parts::mark;
 use crate::app::project::Model;
+use crate::app::project::explained::verdict_words;
+use crate::app::project::prices::KnownPrice;
 use crate::app::project::workspace::Workspace;
 use crate::app::style;
+use crate::app::view::signed;
 use crate::detector::ParamChange;
 use crate::inspect::suspicion::{Kind, Suspicion};
+use crate::inspect::verdict::{Judged, Verdict};
 use crate::inspect::words::{counted_from_one, number};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
@@ -155,11 +160,31 @@ fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Qu
             queue.push(ActionId::Detect);
         }
     }
+    ui.label(RichText::new(change.label()).weak());
+    price_ui(ui, model, change);
+}
+
+/// Draws what is known of the price of a change.
+fn price_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange) {
+    let subject = model.probe.answer.as_ref().and_then(|answer| answer.probe.subject_fate());
+    let sample = subject.map(|fate| fate.of_sample());
+    let price = model.price_of(model.probe.side, change, sample);
+    if let KnownPrice::Long(secs) = price {
+        let tip = format!("Search with it in the background, to say how many features it gives: about {secs:.0} s");
+        if ui.small_button("Count features").on_hover_text(tip).clicked() {
+            model.prices.wanted_long = true;
+        }
+        return;
+    }
+    let text = price.text();
+    if !text.is_empty() {
+        ui.add(Label::new(text).wrap());
+    }
 }
 
 /// Text of a response's strength: in σ of its noise, or D itself where there is no noise.
 fn strength_text(answer: &Probed, value: f32) -> String {
-    if answer.probe.response.is_noiseless { format!("{value:+.1e}") } else { format!("{value:+.1} σ") }
+    if answer.probe.response.is_noiseless { format!("{value:+.1e}") } else { format!("{} σ", signed(value, 1)) }
 }
 
 /// Last drawn texture.
@@ -221,8 +246,13 @@ fn title(kind: Kind) -> (&'static str, &'static str) {
     }
 }
 
-/// Draws all suspicions.
+/// Draws the verdict where nothing is suspected that explains it, and all suspicions.
 fn suspicions_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
+    let is_clear = |judged: &&Judged| matches!(judged.verdict, Verdict::Real | Verdict::Unclear);
+    if let Some(judged) = answer.probe.judged.as_ref().filter(is_clear) {
+        ui.add(Label::new(verdict_words(judged)).wrap());
+        ui.add_space(4.0);
+    }
     for suspicion in &answer.probe.suspicions {
         let frame = Frame::new().stroke(Stroke::new(1.0, style::warning(ui))).corner_radius(4);
         frame.inner_margin(Margin::symmetric(6, 4)).show(ui, |ui| {
@@ -243,7 +273,6 @@ fn suspicion_ui(ui: &mut Ui, model: &mut Model, suspicion: &Suspicion, queue: &m
     ui.horizontal_wrapped(|ui| {
         if let Some(change) = &suspicion.change {
             apply_ui(ui, model, change, queue);
-            ui.label(RichText::new(change.label()).weak());
         }
         if let Some(other) = suspicion.other
             && ui

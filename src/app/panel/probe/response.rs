@@ -1,6 +1,7 @@
 //! Response over slope and scale: the peak of a blob, the gate, and the candidates of the search, as a map with numbers
 //! around it. A click moves the cursor there.
 
+use super::colour_bar::{self, ColourBar, range_of};
 use super::{PlaneTexture, strength_text};
 use crate::app::pane::Pane;
 use crate::app::project::Model;
@@ -35,9 +36,9 @@ pub(super) fn response_ui(
         slopes_ui(ui, model, answer, plane, plane_texture);
     }
     let unit = if map.is_noiseless {
-        "D".to_owned()
+        "D; each scale has its own range".to_owned()
     } else {
-        format!("D in σ of its noise; line: gate {} σ", number(map.gate, 2))
+        format!("D in σ of its noise, each scale with its own range; lines: gate {} σ", number(map.gate, 2))
     };
     ui.add(
         egui::Label::new(
@@ -52,11 +53,20 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     let (columns, rows) = map.snr.size();
     let height = (ROW * rows as f32).clamp(80.0, 190.0);
     let (area, response) = area_ui(ui, height, map.snr.size());
-    texture.draw(ui, area.rect, ("probe response", &answer.probe), display_of(&map.snr, map.gate), || map.snr.clone());
+    texture.draw(ui, area.rect, ("probe response", &answer.probe), Display::symmetric(1.0), || within_scales(map));
     let painter = ui.painter().with_clip_rect(area.rect);
     grid_below(ui, &area, &map.slopes, if map.along_v { "slope v, px/frame" } else { "slope, px/frame" });
     rims(&painter, &area, &map.slopes, false);
     contour(&painter, &area, &map.snr, map.gate);
+    let cell = response.hover_pos().and_then(|pos| area.cell(pos));
+    let subject = map.row_of(answer.probe.subject.octave, answer.probe.subject.level).unwrap_or(0);
+    let row = cell.map_or(subject, |(_, row)| row);
+    let pointed = cell.map(|(column, row)| map.snr.at(column, row));
+    ColourBar { range: range_of(map.snr.row(row), gate_of(map)), gate: gate_of(map), pointed }.draw(ui, area.rect);
+    let of_scale = format!("of σ {}", number(map.scales[row].sigma, 1));
+    let below = pos2(area.rect.right() + RIGHT, area.rect.bottom() + 8.0);
+    let small = TextStyle::Small.resolve(ui.style());
+    ui.painter().text(below, Align2::RIGHT_CENTER, of_scale, small, ui.visuals().weak_text_color());
     let font = TextStyle::Small.resolve(ui.style());
     let each = rows.div_ceil((height / 13.0) as usize).max(1);
     for (row, scale) in map.scales.iter().enumerate().step_by(each) {
@@ -85,7 +95,6 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     if let Some(row) = map.row_of(cursor.octave, cursor.level) {
         square(&painter, area.pos(column_of(&map.slopes, along(map, cursor.slope)), row as f32));
     }
-    let cell = response.hover_pos().and_then(|pos| area.cell(pos));
     let clicked = response.clicked();
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response over slope and scale"));
     let Some((column, row)) = cell.filter(|(column, row)| *column < columns && *row < rows) else { return };
@@ -104,27 +113,30 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
 /// Draws the map of slope × slope at one scale.
 fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane, texture: &mut PlaneTexture) {
     let (columns, rows) = plane.snr.size();
-    let room = ui.available_width() - LEFT;
+    let room = ui.available_width() - LEFT - RIGHT;
     let height = (room * rows as f32 / columns as f32).clamp(60.0, room);
     let (area, response) = area_ui(ui, height, plane.snr.size());
-    let gate = answer.probe.response.gate;
-    texture.draw(ui, area.rect, ("probe slopes", &answer.probe), display_of(&plane.snr, gate), || plane.snr.clone());
+    let map = &answer.probe.response;
+    let (gate, range) = (map.gate, range_of(plane.snr.data(), gate_of(map)));
+    texture.draw(ui, area.rect, ("probe slopes", &answer.probe), Display::symmetric(range), || plane.snr.clone());
     let painter = ui.painter().with_clip_rect(area.rect);
     grid_below(ui, &area, &plane.u, "slope u, px/frame");
     rims(&painter, &area, &plane.u, false);
     rims(&painter, &area, &plane.v, true);
     contour(&painter, &area, &plane.snr, gate);
     let font = TextStyle::Small.resolve(ui.style());
-    for v in ends(&plane.v.grid) {
+    let weak = ui.visuals().weak_text_color();
+    let each = plane.v.grid.len().div_ceil((height / 16.0) as usize).max(1);
+    for &v in plane.v.grid.iter().step_by(each) {
         let at = pos2(area.rect.left() - 4.0, area.pos(0.0, column_of(&plane.v, v)).y);
-        ui.painter().text(
-            at,
-            Align2::RIGHT_CENTER,
-            number(v, 2).replace('-', "−"),
-            font.clone(),
-            ui.visuals().weak_text_color(),
-        );
+        ui.painter().hline(area.rect.left() - 3.0..=area.rect.left(), at.y, Stroke::new(1.0, weak));
+        ui.painter().text(at, Align2::RIGHT_CENTER, number(v, 2), font.clone(), weak);
     }
+    let name = pos2(area.rect.left() - 4.0, area.rect.bottom() + 8.0);
+    ui.painter().text(name, Align2::RIGHT_CENTER, "v", font, weak);
+    let cell = response.hover_pos().and_then(|pos| area.cell(pos));
+    let pointed = cell.map(|(column, row)| plane.snr.at(column, row));
+    ColourBar { range, gate: gate_of(map), pointed }.draw(ui, area.rect);
     let scale = (plane.scale.octave, plane.scale.level);
     let fates = answer.probe.fates.iter().enumerate();
     for (index, fate) in fates.filter(|(_, fate)| (fate.octave, fate.level) == scale).rev() {
@@ -134,7 +146,6 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     }
     let cursor = model.probed_pane().cursor.slope;
     square(&painter, area.pos(column_of(&plane.u, cursor.u), column_of(&plane.v, cursor.v)));
-    let cell = response.hover_pos().and_then(|pos| area.cell(pos));
     let clicked = response.clicked();
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response over both slopes"));
     let Some((column, row)) = cell else { return };
@@ -171,9 +182,15 @@ fn reading(slope: Slope, scale: &Scale, value: &str) -> String {
     )
 }
 
-fn display_of(plane: &Plane, gate: f32) -> Display {
-    let finite = plane.data().iter().filter(|x| x.is_finite());
-    Display::symmetric(finite.fold(gate.max(1e-6), |max, x| max.max(x.abs())))
+/// The gate, in the unit of the map's values; `None` where these are D itself.
+fn gate_of(map: &ResponseMap) -> Option<f32> {
+    (!map.is_noiseless).then_some(map.gate)
+}
+
+/// The map with each scale divided by its own range: one strong scale does not flatten the others.
+fn within_scales(map: &ResponseMap) -> Plane {
+    let ranges: Vec<f32> = (0..map.scales.len()).map(|row| range_of(map.snr.row(row), gate_of(map))).collect();
+    Plane::from_fn(map.columns.len(), map.scales.len(), |column, row| map.snr.at(column, row) / ranges[row])
 }
 
 /// Slope and σ of a candidate: refined, if it became a feature, otherwise those of its sample.
@@ -213,6 +230,8 @@ fn row_of(map: &ResponseMap, sigma: f32) -> f32 {
 /// Space for the numbers beside and below a map, points.
 pub(super) const LEFT: f32 = 30.0;
 const BELOW: f32 = 28.0;
+/// Space for the colour bar, points.
+const RIGHT: f32 = colour_bar::WIDTH;
 
 /// Area of a map in the panel: cells in `rect`.
 pub(super) struct Area {
@@ -240,7 +259,7 @@ impl Area {
 /// Allocates space for a map with numbers beside and below it.
 pub(super) fn area_ui(ui: &mut Ui, height: f32, cells: (usize, usize)) -> (Area, egui::Response) {
     let (whole, response) = ui.allocate_exact_size(vec2(ui.available_width(), height + BELOW), Sense::click());
-    let rect = Rect::from_min_max(whole.min + vec2(LEFT, 2.0), whole.max - vec2(4.0, BELOW - 2.0));
+    let rect = Rect::from_min_max(whole.min + vec2(LEFT, 2.0), whole.max - vec2(RIGHT, BELOW - 2.0));
     (Area { rect, cells }, response)
 }
 
@@ -372,9 +391,15 @@ mod tests {
     }
 
     #[test]
-    fn the_range_of_colours_holds_the_gate_and_all_values() {
-        let plane = Plane::from_fn(3, 1, |u, _| [-0.5, f32::NAN, 0.2][u]);
-        assert_eq!(display_of(&plane, 0.1), Display::symmetric(0.5));
-        assert_eq!(display_of(&plane, 0.9), Display::symmetric(0.9));
+    fn each_scale_has_its_own_range() {
+        let mut map = map(SlopeGrid::line(-1.0..=1.0, 3));
+        (map.gate, map.is_noiseless) = (5.0, false);
+        let strong = [3.0, 10.0, 100.0];
+        map.snr = Plane::from_fn(map.columns.len(), map.scales.len(), |column, row| {
+            strong[row.min(2)] * (1.0 - column as f32 / map.columns.len() as f32)
+        });
+        let shown = within_scales(&map);
+        assert_eq!(shown.row(1), shown.row(2), "one that is ten times as strong looks alike");
+        assert!((shown.at(0, 1) - 1.0).abs() < 1e-6 && (shown.at(0, 0) - 0.6).abs() < 1e-6, "noise stays pale");
     }
 }

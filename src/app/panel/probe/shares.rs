@@ -2,7 +2,8 @@
 
 use super::PlaneTexture;
 use crate::app::project::Model;
-use crate::inspect::shares::{FrameShare, Shape, Shares};
+use crate::detector::coherence::Shape;
+use crate::inspect::shares::{FrameShare, Shares};
 use crate::inspect::words::{number, slope_text};
 use crate::plane::Plane;
 use crate::requests::Probed;

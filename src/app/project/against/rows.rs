@@ -1,10 +1,11 @@
 //! Rows of a comparison: one for each feature of ours or theirs, with its kind.
 
 use super::With;
-use crate::detector::{Detection, Feature, Slope};
+use crate::detector::{Detection, Feature, Sample, Slope};
 use crate::inspect::changes::{Changes, Spot};
+use crate::inspect::probe::Wanted;
 use crate::inspect::truth::AgainstTruth;
-use crate::requests::Against;
+use crate::requests::{Against, ProbeQuestion};
 use crate::synth::Truth;
 
 /// Kind of a row: in which of the two results the feature is.
@@ -64,8 +65,22 @@ pub struct Row {
     pub from_image: Option<[f32; 2]>,
     /// Our feature.
     pub feature: Option<usize>,
+    /// The candidate of ours that was to become it, where one is known.
+    pub candidate: Option<Sample>,
     /// Remark: by how much it moved, or why it was missed.
     pub note: String,
+}
+
+impl Row {
+    /// Question for the probe about this row: its own feature or candidate, wherever that lies, or its place.
+    pub fn question(&self) -> ProbeQuestion {
+        let wanted = match (self.feature, self.candidate) {
+            (Some(index), _) => Wanted::Feature(index),
+            (None, Some(sample)) => Wanted::Candidate(sample),
+            (None, None) => Wanted::Best,
+        };
+        ProbeQuestion::At { place: self.pos_image, wanted }
+    }
 }
 
 /// The rows of a comparison, those of the first kinds first, and the counts in a line.
@@ -97,6 +112,7 @@ fn ours(kind: Kind, index: usize, f: &Feature) -> Row {
         slope: Some(f.slope),
         from_image: None,
         feature: Some(index),
+        candidate: None,
         note: String::new(),
     }
 }
@@ -113,6 +129,7 @@ fn rows_of_changes(with: With, changes: &Changes, before: &[Spot], features: &[F
             slope: spot.slope,
             from_image: None,
             feature: None,
+            candidate: None,
             note: format!("number {} {whose}", index + 1),
         }
     });
@@ -141,6 +158,7 @@ fn rows_of_truth(against: &AgainstTruth, truth: &Truth, features: &[Feature]) ->
             slope: Some(Slope::new(disc.slope_u as f32, disc.slope_v as f32)),
             from_image: None,
             feature: None,
+            candidate: miss.fate.as_ref().map(|fate| fate.of_sample()),
             note: miss.why.clone(),
         }
     });

@@ -3,6 +3,7 @@
 use crate::app::project::filter::Order;
 use crate::app::project::pair::Side;
 use crate::app::view::number;
+use crate::app::view::{fixed, signed};
 use crate::detector::{Detection, Feature};
 use crate::matching::{Match, MatchResult, TwoViewModel};
 use crate::requests::{MatchRequest, Matched};
@@ -244,14 +245,14 @@ impl MatchColumn {
     pub fn text(self, row: &MatchRow<'_>) -> String {
         match self {
             Self::Number => (row.index + 1).to_string(),
-            Self::UA => format!("{:.2}", row.a.u),
-            Self::VA => format!("{:.2}", row.a.v),
-            Self::UB => format!("{:.2}", row.b.u),
-            Self::VB => format!("{:.2}", row.b.v),
+            Self::UA => fixed(row.a.u, 2),
+            Self::VA => fixed(row.a.v, 2),
+            Self::UB => fixed(row.b.u, 2),
+            Self::VB => fixed(row.b.v, 2),
             Self::SigmaA => format!("{:.2}", row.a.sigma),
             Self::SigmaB => format!("{:.2}", row.b.sigma),
-            Self::SlopeA => format!("{:+.2}", row.a.slope.u),
-            Self::SlopeB => format!("{:+.2}", row.b.slope.u),
+            Self::SlopeA => signed(row.a.slope.u, 2),
+            Self::SlopeB => signed(row.b.slope.u, 2),
             Self::Distance => format!("{:.1}", row.found.distance),
             Self::Ratio => format!("{:.3}", row.found.ratio),
             Self::Error => row.error_px.map_or_else(|| "–".to_owned(), |e| number(e, 3)),

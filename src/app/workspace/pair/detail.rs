@@ -8,6 +8,7 @@ use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_
 use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchRow, MatchSides, Matches, PATCHES, Side, lost_label};
+use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;
 use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
@@ -75,7 +76,7 @@ fn patches_ui(ui: &mut Ui, model: &Model, row: &MatchRow<'_>, textures: &mut [Pa
                         ui.allocate_exact_size(Vec2::splat(width), Sense::hover());
                     }
                 }
-                let slope = format!("{}: slope {:+.2}, {:+.2}", side.name(), feature.slope.u, feature.slope.v);
+                let slope = format!("{}: slope {}", side.name(), signed_slope(feature.slope, 2));
                 ui.label(RichText::new(slope).small().weak())
                     .on_hover_text("From the motion stack at the feature's own slope, in pixels per frame");
             });
@@ -114,18 +115,18 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
             line("Feature in A", "Rank by strength", rank(row.found.a));
             let rank = |i: usize| format!("{} of {}", i + 1, matches.detection(Side::B).features.len());
             line("Feature in B", "Rank by strength", rank(row.found.b));
-            let place = |f: &Feature| format!("{:.2}, {:.2} px", f.u, f.v);
+            let place = |f: &Feature| format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2));
             line("Place in A", "(u, v) at mid-burst", place(row.a));
             line("Place in B", "(u, v) at mid-burst", place(row.b));
             let (du, dv) = (row.b.u - row.a.u, row.b.v - row.a.v);
-            line("Shift A to B", "Difference of the places", format!("{du:+.2}, {dv:+.2} px"));
+            line("Shift A to B", "Difference of the places", format!("{}, {} px", signed(du, 2), signed(dv, 2)));
             line("Scale A, B", "σ, in pixels", format!("{:.2}, {:.2} px", row.a.sigma, row.b.sigma));
-            let slope = |f: &Feature| format!("{:+.3}, {:+.3} px/frame", f.slope.u, f.slope.v);
+            let slope = |f: &Feature| format!("{} px/frame", signed_slope(f.slope, 3));
             line("Slope in A", "Apparent motion", slope(row.a));
             line("Slope in B", "Apparent motion", slope(row.b));
             let turn = (row.b.orientation - row.a.orientation).to_degrees();
             let turn = (turn + 180.0).rem_euclid(360.0) - 180.0;
-            line("Rotation A to B", "Difference of the orientations", format!("{turn:+.1}°"));
+            line("Rotation A to B", "Difference of the orientations", format!("{}°", signed(turn, 1)));
             line("SNR A, B", "|response| over the noise in D", format!("{:.1}, {:.1}", row.a.snr, row.b.snr));
         },
     );
@@ -302,7 +303,7 @@ fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
         (format!("{:.0}", candidate.distance), false),
         (format!("{:.2}", candidate.ratio), false),
         (error, candidate.error_px.is_some_and(|e| e <= max_error_px)),
-        (format!("{:+.1}, {:+.1}", candidate.slope.u, candidate.slope.v), false),
+        (signed_slope(candidate.slope, 1), false),
     ]
 }
 
@@ -314,7 +315,7 @@ fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
     }
     let place = match &unmatched.expected[..] {
         [] => return "The geometry puts it outside B.".to_owned(),
-        [[u, v]] => format!("The geometry puts it at {u:.1}, {v:.1} in B"),
+        [[u, v]] => format!("The geometry puts it at {}, {} in B", fixed(*u as f32, 1), fixed(*v as f32, 1)),
         _ => "The geometry puts it on the line drawn in B".to_owned(),
     };
     match unmatched.there.first() {

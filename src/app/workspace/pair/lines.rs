@@ -9,6 +9,7 @@ use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::{MatchRow, MatchSides, Matches, PATCHES, Side};
+use crate::app::view::signed_slope;
 use crate::detector::Feature;
 use crate::inspect::unmatched::Unmatched;
 use egui::{Color32, Painter, Pos2, Rect, RichText, Shape, Stroke, Ui, pos2, vec2};
@@ -118,7 +119,7 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
         // Its position is that at another time.
         let same = |f: &Feature| Feature { u: feature.u, v: feature.v, ..*f } == feature;
         let index = found.detection.features.iter().position(same)?;
-        model.coherence.of(&found.detection)?.get(index).copied()
+        model.coherence.of(&found.detection)?.get(index).cloned()
     });
     let scale = overlay::ColourScale::of(model.colour_by, &detection.features, &detection.slopes)
         .with_coherences(coherence.map(|value| Arc::new(vec![value])).as_ref());
@@ -170,14 +171,12 @@ fn tip_ui(ui: &Ui, row: &MatchRow<'_>) {
     };
     let error = row.error_px.map_or_else(String::new, |e| format!("  error {} px", crate::app::canvas::number(e, 3)));
     let text = format!(
-        "Match {}{verdict}\ndistance {:.1}  ratio {:.3}{error}\nslopes ({:+.2}, {:+.2}) and ({:+.2}, {:+.2}) px/frame",
+        "Match {}{verdict}\ndistance {:.1}  ratio {:.3}{error}\nslopes ({}) and ({}) px/frame",
         row.index + 1,
         row.found.distance,
         row.found.ratio,
-        row.a.slope.u,
-        row.a.slope.v,
-        row.b.slope.u,
-        row.b.slope.v
+        signed_slope(row.a.slope, 2),
+        signed_slope(row.b.slope, 2)
     );
     let (id, anchor) = (egui::Id::unique("match tip"), egui::PopupAnchor::Pointer);
     egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)

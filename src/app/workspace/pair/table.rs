@@ -7,6 +7,7 @@ use crate::app::panel::table::{Listed, ROW_HEIGHT, SortedColumn, sorted_table_ui
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchColumn, Matches, PairTab, Side, lost_label};
+use crate::app::view::{fixed, signed_slope};
 use crate::inspect::unmatched::Lost;
 use crate::matching::{Geometry, MatchCounts};
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
@@ -148,10 +149,10 @@ pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
                 let cells = [
                     format!("{}", index + 1),
                     lost_label(found.lost[index]).to_owned(),
-                    format!("{:.1}", f.u),
-                    format!("{:.1}", f.v),
+                    fixed(f.u, 1),
+                    fixed(f.v, 1),
                     format!("{:.2}", f.sigma),
-                    format!("{:+.2}, {:+.2}", f.slope.u, f.slope.v),
+                    signed_slope(f.slope, 2),
                     format!("{:.1}", f.snr),
                 ];
                 for text in cells {

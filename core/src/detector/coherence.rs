@@ -1,0 +1,293 @@
+//! Coherence of a feature: how alike the single frames respond along its motion; and the test that rejects features whose
+//! frames do not.
+//!
+//! A true feature is in every frame: the responses are level. A ghost (a blob of another motion that shows in the stack
+//! of a wrong slope) responds only in the frames in which the true blob crosses its path, so its responses form a bump.
+//! The test compares features as they are reported, at their refined place and slope: at the grid's slope the outermost
+//! frames of a true feature would miss it. It comes after the rule for distinct keypoints, so a ghost that is removed
+//! has removed the weaker keypoints on its blob.
+
+use crate::detector::describe::patch::{FramesOfOctaves, point_response, response_of};
+use crate::detector::feature::Feature;
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::search::setup::Inputs;
+use crate::detector::stack::{coverage, frame_offsets};
+use crate::kernel::stack::FrameOffset;
+use crate::monitor::{Cancelled, Monitor};
+use serde::Serialize;
+use std::ops::Range;
+
+/// Response of one frame along a motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameResponse {
+    /// Index of the frame in the burst.
+    pub frame: usize,
+    /// Position in the frame, input pixels.
+    pub pos_frame: [f32; 2],
+    /// Whether the frame shows the place and was used.
+    pub covers: bool,
+    /// D of this frame alone, fraction of full scale; NaN where it does not show the place.
+    pub value: f32,
+    /// Noise of that D.
+    pub sigma_d: f32,
+}
+
+/// Source of responses along any motion.
+pub(in crate::detector) struct Along<'a, 'f> {
+    pub frames: &'a FramesOfOctaves<'f>,
+    pub inputs: &'a Inputs,
+    /// Factor of the noise gate.
+    pub gate_factor: f32,
+}
+
+impl Along<'_, '_> {
+    /// Offsets at which the frames that took part are read at `slope`.
+    pub fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
+        offsets(self.inputs, slope)
+    }
+
+    /// See [`crate::detector::Trail::point_response`].
+    pub fn point_response(
+        &self,
+        (octave, levels): (i32, Range<i32>),
+        (place, slope): ((f32, f32), Slope),
+        chosen: &[usize],
+    ) -> Vec<f32> {
+        let Inputs { space, params, size_image, .. } = self.inputs;
+        let frames = self.frames.of(octave);
+        point_response(frames, (space, octave, levels), *size_image, (place, slope), params.interpolation, chosen)
+    }
+
+    /// The response of each frame at the scale (octave, DoG level), along the motion through `place` (input pixels, at
+    /// mid-burst) at `slope`, in time order.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn each_frame(
+        &self,
+        scale: (i32, i32),
+        place: [f32; 2],
+        slope: Slope,
+        monitor: &Monitor,
+    ) -> Result<Vec<FrameResponse>, Cancelled> {
+        let Inputs { times, frames_used, size_image: size, .. } = self.inputs;
+        let t0 = 0.5 * (times.frame_count as f32 - 1.0);
+        let offsets = self.offsets(slope);
+        let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
+        let at = (pixel(place[0], size.0), pixel(place[1], size.1));
+        let (octave, level) = scale;
+        let Inputs { space, params, noise, .. } = self.inputs;
+        let frames = self.frames.of(octave);
+        let (planes, in_octave) = (frames.planes(), frames.offsets(slope, params.interpolation));
+        let factor = noise.place_factor(octave, &offsets, floor_pixel((place[0], place[1]), *size), *size);
+        let response = |(index, &t): (usize, &usize)| {
+            monitor.check()?;
+            let dt = t as f32 - t0;
+            let covers = offsets[index].covers(at.0, at.1, *size);
+            let of_frame = index..index + 1;
+            let value = if covers {
+                let one = (&planes[of_frame.clone()], &in_octave[of_frame.clone()]);
+                response_of(frames, one, (space, octave, level..level + 1), *size, (place[0], place[1]))[0]
+            } else {
+                f32::NAN
+            };
+            Ok(FrameResponse {
+                frame: frames_used.start + t,
+                pos_frame: [place[0] + dt * slope.u, place[1] + dt * slope.v],
+                covers,
+                value,
+                sigma_d: noise.sigma_d(space, scale, (slope, &offsets[of_frame]), self.gate_factor) * factor,
+            })
+        };
+        times.kept.iter().enumerate().map(response).collect()
+    }
+
+    /// Evenness of the frames' responses along the motion of a feature.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn evenness(&self, feature: &Feature, monitor: &Monitor) -> Result<Evenness, Cancelled> {
+        let (scale, place) = ((feature.octave, feature.level), [feature.u, feature.v]);
+        Ok(evenness_of(&self.each_frame(scale, place, feature.slope, monitor)?))
+    }
+}
+
+/// Offsets at which the frames that took part are read at `slope`.
+pub(in crate::detector) fn offsets(inputs: &Inputs, slope: Slope) -> Vec<FrameOffset> {
+    let times = &inputs.times;
+    times.of(frame_offsets(times.frame_count, slope, inputs.params.interpolation))
+}
+
+/// Pixel in whose columns and rows `place` lies, inside an image of `size`.
+fn floor_pixel(place: (f32, f32), size: (usize, usize)) -> (usize, usize) {
+    let pixel = |x: f32, n: usize| (x.max(0.0) as usize).min(n - 1);
+    (pixel(place.0, size.0), pixel(place.1, size.1))
+}
+
+/// See [`crate::detector::Trail::sigma_d_at`]; `all` are the frames' offsets at the slope.
+pub(in crate::detector) fn sigma_d_at(
+    inputs: &Inputs,
+    gate_factor: f32,
+    (octave, level): (i32, i32),
+    ((place, slope), all): (((f32, f32), Slope), &[FrameOffset]),
+    chosen: &[usize],
+) -> f32 {
+    let Inputs { space, noise, size_image: size, .. } = inputs;
+    let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| all[index]).collect();
+    let at = floor_pixel(place, *size);
+    let min = noise.sigma_d(space, (octave, level), (slope, &offsets), gate_factor);
+    // The place factor samples all frames that took part.
+    let covering = coverage(&offsets, at.0, at.1, *size).max(1);
+    min * (offsets.len() as f32 / covering as f32).sqrt() * noise.place_factor(octave, all, at, *size)
+}
+
+/// Unevenness, in standard deviations, above which the responses differ.
+const UNEVEN: f32 = 3.0;
+/// Coherence below which uneven responses may be a bump.
+pub const BUMP_COHERENCE: f32 = 0.6;
+/// Share of the largest smoothed response from which a frame counts as responding.
+const ANSWERS: f32 = 0.5;
+
+/// Pattern of the frames' responses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shape {
+    /// Equal in all frames, within the noise.
+    Level,
+    /// Different by more than noise explains.
+    Uneven,
+    /// Present in a part of the frames, next to each other, and absent in the others.
+    Bump,
+    /// Undecided: too few frames, or too much noise in each.
+    Unclear,
+}
+
+/// The evenness of the responses of the frames that show the place.
+pub fn evenness_of(answers: &[FrameResponse]) -> Evenness {
+    evenness(&answers.iter().filter(|answer| answer.covers).map(|a| (a.value, a.sigma_d)).collect::<Vec<_>>())
+}
+
+/// Evenness of responses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Evenness {
+    /// Mean of the responses.
+    pub mean: f32,
+    /// Coherence, 0 … 1: the square of the mean over the mean square, both without the contribution of noise. 1 when
+    /// all frames respond equally; m when only a part m of the frames responds. `None` where single frames are too
+    /// noisy to tell.
+    pub coherence: Option<f32>,
+    /// Excess of the responses' spread over that of noise, in standard deviations.
+    pub unevenness: f32,
+    /// Pattern that follows from these.
+    pub shape: Shape,
+}
+
+/// Computes the evenness of `answers`: values with their standard deviations, in time order.
+pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
+    let n = answers.len() as f64;
+    if answers.is_empty() {
+        return Evenness { mean: 0.0, coherence: None, unevenness: 0.0, shape: Shape::Unclear };
+    }
+    let value = |a: &(f32, f32)| f64::from(a.0);
+    let mean = answers.iter().map(value).sum::<f64>() / n;
+    let square = answers.iter().map(|a| value(a).powi(2)).sum::<f64>() / n;
+    let noise = answers.iter().map(|a| f64::from(a.1).powi(2)).sum::<f64>() / n;
+    let (of_mean, of_all) = (mean * mean - noise / n, square - noise);
+    // The mean square is known to about √(2/n) of the noise's; below twice that there is too little to compare.
+    let is_seen = of_all > 2.0 * (2.0 / n).sqrt() * noise && of_all > 0.0;
+    let coherence = is_seen.then(|| (of_mean / of_all).clamp(0.0, 1.0) as f32);
+    let free = n - 1.0;
+    let unevenness = match () {
+        () if free < 1.0 => 0.0,
+        () if noise <= 0.0 => {
+            // Without noise only rounding remains: differences of a thousandth do not count.
+            let spread = ((square - mean * mean).max(0.0)).sqrt();
+            if spread > 1e-3 * mean.abs() { f64::from(UNEVEN) * (spread / (0.3 * mean.abs().max(1e-30))) } else { 0.0 }
+        }
+        () => {
+            let chi2: f64 = answers.iter().map(|a| ((value(a) - mean) / f64::from(a.1).max(1e-30)).powi(2)).sum();
+            (chi2 - free) / (2.0 * free).sqrt()
+        }
+    };
+    let uneven = unevenness > f64::from(UNEVEN);
+    let shape = match coherence {
+        _ if answers.len() < 3 => Shape::Unclear,
+        Some(coherence) if uneven && coherence < BUMP_COHERENCE && is_one_bump(answers) => Shape::Bump,
+        _ if uneven => Shape::Uneven,
+        Some(_) => Shape::Level,
+        None => Shape::Unclear,
+    };
+    Evenness { mean: mean as f32, coherence, unevenness: unevenness as f32, shape }
+}
+
+/// Whether the frames that respond lie next to each other and are not all.
+fn is_one_bump(answers: &[(f32, f32)]) -> bool {
+    let on = responding(answers);
+    let starts = (0..on.len()).filter(|&i| on[i] && (i == 0 || !on[i - 1])).count();
+    starts == 1 && on.iter().any(|&x| !x)
+}
+
+/// For each of the responses, whether its frame responds: those averaged with their neighbours that are at least half
+/// the largest. None where the mean has no sign.
+pub fn responding(answers: &[(f32, f32)]) -> Vec<bool> {
+    let smooth = answering(answers);
+    let max = smooth.iter().copied().fold(0.0, f32::max);
+    smooth.iter().map(|&x| max > 0.0 && x >= ANSWERS * max).collect()
+}
+
+/// The responses with the sign of their mean, each averaged with its neighbours.
+fn answering(answers: &[(f32, f32)]) -> Vec<f32> {
+    let sign = answers.iter().map(|a| a.0).sum::<f32>().signum();
+    let at = |i: i64| answers[i.clamp(0, answers.len() as i64 - 1) as usize].0;
+    (0..answers.len() as i64).map(|i| sign * (0.25 * at(i - 1) + 0.5 * at(i) + 0.25 * at(i + 1))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Stream;
+    use proptest::prelude::*;
+
+    #[test]
+    fn level_answers_are_coherent_and_a_bump_is_its_part() {
+        let level: Vec<(f32, f32)> = vec![(-0.1, 0.0); 10];
+        assert_eq!(evenness(&level).coherence, Some(1.0));
+        assert_eq!(evenness(&level).shape, Shape::Level);
+        // Three of ten respond: the coherence is 0.3.
+        let bump: Vec<(f32, f32)> = (0..10).map(|t| (if (4..7).contains(&t) { 0.2 } else { 0.0 }, 0.005)).collect();
+        let seen = evenness(&bump);
+        assert!((seen.coherence.expect("clear") - 0.3).abs() < 0.02, "{seen:?}");
+        assert_eq!(seen.shape, Shape::Bump);
+        // Equal responses that are not side by side.
+        let apart: Vec<(f32, f32)> = (0..10).map(|t| (if t % 4 == 1 { 0.2 } else { 0.0 }, 0.005)).collect();
+        assert_eq!(evenness(&apart).shape, Shape::Uneven);
+    }
+
+    #[test]
+    fn noise_alone_says_nothing_and_hides_nothing_strong() {
+        let mut noise = Stream::new(4, 0);
+        let (mut unclear, mut level) = (0, 0);
+        for _ in 0..200 {
+            let nothing: Vec<(f32, f32)> = (0..10).map(|_| (noise.normal() as f32, 1.0)).collect();
+            unclear += usize::from(evenness(&nothing).shape == Shape::Unclear);
+            let there: Vec<(f32, f32)> = (0..10).map(|_| (4.0 + noise.normal() as f32, 1.0)).collect();
+            level += usize::from(evenness(&there).shape == Shape::Level);
+        }
+        assert!(unclear > 180 && level > 190, "{unclear} {level}");
+    }
+
+    proptest! {
+        #[test]
+        fn coherence_is_a_part_and_does_not_depend_on_sign_or_unit(
+            values in prop::collection::vec(-1.0f32..1.0, 0..20), noise in 0.0f32..0.5, gain in 0.1f32..10.0,
+        ) {
+            let answers = |gain: f32| values.iter().map(|v| (gain * v, gain.abs() * noise)).collect::<Vec<_>>();
+            let (a, b) = (evenness(&answers(1.0)), evenness(&answers(-gain)));
+            prop_assert!(a.coherence.is_none_or(|c| (0.0..=1.0).contains(&c)));
+            if let (Some(a), Some(b)) = (a.coherence, b.coherence) {
+                prop_assert!((a - b).abs() < 1e-3);
+            }
+            prop_assert!(a.mean.is_finite() && a.unevenness.is_finite());
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Price of a change of one setting, before it is made: the number of features with it, whether the candidate in
+//! question is then kept, and the time of the search.
+//!
+//! Numbers are counted, never estimated: from the data of the detection where that suffices, otherwise by a search with
+//! the changed setting.
+
+use super::ProbeCache;
+use super::probe::fate_of;
+use super::words::counted;
+use crate::burst::Burst;
+use crate::detector::advice::grouped;
+use crate::detector::params::doc;
+use crate::detector::scale_space::{octave_size, searched_octaves};
+use crate::detector::{DetectError, DetectorParams, ParamChange, Sample, SearchParams, Trail};
+use crate::monitor::{Cancelled, Monitor};
+use serde::Serialize;
+
+/// Effect of a change on the features.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Price {
+    /// Number of features now.
+    pub now: usize,
+    /// Number of features after the change.
+    pub then: usize,
+    /// Number of features of the candidate in question, now and after the change; `None` where none is in question.
+    pub own: Option<(usize, usize)>,
+}
+
+impl Price {
+    /// Sentence without a capital at its start or a full stop at its end.
+    pub fn sentence(&self) -> String {
+        let (own_now, own_then) = self.own.unwrap_or_default();
+        let (now, then) = (self.now - own_now.min(self.now), self.then - own_then.min(self.then));
+        let is_removed = own_now > 0 && own_then == 0;
+        let noun = if self.own.is_some() { "other" } else { "feature" };
+        let counted_as = |count: usize, how: &str| counted(count, noun).replacen(noun, &format!("{how}{noun}"), 1);
+        let more = match then.cmp(&now) {
+            std::cmp::Ordering::Equal => None,
+            std::cmp::Ordering::Greater if self.own.is_some() => Some(format!("{} more", grouped((then - now) as u64))),
+            std::cmp::Ordering::Greater => Some(counted_as(then - now, "more ")),
+            std::cmp::Ordering::Less => Some(counted_as(now - then, if is_removed { "" } else { "fewer " })),
+        };
+        let own = match self.own {
+            None => return more.unwrap_or_else(|| "the number of features stays".to_owned()),
+            Some((0, 0)) => "does not keep this one",
+            Some((0, _)) => "keeps this one",
+            Some((_, 0)) => "removes this one",
+            Some(_) => "leaves this one",
+        };
+        format!("{own}, and {}", more.unwrap_or_else(|| "as many others as now".to_owned()))
+    }
+}
+
+/// Computes the price of `change` to the detection of `cache` in `burst`, the burst as it was opened. `sample` is the
+/// candidate in question.
+///
+/// # Errors
+/// [`DetectError::Param`] for a change that makes no sense, [`DetectError::Cancelled`] once `monitor` was cancelled.
+pub fn price(
+    cache: &ProbeCache,
+    burst: &Burst,
+    change: &ParamChange,
+    sample: Option<Sample>,
+    monitor: &Monitor,
+) -> Result<Price, DetectError> {
+    let (trail, before) = (&cache.trail, cache.made_with());
+    let params = change.applied(&before)?;
+    let now = trail.detection().features.len();
+    let own_now = sample.map(|sample| own(trail, &sample, monitor)).transpose()?;
+    if let Some(kept) = kept_of_known(trail, change, &params, monitor)? {
+        let kept_own = sample.map(|sample| kept.iter().filter(|&&rank| is_of(trail, rank, &sample)).count());
+        return Ok(Price { now, then: kept.len(), own: own_now.zip(kept_own) });
+    }
+    let changed = ProbeCache::new(burst, &SearchParams::from(params.clone()), monitor)?;
+    // On another grid of slopes, or another octave grid, the sample is another one.
+    let same_samples = changed.params().used_slopes() == trail.params().used_slopes();
+    let own_then = match sample.filter(|_| same_samples) {
+        Some(sample) => Some(own(&changed.trail, &sample, monitor)?),
+        None => None,
+    };
+    Ok(Price { now, then: changed.detection().features.len(), own: own_now.zip(own_then) })
+}
+
+/// Ranks of the features that a change keeps, where all of them are known: it only removes features, or only cuts the
+/// list elsewhere.
+fn kept_of_known(
+    trail: &Trail,
+    change: &ParamChange,
+    params: &DetectorParams,
+    monitor: &Monitor,
+) -> Result<Option<Vec<usize>>, Cancelled> {
+    let before = trail.params();
+    if change.parameter == doc::MAX_FEATURES {
+        let all = trail.ranked();
+        let most = if params.max_features == 0 { all } else { params.max_features.min(all) };
+        return Ok(Some((0..most).collect()));
+    }
+    let only_removes = params.used_coherence() >= before.used_coherence() && before.max_features == 0;
+    if change.parameter == doc::COHERENCE && only_removes {
+        let evenness = trail.evenness_of(&trail.detection().features, monitor)?;
+        let stays = |rank: &usize| evenness[*rank].coherence.is_none_or(|c| c >= params.used_coherence());
+        return Ok(Some((0..evenness.len()).filter(stays).collect()));
+    }
+    Ok(None)
+}
+
+/// Whether a feature comes from the keypoint at `sample`.
+fn is_of(trail: &Trail, rank: usize, sample: &Sample) -> bool {
+    let at = [sample.x as u32, sample.y as u32];
+    trail.keypoint_at(sample.octave, sample.level, sample.slope_index, at) == Some(trail.keypoint_of_feature(rank))
+}
+
+/// Number of features that a sample became.
+fn own(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<usize, Cancelled> {
+    let has_scale =
+        trail.octaves().contains(&sample.octave) && (0..trail.space().levels as i32).contains(&sample.level);
+    if !has_scale {
+        return Ok(0);
+    }
+    Ok(fate_of(trail, sample, monitor)?.map_or(0, |fate| fate.features.len()))
+}
+
+/// The factor by which `then` takes longer to search frames of `size` (columns, rows) than `now`: the ratio of the
+/// numbers of samples.
+pub fn time_factor(now: &DetectorParams, then: &DetectorParams, size: (usize, usize)) -> f32 {
+    let samples = |params: &DetectorParams| {
+        let pixels = |octave: i32| {
+            let (width, height) = octave_size(size, octave);
+            width as f64 * height as f64
+        };
+        let of_slope: f64 = searched_octaves(params, size).map(pixels).sum();
+        of_slope * f64::from(params.levels) * params.used_slopes().len() as f64
+    };
+    (samples(then) / samples(now).max(1.0)) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::{NoiseGate, SlopeGrid};
+    use crate::synth::{ChartParams, synth_chart};
+
+    #[test]
+    fn a_price_says_what_happens_to_this_one_and_how_many_others_there_are_then() {
+        let price = |now, then, own| Price { now, then, own }.sentence();
+        assert_eq!(price(10, 1_111, Some((0, 1))), "keeps this one, and 1 100 more");
+        assert_eq!(price(10, 11, Some((0, 1))), "keeps this one, and as many others as now");
+        assert_eq!(price(10, 7, Some((2, 0))), "removes this one, and 1 other");
+        assert_eq!(price(10, 9, Some((0, 1))), "keeps this one, and 2 fewer others");
+        assert_eq!(price(10, 12, Some((0, 0))), "does not keep this one, and 2 more");
+        assert_eq!(
+            (price(3, 5, None), price(3, 3, None)),
+            ("2 more features".into(), "the number of features stays".into())
+        );
+    }
+
+    #[test]
+    fn prices_are_what_the_search_finds_with_the_change() {
+        let chart = ChartParams { width: 240, height: 180, discs: 20, frames: 7, snr: 0.5, ..ChartParams::default() };
+        let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        let slopes = SlopeGrid::line(-3.0..=3.0, 9);
+        let gate = NoiseGate::Factor(6.0);
+        let params = DetectorParams { slopes, noise_gate: gate, max_features: 9, ..DetectorParams::default() };
+        let cache = |params: &DetectorParams| {
+            ProbeCache::new(&burst, &SearchParams::from(params.clone()), &Monitor::default()).expect("valid")
+        };
+        let open = DetectorParams { max_features: 0, ..params.clone() };
+        for (before, change) in [
+            (&params, ParamChange::new(doc::NOISE_GATE, 4.2)),
+            (&params, ParamChange::new(doc::MAX_FEATURES, 12)),
+            (&params, ParamChange::new(doc::MAX_FEATURES, 0)),
+            (&open, ParamChange::new(doc::COHERENCE, 0.7)),
+            (&params, ParamChange::new(doc::COHERENCE, 0.7)),
+            (&open, ParamChange::new(doc::KERNEL_CUT, 2)),
+        ] {
+            let (of, after) = (cache(before), cache(&change.applied(before).expect("valid")));
+            let keypoint = of.trail.keypoints()[of.trail.keypoint_of_feature(0)];
+            let [x, y] = keypoint.sample.map(|at| at as usize);
+            let (octave, level, slope_index) = (keypoint.octave, keypoint.level, keypoint.slope_index);
+            let sample = Sample { octave, level, slope_index, x, y };
+            let found = price(&of, &burst, &change, Some(sample), &Monitor::default()).expect("valid");
+            let count = |cache: &ProbeCache| cache.detection().features.len();
+            assert_eq!((found.now, found.then), (count(&of), count(&after)), "{change:?}");
+            let own_then = (0..found.then).filter(|&rank| is_of(&after.trail, rank, &sample)).count();
+            assert_eq!(found.own.map(|own| own.1), Some(own_then), "{change:?}");
+        }
+    }
+
+    #[test]
+    fn twice_the_slopes_take_twice_the_time() {
+        let with = |count, first_octave| DetectorParams {
+            slopes: SlopeGrid::line(-3.0..=3.0, count),
+            first_octave,
+            ..DetectorParams::default()
+        };
+        assert!((time_factor(&with(7, 0), &with(14, 0), (640, 480)) - 2.0).abs() < 1e-5);
+        let finer = time_factor(&with(7, 0), &with(7, -1), (640, 480));
+        assert!((3.5..4.5).contains(&finer), "{finer}");
+    }
+}

@@ -1,0 +1,124 @@
+//! Likely nature of each feature: real, a ghost, an alias, a duplicate, or none that can be told. The evidence is that of
+//! the probe: the evenness of the frames' responses, and the [suspicions](super::suspicion).
+
+use super::suspicion::{Kind, Suspicion, suspicions_of_feature};
+use crate::detector::Trail;
+use crate::detector::coherence::{BUMP_COHERENCE, Evenness, Shape};
+use crate::monitor::{Cancelled, Monitor, Stage};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Likely nature of a feature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Every frame shows it, and no stronger feature explains it.
+    Real,
+    /// A blob of another motion, which shows in this slope's stack.
+    Ghost,
+    /// A periodic texture, which another slope shows as well.
+    Alias,
+    /// A blob that has a stronger feature.
+    Duplicate,
+    /// The evidence does not suffice.
+    Unclear,
+}
+
+impl Verdict {
+    /// All verdicts.
+    pub const ALL: [Self; 5] = [Self::Real, Self::Ghost, Self::Alias, Self::Duplicate, Self::Unclear];
+
+    /// Verdict as a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Real => "real",
+            Self::Ghost => "ghost",
+            Self::Alias => "alias",
+            Self::Duplicate => "duplicate",
+            Self::Unclear => "unclear",
+        }
+    }
+
+    /// Verdict as a clause.
+    pub fn clause(self) -> &'static str {
+        match self {
+            Self::Real => "likely real",
+            Self::Ghost => "likely a ghost",
+            Self::Alias => "likely an alias",
+            Self::Duplicate => "likely a duplicate",
+            Self::Unclear => "cannot be told",
+        }
+    }
+
+    /// The verdict that follows from the evenness of the frames' responses and the suspected faults. A ghost comes
+    /// first: a ghost beside its source is no duplicate of it.
+    pub fn of(evenness: &Evenness, suspected: &[Kind]) -> Self {
+        let is_suspected = |kind: Kind| suspected.contains(&kind);
+        match evenness.shape {
+            _ if is_suspected(Kind::Ghost) => Self::Ghost,
+            _ if is_suspected(Kind::Duplicate) => Self::Duplicate,
+            _ if is_suspected(Kind::Alias) => Self::Alias,
+            Shape::Level | Shape::Uneven if evenness.coherence.is_some_and(|c| c >= BUMP_COHERENCE) => Self::Real,
+            _ => Self::Unclear,
+        }
+    }
+}
+
+/// Verdict about a feature, with its reason.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Judged {
+    /// Verdict.
+    pub verdict: Verdict,
+    /// Coherence of the frames' responses, 0 … 1; `None` where single frames are too noisy to tell. See
+    /// [`Evenness::coherence`].
+    pub coherence: Option<f32>,
+    /// Reason, a clause without a full stop. Features are counted from 0.
+    pub why: String,
+}
+
+impl Judged {
+    /// The verdict that follows from `evenness` and `suspicions`.
+    pub fn of(evenness: &Evenness, suspicions: &[Suspicion]) -> Self {
+        let kinds: Vec<Kind> = suspicions.iter().map(|suspicion| suspicion.kind).collect();
+        let verdict = Verdict::of(evenness, &kinds);
+        let because = |kind: Kind| {
+            let suspicion = suspicions.iter().find(|suspicion| suspicion.kind == kind);
+            suspicion.map_or_else(String::new, |suspicion| suspicion.evidence.clone())
+        };
+        let coherence = evenness.coherence;
+        let why = match (verdict, coherence) {
+            (Verdict::Ghost, _) => because(Kind::Ghost),
+            (Verdict::Alias, _) => because(Kind::Alias),
+            (Verdict::Duplicate, _) => because(Kind::Duplicate),
+            (_, None) => "single frames are too noisy to compare".to_owned(),
+            (Verdict::Real, Some(c)) => {
+                format!("the frames respond alike (coherence {c:.2}), and no stronger feature explains it")
+            }
+            (Verdict::Unclear, Some(c)) => {
+                format!("the frames respond differently (coherence {c:.2}), but not as to a ghost")
+            }
+        };
+        Self { verdict, coherence, why }
+    }
+}
+
+/// Judges every feature of the detection of `trail`, in their order.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn judged(trail: &Trail, monitor: &Monitor) -> Result<Vec<Judged>, Cancelled> {
+    let evenness = trail.evenness_of(&trail.detection().features, &monitor.part(0.0, EVENNESS_SHARE))?;
+    let rest = monitor.part(EVENNESS_SHARE, 1.0 - EVENNESS_SHARE);
+    let done = AtomicUsize::new(0);
+    let judge = |(index, of): (usize, &Evenness)| {
+        let suspicions = suspicions_of_feature(trail, index, of, &rest)?;
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        rest.report(Stage::Frames, done as f32 / evenness.len() as f32);
+        Ok(Judged::of(of, &suspicions))
+    };
+    evenness.par_iter().enumerate().map(judge).collect()
+}
+
+/// Part of the time that the frames' responses take, about.
+const EVENNESS_SHARE: f32 = 0.5;

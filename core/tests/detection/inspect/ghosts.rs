@@ -1,0 +1,170 @@
+//! Ghosts of crossing motions, aliases of a periodic texture, and duplicates: the verdict on each feature, and the test of
+//! coherence that removes ghosts.
+
+use super::probing::{blobs, cache, slopes_of};
+use burstscope_core::detector::params::doc;
+use burstscope_core::detector::{DetectorParams, Distinct, Slope, SlopeGrid, Test};
+use burstscope_core::inspect::probe::{Wanted, fate_of};
+use burstscope_core::inspect::suspicion::Kind;
+use burstscope_core::inspect::verdict::{Judged, Verdict, judged};
+use burstscope_core::inspect::{Outcome, ProbeCache, ProbeOptions, probe};
+use burstscope_core::synth::Example;
+use burstscope_core::{Burst, Feature, Monitor, detect};
+
+/// Two groups of blobs that move to the right and to the left, with a ghost wherever two paths cross. In each row one
+/// of each meets another.
+fn crossing() -> (Burst, Vec<(f32, f32, Slope)>) {
+    let mut all = Vec::new();
+    for (row, v) in [16.0f32, 40.0, 64.0].into_iter().enumerate() {
+        let shift = 4.0 * row as f32;
+        for (u, slope) in [(40.0 + shift, 2.0), (80.0 + shift, -2.0), (100.0 - shift, 2.0), (24.0 - shift, -2.0)] {
+            all.push((u, v + 4.0 * slope, Slope::new(slope, 0.0)));
+        }
+    }
+    let drawn: Vec<(f32, f32, f32, f32, Slope)> = all.iter().map(|&(u, v, slope)| (u, v, 2.5, 0.25, slope)).collect();
+    (blobs(11, 0.004, &drawn), all)
+}
+
+/// A search in which ghosts stay: at each slope for itself.
+fn params() -> DetectorParams {
+    DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 13), octaves: 2, ..DetectorParams::default() }
+}
+
+fn is_true(feature: &Feature, truth: &[(f32, f32, Slope)]) -> bool {
+    let near = |(u, v, slope): &(f32, f32, Slope)| {
+        (feature.u - u).hypot(feature.v - v) < 2.0 && (feature.slope.u - slope.u).abs() < 0.5
+    };
+    feature.response < 0.0 && truth.iter().any(near)
+}
+
+fn judge(cache: &ProbeCache) -> Vec<Judged> {
+    judged(&cache.trail, &Monitor::default()).expect("not cancelled")
+}
+
+/// Numbers of features by verdict, in the order of [`Verdict::ALL`].
+fn counts<'j>(judged: impl Iterator<Item = &'j Judged>) -> [usize; 5] {
+    let mut counts = [0; 5];
+    judged.for_each(|judged| counts[judged.verdict as usize] += 1);
+    counts
+}
+
+#[test]
+fn blobs_of_two_crossing_motions_are_real_and_what_lies_between_their_slopes_is_a_ghost() {
+    let (burst, truth) = crossing();
+    let cache = cache(&burst, &params());
+    let (features, judged) = (&cache.detection().features, judge(&cache));
+    let (mut of_true, mut of_others) = (Vec::new(), Vec::new());
+    for (feature, judged) in features.iter().zip(&judged) {
+        // Hollows between blobs of one motion move with it. What moves by neither is a ghost.
+        let is_between = feature.slope.u.abs() < 1.4;
+        match () {
+            () if is_true(feature, &truth) => of_true.push(judged),
+            () if is_between => of_others.push(judged),
+            () => {}
+        }
+    }
+    let found = truth.iter().filter(|&one| features.iter().any(|f| is_true(f, std::slice::from_ref(one)))).count();
+    assert_eq!(found, truth.len(), "all are found");
+    let [true_ones, others] = [of_true, of_others].map(|judged| counts(judged.into_iter()));
+    let [real, ghosts, ..] = true_ones;
+    assert!(10 * real >= 9 * true_ones.iter().sum::<usize>() && ghosts == 0, "{true_ones:?}");
+    // The others lie at wrong slopes.
+    let [real, ghosts, ..] = others;
+    assert!(ghosts >= 6 && 5 * real <= others.iter().sum::<usize>(), "{others:?}");
+    let ghost = judged.iter().find(|judged| judged.verdict == Verdict::Ghost).expect("one");
+    assert!(ghost.coherence.is_some_and(|c| c < 0.6) && ghost.why.contains("crosses its path"), "{ghost:?}");
+}
+
+#[test]
+fn the_test_of_coherence_removes_ghosts_and_nothing_else_and_the_probe_says_it() {
+    let (burst, truth) = crossing();
+    let open = cache(&burst, &params());
+    let judged = judge(&open);
+    let strict = DetectorParams { coherence: 0.5, ..params() };
+    let tested = cache(&burst, &strict);
+    // What stays is what has the coherence, to the bit.
+    let stays = |(feature, judged): (&Feature, &Judged)| judged.coherence.is_none_or(|c| c >= 0.5).then_some(*feature);
+    let expected: Vec<Feature> = open.detection().features.iter().zip(&judged).filter_map(stays).collect();
+    assert_eq!(tested.detection().features, expected);
+    assert!(expected.len() < judged.len() && truth.iter().all(|one| expected.iter().any(|f| is_true(f, &[*one]))));
+    let (before, after) = (open.detection().tally, tested.detection().tally);
+    assert_eq!(after.rejected_by(Test::Coherence) + after.kept, before.kept);
+    assert_eq!((before.rejected_by(Test::Coherence), before.samples), (0, after.samples));
+    // The same on any number of threads.
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let again = pool.install(|| detect(&burst, &strict, &Monitor::default())).expect("valid");
+        assert_eq!((again.features, again.descriptors, again.tally), {
+            let detection = tested.detection();
+            (detection.features.clone(), detection.descriptors.clone(), detection.tally)
+        });
+    }
+    // The probe tells of a ghost in words, with its number, and the change that keeps it.
+    let index = judged.iter().position(|judged| judged.verdict == Verdict::Ghost).expect("one");
+    let keypoint = open.trail.keypoints()[open.trail.keypoint_of_feature(index)];
+    let at = keypoint.sample.map(|at| at as usize);
+    let sample = burstscope_core::detector::Sample {
+        octave: keypoint.octave,
+        level: keypoint.level,
+        slope_index: keypoint.slope_index,
+        x: at[0],
+        y: at[1],
+    };
+    let fate = fate_of(&tested.trail, &sample, &Monitor::default()).expect("not cancelled").expect("examined");
+    assert_eq!(fate.first_failed, Some(Test::Coherence));
+    let coherence = judged[index].coherence.expect("a ghost has one");
+    assert_eq!(fate.report(Test::Coherence).value, Some(f64::from(coherence)));
+    assert!(fate.verdict.starts_with("only some frames respond: coherence 0."), "{}", fate.verdict);
+    let remedy = fate.remedy.as_ref().expect("a lower minimum");
+    assert_eq!(remedy.change.parameter, doc::COHERENCE);
+    assert!(remedy.sentence.ends_with("instead of 0.5"), "{}", remedy.sentence);
+    let kept = cache(&burst, &remedy.change.applied(&strict).expect("valid"));
+    let again = fate_of(&kept.trail, &sample, &Monitor::default()).expect("not cancelled").expect("examined");
+    assert!(again.is_kept() && again.report(Test::Coherence).outcome == Outcome::Passes, "{again:#?}");
+    // As a feature of a search without the test it is suspected, with the change that removes it.
+    let options = ProbeOptions { wanted: Wanted::Feature(index), ..ProbeOptions::default() };
+    let probed = probe(&open, [0.0, 0.0], &options, &Monitor::default()).expect("a feature");
+    assert_eq!(probed.judged.as_ref(), Some(&judged[index]));
+    let ghost = probed.suspicions.iter().find(|suspicion| suspicion.kind == Kind::Ghost).expect("suspected");
+    let changed = ghost.change.as_ref().expect("a change").applied(&params()).expect("valid");
+    assert!(coherence < changed.coherence && changed.coherence <= coherence + 0.11, "{changed:?}");
+    let removed = fate_of(&cache(&burst, &changed).trail, &sample, &Monitor::default()).expect("not cancelled");
+    assert_eq!(removed.expect("examined").first_failed, Some(Test::Coherence));
+}
+
+#[test]
+fn a_periodic_texture_has_aliases() {
+    let example = Example::Aliasing;
+    let cache = cache(&example.burst(), &DetectorParams { slopes: slopes_of(example), ..DetectorParams::default() });
+    let judged = judge(&cache);
+    let [_, _, aliases, ..] = counts(judged.iter());
+    assert!(aliases > 4, "{:?}", counts(judged.iter()));
+    let alias = judged.iter().find(|judged| judged.verdict == Verdict::Alias).expect("one");
+    assert!(alias.why.starts_with("the texture repeats every"), "{alias:?}");
+}
+
+#[test]
+fn a_blob_that_is_kept_twice_has_a_duplicate() {
+    let all: Vec<(f32, f32, f32, f32, Slope)> =
+        (0..8).map(|i| (20.0 + 12.0 * i as f32, 30.0 + 5.0 * i as f32, 2.5, 0.2, Slope::new(0.5, 0.0))).collect();
+    let burst = blobs(9, 0.01, &all);
+    let params = DetectorParams { distinct: Distinct::Radius(0.05), distinct_scale: 1.05, ..params() };
+    let cache = cache(&burst, &params);
+    let judged = judge(&cache);
+    let [_, _, _, duplicates, _] = counts(judged.iter());
+    assert!(duplicates >= 8, "{:?}", counts(judged.iter()));
+    // One of them can be removed by the change that its suspicion proposes.
+    let mut removed = 0;
+    for index in (0..judged.len()).filter(|&index| judged[index].verdict == Verdict::Duplicate).take(6) {
+        let options = ProbeOptions { wanted: Wanted::Feature(index), ..ProbeOptions::default() };
+        let probed = probe(&cache, [0.0, 0.0], &options, &Monitor::default()).expect("a feature");
+        let suspicion = probed.suspicions.iter().find(|s| s.kind == Kind::Duplicate).expect("suspected");
+        let Some(change) = &suspicion.change else { continue };
+        let sample = probed.subject_fate().expect("a feature").of_sample();
+        let after = super::probing::cache(&burst, &change.applied(&params).expect("valid"));
+        let fate = fate_of(&after.trail, &sample, &Monitor::default()).expect("not cancelled").expect("examined");
+        assert_eq!(fate.first_failed, Some(Test::Duplicate), "{change:?}");
+        removed += 1;
+    }
+    assert!(removed > 0, "no change was proposed");
+}

@@ -1,0 +1,95 @@
+//! Ghosts, aliases and duplicates: the verdict on each feature in table, filter and panel, and the prices of changes.
+
+use crate::probe::answer;
+use crate::support::{Start, Window};
+use burstscope::app::project::{BottomTab, Visibility};
+use burstscope::app::project::filter::{Column, Order};
+use burstscope::app::project::prices::KnownPrice;
+use burstscope::app::project::side::Side;
+use burstscope::detector::Test;
+use burstscope::inspect::verdict::Verdict;
+use burstscope::requests::BurstSource;
+use burstscope::synth::Example;
+use egui::pos2;
+use egui_kittest::kittest::Queryable;
+
+/// The demo with its table.
+fn with_table() -> Window {
+    let mut window = Start { size: [1400.0, 900.0], ..Start::default() }.open();
+    let model = &mut window.app_mut().model;
+    (model.panels.bottom, model.bottom_tab) = (Visibility::Open, BottomTab::Table);
+    window.settle();
+    window
+}
+
+#[test]
+fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it() {
+    let mut window = with_table();
+    let judged = window.app().model.judged().expect("computed for the table").clone();
+    assert_eq!(judged.len(), window.app().model.features().len());
+    let count = |verdict: Verdict| judged.iter().filter(|judged| judged.verdict == verdict).count();
+    assert!(count(Verdict::Real) > 200 && count(Verdict::Ghost) > 10, "{}", count(Verdict::Ghost));
+    assert!(window.shows("real"), "the first rows are seen");
+    window.click("Sort by Coher.");
+    assert_eq!(window.app().model.order, Order { column: Column::Coherence, descending: false });
+    let coherence = |index: &usize| judged[*index].coherence.unwrap_or(f32::INFINITY);
+    assert!(window.app().model.listed.iter().map(coherence).is_sorted());
+    // Only ghosts.
+    window.harness.query_all_by_label_contains("Filter").next().expect("the filter").click();
+    window.harness.run_steps(3);
+    window.click("ghost");
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.filter.verdict, Some(Verdict::Ghost));
+    assert_eq!(model.listed.len(), count(Verdict::Ghost));
+    assert!(model.listed.iter().all(|&index| judged[index].verdict == Verdict::Ghost));
+    // The selected one says why, and so does its tip.
+    window.key(egui::Key::Escape);
+    let ghost = window.app().model.listed[0];
+    window.app_mut().model.selected = Some(ghost);
+    window.settle();
+    assert!(window.shows("Likely a ghost: only some of the frames respond"), "in the panel");
+    window.snapshot("verdicts");
+    let feature = window.app().model.features()[ghost];
+    let at = window.app().ui_from_image(pos2(feature.u, feature.v)).expect("a picture");
+    window.harness.hover_at(at);
+    window.harness.run_steps(4);
+    assert!(window.app().model.hovered.is_some());
+}
+
+#[test]
+fn apply_says_its_price_before_it_is_pressed() {
+    let mut start = Start { size: [1280.0, 900.0], ..Start::automatic() };
+    start.startup.source = Some(BurstSource::Example(Example::LowContrast));
+    let mut window = start.open();
+    let fate = answer(&window).probe.subject_fate().expect("a candidate").clone();
+    assert_eq!(fate.first_failed, Some(Test::NoiseGate));
+    let change = fate.remedy.as_ref().expect("a lower gate").change.clone();
+    let known = window.app().model.price_of(Side::A, &change, Some(fate.of_sample()));
+    let KnownPrice::Counted(price) = known else { panic!("not counted: {known:?}") };
+    assert!(price.own.is_some_and(|(now, then)| now == 0 && then > 0), "it is kept then: {price:?}");
+    assert!(window.shows("Keeps this one, and "), "{}", known.text());
+    window.snapshot("probe_price");
+    window.click(&format!("Apply {}", change.label()));
+    window.settle();
+    assert_eq!(window.app().model.features().len(), price.then);
+}
+
+#[test]
+fn a_ghost_is_removed_by_the_setting_that_its_probe_offers() {
+    let mut window = with_table();
+    let judged = window.app().model.judged().expect("computed").clone();
+    let ghost = judged.iter().position(|judged| judged.verdict == Verdict::Ghost).expect("one");
+    window.app_mut().model.probe_feature(Side::A, ghost);
+    window.settle();
+    assert!(window.shows("A ghost?") && window.shows("Removes this one, and "), "with its price");
+    let place = answer(&window).probe.subject_fate().expect("a feature").of_sample();
+    let change = answer(&window).probe.suspicions[0].change.clone().expect("a change");
+    assert_eq!(change.parameter.name, "coherence");
+    window.snapshot("probe_ghost");
+    window.click(&format!("Apply {}", change.label()));
+    window.settle();
+    let fate = answer(&window).probe.fates.iter().find(|fate| fate.of_sample() == place).expect("still a candidate");
+    assert_eq!(fate.first_failed, Some(Test::Coherence), "{}", fate.verdict);
+    assert!(window.app().model.found_of(Side::A).expect("found").detection.tally.rejected_by(Test::Coherence) > 0);
+}
