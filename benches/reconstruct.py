@@ -24,6 +24,7 @@ import importlib.util
 import json
 import math
 import pathlib
+import re
 import subprocess
 import sys
 import time
@@ -42,7 +43,7 @@ OURS = ("buff", "buff-grid", "merge")
 # Method of baselines.py, and the peak threshold in units of scene white.
 THEIRS = {"colmap-frame": "single", "colmap-merge": "merge", "oracle": "oracle", "gold": "gold"}
 PEAK = "0.0067"
-COLUMNS = ("dataset", "method", "features an image", "inliers an image", "images registered", "cameras right", "ATE", "s a burst")
+COLUMNS = ("dataset", "method", "features an image", "inliers an image", "right matches an image", "images registered", "cameras right", "ATE", "s a burst")
 
 
 def missing(shared, tool):
@@ -110,6 +111,17 @@ def reference_frame(method, meta):
     return {"merge": meta["frames"] // 2, "colmap-merge": (meta["frames"] - 1) // 2}.get(method)
 
 
+def right_matches(folder, out, at, scripts):
+    """Verified matches an image with a true reprojection error under 2 px, as true_matches.py counts them."""
+    command = [sys.executable, "-B", "true_matches.py", str(folder), "--features", str(out)]
+    command += [] if at is None else ["--time", str(at)]
+    done = subprocess.run(command, cwd=scripts, capture_output=True, text=True, check=False)
+    found = re.search(r"right <2 px ([0-9.]+)", done.stdout)
+    if done.returncode or not found:
+        sys.exit(f"{' '.join(command)}: exit code {done.returncode}\n{done.stderr}")
+    return float(found.group(1))
+
+
 def cells(score, method, seconds):
     """A row of the table."""
     ate = score.get("ate_trans")
@@ -120,7 +132,7 @@ def cells(score, method, seconds):
     else:
         error = f"{100 * ate / score['extent']:.2f} %"
     shown = "–" if seconds is None else f"{seconds:.2f}"
-    return (score["dataset"], method, f"{score['keypoints']:.0f}", f"{score['inliers']:.0f}", f"{score['pass_pct']:.0f} %", f"{score['good_pct']:.0f} %", error, shown)
+    return (score["dataset"], method, f"{score['keypoints']:.0f}", f"{score['inliers']:.0f}", f"{score['right']:.0f}", f"{score['pass_pct']:.0f} %", f"{score['good_pct']:.0f} %", error, shown)
 
 
 def main():
@@ -163,6 +175,7 @@ def main():
             at = reference_frame(method, meta)
             runs = [evaluate.run(folder, out, method, at, seed=seed) for seed in range(arguments.repeats)]
             score = evaluate.average(runs)
+            score["right"] = right_matches(folder, out, at, scripts)
             (out / "score.json").write_text(json.dumps(score, indent=1))
             print("| " + " | ".join(cells(score, method, seconds)) + " |", flush=True)
 

@@ -121,6 +121,8 @@ mod tests {
             "false",
             "--geometry",
             "homography",
+            "--guided",
+            "true",
             "--max-error-px",
             "2",
             "--min-inliers",
@@ -137,6 +139,7 @@ mod tests {
         let expected = MatchParams {
             ratio: 0.7,
             mutual: false,
+            guided: true,
             geometry: Geometry::Homography,
             max_error_px: 2.0,
             min_inliers: 9,

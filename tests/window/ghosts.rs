@@ -2,10 +2,10 @@
 
 use crate::probe::answer;
 use crate::support::{Start, Window};
-use burstscope::app::project::{BottomTab, Visibility};
 use burstscope::app::project::filter::{Column, Order};
 use burstscope::app::project::prices::KnownPrice;
 use burstscope::app::project::side::Side;
+use burstscope::app::project::{BottomTab, Visibility};
 use burstscope::detector::Test;
 use burstscope::inspect::verdict::Verdict;
 use burstscope::requests::BurstSource;

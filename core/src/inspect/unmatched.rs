@@ -246,7 +246,7 @@ fn unmatched(losses: &Losses<'_>, index: usize, count: usize) -> Unmatched {
     let sentence = if lost == Lost::NoKeypoint && leaves {
         "the geometry puts it outside the other picture".to_owned()
     } else {
-        sentence(pair, lost, &candidates, preferred, &there)
+        sentence((pair, index), lost, &candidates, preferred, &there)
     };
     Unmatched { lost, candidates, preferred, expected, there, sentence }
 }
@@ -262,7 +262,7 @@ fn rank_name(index: usize) -> String {
 }
 
 fn sentence(
-    pair: ComparedPair<'_>,
+    (pair, index): (ComparedPair<'_>, usize),
     lost: Lost,
     candidates: &[Rivalry],
     preferred: Option<usize>,
@@ -288,6 +288,17 @@ fn sentence(
     };
     match lost {
         Lost::Not => {
+            let guided = pair.result.matches.iter().find(|m| m.a == index).filter(|m| m.b != best.feature);
+            if let Some(guided) = guided {
+                return format!(
+                    "matched along the geometry with {} at distance {:.0}, ratio {:.2} there; {} is nearer, at {:.0}",
+                    rank_name(guided.b),
+                    guided.distance,
+                    guided.ratio,
+                    rank_name(best.feature),
+                    best.distance
+                );
+            }
             format!(
                 "matched with {} at distance {:.0}, ratio {:.2}",
                 rank_name(best.feature),

@@ -169,6 +169,22 @@ impl Patch {
     }
 }
 
+impl Patch {
+    /// Fills the patch from `fine` at half its resolution: pixel (i, j) is the mean of pixels 2i and 2i + 1 of rows 2j and
+    /// 2j + 1. All pixels are held whose four pixels `fine` holds.
+    pub(crate) fn halve(&mut self, fine: &Self) {
+        let half = |range: Range<i64>| (range.start + 1).div_euclid(2)..range.end.div_euclid(2);
+        self.reset(half(fine.columns()), half(fine.rows()));
+        let left = 2 * self.columns.start;
+        for v in self.rows() {
+            let (upper, lower) = (fine.values(left, 2 * v), fine.values(left, 2 * v + 1));
+            for ((out, a), b) in self.row_mut(v).iter_mut().zip(upper.chunks_exact(2)).zip(lower.chunks_exact(2)) {
+                *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
+            }
+        }
+    }
+}
+
 /// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, which have one size, at their
 /// [`crate::detector::stack::frame_offsets`].
 pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, sums: &mut WeightedRows) {

@@ -7,7 +7,8 @@
 //! An *inlier* is a putative match that agrees with a geometry of the two views on which most others agree too.
 //!
 //! The data flow: descriptors → [`putative`] (exact nearest neighbours, ratio test, mutual check) → [`geometry`]
-//! (robust estimation, inliers) → [`MatchCounts`] (the numbers of the paper). [`match_detections`] is the composition,
+//! (robust estimation, inliers) → [`guided_matches`] (again, along that geometry) → [`geometry`] → [`MatchCounts`] (the
+//! numbers of the paper). [`match_detections`] is the composition,
 //! [`params`] holds all parameters of its result, [`camera`] the intrinsics where they are known, [`PairSelection`] the
 //! pairs of images to match.
 //!
@@ -19,11 +20,13 @@
 
 pub mod camera;
 pub mod geometry;
+mod guided;
 pub mod params;
 pub mod putative;
 
 pub use camera::{Camera, CameraModel};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
+pub use guided::{GUIDED_RATIO, guided_matches};
 pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};
 
@@ -99,10 +102,20 @@ pub fn match_features(
     for side in [&a, &b] {
         assert_eq!(side.places.len(), side.descriptors.len(), "each feature has a place and a descriptor");
     }
-    let matches = match_descriptors(a.descriptors, b.descriptors, params, monitor)?;
-    let pair = |m: &Match| PointPair { a: a.places[m.a], b: b.places[m.b], rank: m.ratio };
-    let pairs: Vec<PointPair> = matches.iter().map(pair).collect();
-    let verification = verify(&pairs, params, monitor)?;
+    let mut matches = match_descriptors(a.descriptors, b.descriptors, params, monitor)?;
+    let verified = |matches: &[Match]| {
+        let pair = |m: &Match| PointPair { a: a.places[m.a], b: b.places[m.b], rank: m.ratio };
+        verify(&matches.iter().map(pair).collect::<Vec<_>>(), params, monitor)
+    };
+    let mut verification = verified(&matches)?;
+    if let Some(model) = verification.as_ref().and_then(|v| v.model.as_ref()).filter(|_| params.guided) {
+        let guided = guided::with_others(guided_matches(a, b, model, params, monitor)?, &matches);
+        let refitted = verified(&guided)?;
+        let inliers = |v: &Option<Verification>| v.as_ref().map_or(0, Verification::inlier_count);
+        if inliers(&refitted) >= inliers(&verification) {
+            (matches, verification) = (guided, refitted);
+        }
+    }
     let counts = MatchCounts {
         keypoints_a: a.places.len(),
         keypoints_b: b.places.len(),

@@ -196,7 +196,7 @@ pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32
     painter.rect_stroke(rect, 2.0, grid, StrokeKind::Inside);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
     response.on_hover_text(
-        "Descriptor: strength of the gradients in 8 directions in each of 4 × 4 cells. The feature's orientation points to the right.",
+        "Descriptor: strength of the gradients in 8 directions in each of 4 × 4 cells, summed over the scales that Describe scales says. The feature's orientation points to the right.",
     );
 }
 
@@ -208,7 +208,7 @@ fn angle_of(direction: usize) -> f32 {
 
 /// Number of samples on a side of a patch.
 const SAMPLES: usize = 72;
-/// Half width of a patch, in σ: the reach of the descriptor's 4×4 cells of 3 σ.
+/// Half width of a patch, in σ: the reach of the descriptor's 4×4 cells of 3 σ, those of its finest scale.
 const SIGMAS: f32 = 6.0;
 
 /// Last drawn patch, kept as a texture until another one is drawn.

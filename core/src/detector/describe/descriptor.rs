@@ -4,6 +4,10 @@
 //! two cells. The 128 numbers are normalised, cut at 0.2, normalised again, then L1-normalised, square-rooted
 //! ("RootSIFT"), multiplied by 512 and cut at 255.
 //!
+//! Pooled over scales, after Dong and Soatto ("Domain-Size Pooling in Local Descriptors: DSP-SIFT", CVPR 2015): the sums
+//! of each scale are normalised and added before the root. They are not cut: the root alone limits the large ones, and
+//! in the dark the cut costs matches.
+//!
 //! Of each row only the pixels inside the turned square are visited. Their weights and directions are computed in
 //! vector lanes; then each pixel adds its eight directions, most of them zero, to four cells, a vector each.
 
@@ -31,21 +35,48 @@ pub fn descriptor_radius(sigma: f32) -> usize {
     (std::f32::consts::SQRT_2 * MAGNIFICATION * sigma * (CELLS as f32 + 1.0) / 2.0 + 0.5).floor() as usize
 }
 
-/// Computes the descriptor of a feature at (x, y), scale `sigma`, in octave pixels, turned by `orientation` radians in
+/// Radius of the disc of pixels that a coarser scale `sigma` of a pooled descriptor depends on, in pixels of the level:
+/// half the side of the turned square. The level around it must reach one pixel farther.
+pub fn coarse_radius(sigma: f32) -> usize {
+    (HALF * MAGNIFICATION * sigma + 0.5).floor() as usize
+}
+
+/// Sums of the weighted gradients in each direction of each cell, row by row.
+pub type Sums = [f32; BINS];
+
+/// Computes the sums of a feature at (x, y), scale `sigma`, in octave pixels, turned by `orientation` radians in
 /// [0, 2π). `level` is the Gaussian level around it, reaching a pixel farther than [`descriptor_radius`], of an octave
 /// of `size`.
-pub fn descriptor(
+pub fn square_sums(
     level: &Patch,
     size: (usize, usize),
     (x, y): (f32, f32),
     sigma: f32,
     orientation: f32,
     scratch: &mut DescriptorScratch,
-) -> Descriptor {
+) -> Sums {
     let square = Square::new((x, y), MAGNIFICATION * sigma + f32::EPSILON, orientation);
     let radius = descriptor_radius(sigma) as i64;
     let (columns, rows) = (reach(x, radius, size.0), reach(y, radius, size.1));
-    quantise(sums(level, &square, &columns, &rows, scratch))
+    sums(level, &square, &columns, &rows, scratch)
+}
+
+/// Computes the sums of a coarser scale of a pooled descriptor as [`square_sums`] does, from a level that reaches a pixel
+/// farther than [`coarse_radius`]. The corners beyond that radius, where all weights are small, are left out, and so are
+/// rows between which the level hardly changes.
+pub fn disc_sums(
+    level: &Patch,
+    size: (usize, usize),
+    (x, y): (f32, f32),
+    sigma: f32,
+    orientation: f32,
+    scratch: &mut DescriptorScratch,
+) -> Sums {
+    let cell = MAGNIFICATION * sigma;
+    let square = Square { radius: HALF * cell, row_step: sigma as usize, ..Square::new((x, y), cell, orientation) };
+    let radius = coarse_radius(sigma) as i64;
+    let (columns, rows) = (reach(x, radius, size.0), reach(y, radius, size.1));
+    sums(level, &square, &columns, &rows, scratch)
 }
 
 /// Half the side of the square that counts, in cells: nothing is added beyond it.
@@ -57,6 +88,10 @@ struct Square {
     cos: f32,
     sin: f32,
     orientation: f32,
+    /// Radius of the disc that counts, pixels.
+    radius: f32,
+    /// Distance of the rows that are visited, at least 1.
+    row_step: usize,
 }
 
 impl Square {
@@ -65,20 +100,23 @@ impl Square {
         // Sides that are never exactly parallel to the pixels cross every row.
         let slanted = |x: f32| if x.abs() < 1e-9 { 1e-9 } else { x };
         let (sin, cos) = orientation.sin_cos();
-        Self { place, cos: slanted(cos / cell), sin: slanted(sin / cell), orientation }
+        let (cos, sin) = (slanted(cos / cell), slanted(sin / cell));
+        Self { place, cos, sin, orientation, radius: f32::INFINITY, row_step: 1 }
     }
 
-    /// Returns a function from a row's distance `dv` below the centre to the first and last column inside the square,
-    /// as distances from the centre.
+    /// Returns a function from a row's distance `dv` below the centre to the first and last column inside the square and
+    /// the disc, as distances from the centre.
     #[inline(always)]
     fn interval(&self) -> impl Fn(f32) -> (f32, f32) {
         // Where |cos·du + sin·dv| and |cos·dv − sin·du| are at most HALF.
         let (slope_a, half_a) = (-self.sin / self.cos, HALF / self.cos.abs());
         let (slope_b, half_b) = (self.cos / self.sin, HALF / self.sin.abs());
+        let radius = self.radius;
         #[inline(always)]
         move |dv| {
             let (a, b) = (slope_a * dv, slope_b * dv);
-            (max(a - half_a, b - half_b), min(a + half_a, b + half_b))
+            let half = max(radius * radius - dv * dv, 0.0).sqrt();
+            (max(max(a - half_a, b - half_b), -half), min(min(a + half_a, b + half_b), half))
         }
     }
 }
@@ -91,8 +129,8 @@ fn sums(
     columns: &Range<i64>,
     rows: &Range<i64>,
     scratch: &mut DescriptorScratch,
-) -> [f32; BINS] {
-    let &Square { place: (x, y), cos, sin, orientation } = square;
+) -> Sums {
+    let &Square { place: (x, y), cos, sin, orientation, row_step, .. } = square;
     // A Gaussian of half the descriptor's width, which is two cells.
     let spread = 2.0 / (cos * cos + sin * sin).sqrt();
     let DescriptorScratch { along_u, along_v, samples } = scratch;
@@ -103,7 +141,7 @@ fn sums(
     samples.room(BATCH + columns.clone().count());
     let mut held = 0;
     let orientation = orientation * (DIRECTIONS as f32 / TAU);
-    for (v, &weight_v) in rows.clone().zip(along_v.iter()) {
+    for (v, &weight_v) in rows.clone().zip(along_v.iter()).step_by(row_step.max(1)) {
         let dv = v as f32 - y;
         let (left, right) = interval(dv);
         let left = max((x + left).ceil(), columns.start as f32);
@@ -174,14 +212,31 @@ fn normalise(bins: &mut [f32; BINS]) {
     }
 }
 
-/// Converts the 128 sums to bytes, in UBC/COLMAP's order: within each cell the directions run the other way round than
-/// VLFeat's, the first stays.
+/// Converts the sums of one scale to a descriptor.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn quantise(mut bins: [f32; BINS]) -> Descriptor {
+pub fn quantise(mut bins: Sums) -> Descriptor {
     normalise(&mut bins);
     bins.iter_mut().for_each(|x| *x = x.min(0.2));
     normalise(&mut bins);
-    let sum = sum_of(&bins, |x| x);
+    in_bytes(&bins)
+}
+
+/// Pools the sums of several scales to a descriptor.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn pool(scales: &[Sums]) -> Descriptor {
+    let mut total = [0.0; BINS];
+    for mut bins in scales.iter().copied() {
+        normalise(&mut bins);
+        total.iter_mut().zip(bins).for_each(|(total, bin)| *total += bin);
+    }
+    in_bytes(&total)
+}
+
+/// Converts bins to the bytes of a descriptor, in UBC/COLMAP's order: within each cell the directions run the other way
+/// round than VLFeat's, the first stays.
+#[inline(always)]
+fn in_bytes(bins: &Sums) -> Descriptor {
+    let sum = sum_of(bins, |x| x);
     if sum <= 0.0 {
         return [0; BINS];
     }
@@ -362,7 +417,7 @@ mod tests {
     }
 
     fn described(level: &Patch, place: (f32, f32), sigma: f32, orientation: f32) -> Descriptor {
-        descriptor(level, SIZE, place, sigma, orientation, &mut DescriptorScratch::default())
+        quantise(square_sums(level, SIZE, place, sigma, orientation, &mut DescriptorScratch::default()))
     }
 
     /// The definition of the sums, pixel by pixel.
@@ -407,6 +462,37 @@ mod tests {
                 assert!((f64::from(*found) - expected).abs() < 1e-4 * largest, "{orientation}: {found} {expected}");
             }
         }
+    }
+
+    #[test]
+    fn a_disc_without_some_rows_gives_nearly_the_sums_of_the_square() {
+        let wave = level_of(|u, v| (0.11 * u + 0.003 * u * v).sin() + (0.13 * v + 0.1 * u).cos());
+        for (place, sigma, orientation) in
+            [((50.3, 49.6), 2.1, 0.4), ((48.0, 51.2), 2.9, 2.5), ((12.5, 80.0), 3.1, 5.5)]
+        {
+            let mut scratch = DescriptorScratch::default();
+            let square = square_sums(&wave, SIZE, place, sigma, orientation, &mut scratch);
+            let disc = disc_sums(&wave, SIZE, place, sigma, orientation, &mut scratch);
+            let (square, disc) = (pool(&[square]), pool(&[disc]));
+            let off: f32 = square.iter().zip(disc).map(|(a, b)| f32::from(a.abs_diff(b)).powi(2)).sum();
+            assert!(off.sqrt() < 40.0, "{orientation}: {} of 512", off.sqrt());
+        }
+    }
+
+    #[test]
+    fn pooling_adds_normalised_scales() {
+        let bins = |at: usize| {
+            let mut bins = [0.0; BINS];
+            bins[at] = 1.0 + at as f32;
+            bins
+        };
+        // Two scales of different contrast weigh the same; the root of a half of 512 is beyond a byte.
+        let pooled = pool(&[bins(0), bins(8), bins(16), bins(24), bins(32)]);
+        let value = ((0.2f32).sqrt() * 512.0 + 0.5) as u8;
+        for (i, &element) in pooled.iter().enumerate() {
+            assert_eq!(element, if i % 8 == 0 && i <= 32 { value } else { 0 }, "{i}");
+        }
+        assert_eq!(pool(&[[0.0; BINS]; 2]), [0; BINS]);
     }
 
     #[test]

@@ -2,8 +2,9 @@
 
 pub mod descriptor;
 pub(super) mod patch;
+mod pooling;
 
-use crate::detector::describe::descriptor::{DescriptorScratch, descriptor, descriptor_radius};
+use crate::detector::describe::descriptor::{DescriptorScratch, Sums, descriptor_radius, pool, quantise, square_sums};
 use crate::detector::describe::patch::around;
 use crate::detector::feature::{Descriptor, Feature, Keypoint};
 use crate::detector::localise::scale;
@@ -18,6 +19,7 @@ use crate::monitor::Cancelled;
 use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
 use patch::{Describing, OctaveFrames};
+use pooling::{CoarseScratch, CoarserScales};
 use rayon::prelude::*;
 
 /// A feature is described at its own slope where the grid's slope misplaces the outermost frame by more than this many
@@ -39,6 +41,7 @@ pub(super) struct DescribeScratch {
     blur: BlurScratch,
     orientation: OrientationScratch,
     descriptor: DescriptorScratch,
+    coarse: CoarseScratch,
 }
 
 /// A feature, its descriptor, and the index of its keypoint.
@@ -96,6 +99,12 @@ impl Describing<'_> {
         GaussianKernel::with_cut((sigma * sigma - from * from).max(0.0).sqrt(), self.space.kernel_cut)
     }
 
+    /// The coarser scales of the descriptors of features of Gaussian level `level`, from σ `from`, octave pixels.
+    fn coarser_scales(&self, level: i32, from: f64) -> CoarserScales {
+        let sigma = self.space.sigma_octave(f64::from(level));
+        CoarserScales::new(self.params.describe_scales, sigma, from, self.space.kernel_cut)
+    }
+
     /// Offsets of the frames at a keypoint's own slope, if it is described there and not at the grid's.
     fn own_slope(&self, keypoint: &Keypoint) -> Option<(&OctaveFrames<'_>, Vec<FrameOffset>)> {
         let frames = self.own_slopes?;
@@ -125,8 +134,12 @@ impl Describing<'_> {
         let wanted_sigma = f64::from(keypoint.sigma_octave);
         let mut reach = (scale::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)
             .max(kernel_reach(rim_radius(wanted_sigma, self.space.levels), 1));
+        let mut coarser = self.coarser_scales(keypoint.level, from);
+        let needed = |kernel: &GaussianKernel, coarser: &CoarserScales, sigma: f32| {
+            (level_reach(sigma) + kernel.radius()).max(coarser.reach(sigma))
+        };
         if self.own_slopes.is_none() {
-            reach = reach.max(level_reach(keypoint.sigma_octave) + kernel.radius() + FARTHEST_MOVE_PX + 1);
+            reach = reach.max(needed(kernel, &coarser, keypoint.sigma_octave) + FARTHEST_MOVE_PX + 1);
         }
         let DescribeScratch { raw, level: patch, .. } = scratch;
         base.patch(size, around(keypoint.x, reach), around(keypoint.y, reach), &mut scratch.patch, raw);
@@ -135,20 +148,26 @@ impl Describing<'_> {
         let reach_level = level_reach(sigma);
         if let Some((frames, offsets)) = self.own_slope(&located) {
             let kernel = self.kernel(keypoint.level, frames.sigma_octave(&offsets));
-            let needed = reach_level + kernel.radius();
+            coarser = self.coarser_scales(keypoint.level, frames.sigma_octave(&offsets));
+            let needed = needed(&kernel, &coarser, sigma);
             let own = frames.base(planes, &offsets);
             own.patch(size, around(x, needed), around(y, needed), &mut scratch.patch, raw);
             raw.blurred(around(x, reach_level), around(y, reach_level), &kernel, &mut scratch.blur, patch);
         } else {
             // A scale that grew much needs a larger patch.
-            let needed = reach_level + kernel.radius();
+            let needed = needed(kernel, &coarser, sigma);
             if needed + FARTHEST_MOVE_PX > reach {
                 base.patch(size, around(x, needed), around(y, needed), &mut scratch.patch, raw);
             }
             raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
         }
         let max = self.params.max_orientations;
-        for angle in orientations(patch, size, (x, y), sigma, max, &mut scratch.orientation) {
+        let angles = orientations(patch, size, (x, y), sigma, max, &mut scratch.orientation);
+        let finest = |angle: &f32| square_sums(patch, size, (x, y), sigma, *angle, &mut scratch.descriptor);
+        let mut sums: Vec<Vec<Sums>> = angles.iter().map(finest).map(|sums| vec![sums]).collect();
+        let buffers = (&mut scratch.coarse, &mut scratch.blur, &mut scratch.descriptor);
+        coarser.append(raw, size, (x, y), sigma, (&angles, &mut sums), buffers);
+        for (angle, sums) in angles.into_iter().zip(sums) {
             let feature = Feature {
                 u: x * pixel,
                 v: y * pixel,
@@ -163,7 +182,7 @@ impl Describing<'_> {
                 // Known once the features are ranked: see `limit`.
                 at_slope_limit: false,
             };
-            let descriptor = descriptor(patch, size, (x, y), sigma, angle, &mut scratch.descriptor);
+            let descriptor = if let [alone] = sums[..] { quantise(alone) } else { pool(&sums) };
             out.push(Described { feature, descriptor, keypoint: number });
         }
     }

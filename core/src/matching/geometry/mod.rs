@@ -7,6 +7,7 @@
 //! No library is used: none of the maintained estimators for Rust has the improvements made since RANSAC (local
 //! optimisation, marginal cost, degenerate samples), and bindings to C++ would need its toolchain.
 
+mod band;
 mod consensus;
 pub mod essential;
 mod linear;
@@ -14,6 +15,7 @@ mod model;
 mod points;
 mod polynomial;
 
+pub use band::GuidingBand;
 pub use essential::RelativePose;
 pub use model::TwoViewModel;
 
@@ -142,7 +144,7 @@ fn essential_of(
 }
 
 #[cfg(test)]
-mod tests {
+pub(in crate::matching) mod tests {
     use super::essential::RelativePose;
     use super::*;
     use crate::matching::Camera;
@@ -151,14 +153,14 @@ mod tests {
     use rand_chacha::rand_core::{RngCore, SeedableRng};
 
     /// Random numbers for a test.
-    struct Random(ChaCha8Rng);
+    pub(in crate::matching) struct Random(ChaCha8Rng);
 
     impl Random {
-        fn new(seed: u64) -> Self {
+        pub(in crate::matching) fn new(seed: u64) -> Self {
             Self(ChaCha8Rng::seed_from_u64(seed))
         }
 
-        fn between(&mut self, low: f64, high: f64) -> f64 {
+        pub(in crate::matching) fn between(&mut self, low: f64, high: f64) -> f64 {
             low + (high - low) * (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
         }
 
@@ -221,6 +223,16 @@ mod tests {
 
     fn in_space(random: &mut Random, counts: (usize, usize), sigma: f64) -> Scene {
         scene(random, Camera::centred(640, 480, 600.0), pose(), counts, sigma, |random, _| random.between(3.0, 9.0))
+    }
+
+    /// The places in both images of `count` points of a scene in space, without noise.
+    pub(in crate::matching) fn scene_in_space(random: &mut Random, count: usize) -> Vec<([f64; 2], [f64; 2])> {
+        in_space(random, (count, 0), 0.0).pairs.iter().map(|pair| (pair.a, pair.b)).collect()
+    }
+
+    /// A camera whose lens bends lines.
+    pub(in crate::matching) fn camera_bending() -> Camera {
+        "OPENCV 640 480 600 610 322 241 -0.3 0.1 0.001 -0.0005".parse().expect("a camera")
     }
 
     /// A scene with all points on one slanted plane.
@@ -346,9 +358,8 @@ mod tests {
 
     #[test]
     fn the_lens_is_taken_out() {
-        let camera: Camera = "OPENCV 640 480 600 610 322 241 -0.3 0.1 0.001 -0.0005".parse().expect("a camera");
         let mut random = Random::new(7);
-        let scene = scene(&mut random, camera, pose(), (100, 0), 0.0, |random, _| random.between(3.0, 9.0));
+        let scene = scene(&mut random, camera_bending(), pose(), (100, 0), 0.0, |random, _| random.between(3.0, 9.0));
         let found = found(&scene, Geometry::Essential);
         let worst = found.error_px.iter().copied().fold(0.0, f32::max);
         assert!(worst < 1e-3, "{worst} px");

@@ -106,14 +106,14 @@ impl TwoViewModel {
 }
 
 /// The pixel at which a camera without distortion would see what this one sees at `pixel`.
-fn straightened(camera: &Camera, pixel: [f64; 2]) -> [f64; 2] {
+pub(super) fn straightened(camera: &Camera, pixel: [f64; 2]) -> [f64; 2] {
     let [x, y] = camera.direction_of(pixel);
     let seen = camera.matrix() * Vector3::new(x, y, 1.0);
     [seen.x, seen.y]
 }
 
 /// The fundamental matrix of straightened pixels.
-fn straight_fundamental(essential: &Matrix3<f64>, camera: &Camera) -> Matrix3<f64> {
+pub(super) fn straight_fundamental(essential: &Matrix3<f64>, camera: &Camera) -> Matrix3<f64> {
     let k = camera.matrix();
     let (fx, fy, cx, cy) = (k.m11, k.m22, k.m13, k.m23);
     let direction_of = Matrix3::new(1.0 / fx, 0.0, -cx / fx, 0.0, 1.0 / fy, -cy / fy, 0.0, 0.0, 1.0);

@@ -35,6 +35,7 @@ pub fn as_published() -> DetectorParams {
         distinct: Distinct::Off,
         max_orientations: 1,
         describe_slope: DescribeSlope::Grid,
+        describe_scales: 1,
         ..DetectorParams::default()
     }
 }

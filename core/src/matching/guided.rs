@@ -1,0 +1,224 @@
+//! Guided matching: a second search for matches, among the features that agree with a geometry found before.
+//!
+//! The ratio test compares the nearest descriptor with the second nearest of the whole other image, and so loses right
+//! matches where noise makes descriptors alike. Once the sure matches have given a geometry, a feature has to be compared
+//! only with those in a band around its epipolar line (or at its place under a homography), a hundredth of the image: a
+//! looser ratio is then as safe. COLMAP's guided matching does the same with the ratio unchanged.
+//!
+//! Orientations of one keypoint count as one: they are no rivals of each other, and a pair of places is matched once.
+
+use super::geometry::GuidingBand;
+use super::params::MatchParams;
+use super::{Match, MatchSide, TwoViewModel};
+use crate::detector::Descriptor;
+use crate::monitor::{Cancelled, Monitor};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Maximum ratio within the band, where [`MatchParams::ratio`] is lower.
+pub const GUIDED_RATIO: f32 = 0.9;
+
+/// Nearest feature within the band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct InBand {
+    index: usize,
+    distance_squared: u32,
+    /// Of the nearest one at another place.
+    second_distance_squared: Option<u32>,
+}
+
+impl InBand {
+    fn ratio(&self) -> f32 {
+        match self.second_distance_squared {
+            None => 0.0,
+            Some(0) => 1.0,
+            Some(second) => (f64::from(self.distance_squared) / f64::from(second)).sqrt() as f32,
+        }
+    }
+}
+
+/// Finds the matches that agree with `model` to [`MatchParams::max_error_px`], in the order of A's features: nearest
+/// within the band, with a ratio of at most [`GUIDED_RATIO`] to the nearest one at another place in the band, and, with
+/// the mutual check, both ways.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn guided_matches(
+    a: MatchSide<'_>,
+    b: MatchSide<'_>,
+    model: &TwoViewModel,
+    params: &MatchParams,
+    monitor: &Monitor,
+) -> Result<Vec<Match>, Cancelled> {
+    let max_error_px = f64::from(params.max_error_px);
+    let of_a = nearest_in_band(a, b, &model.band_in_b(a.places, b.places, max_error_px), monitor)?;
+    let of_b = if params.mutual {
+        Some(nearest_in_band(b, a, &model.band_in_a(a.places, b.places, max_error_px), monitor)?)
+    } else {
+        None
+    };
+    let limit = params.ratio.max(GUIDED_RATIO);
+    let mut best: BTreeMap<[u64; 4], Match> = BTreeMap::new();
+    for (index, nearest) in of_a.iter().enumerate().filter_map(|(index, nearest)| Some((index, (*nearest)?))) {
+        let mut ratio = nearest.ratio();
+        if let Some(of_b) = &of_b {
+            let Some(back) = of_b[nearest.index].filter(|back| back.index == index) else { continue };
+            ratio = ratio.max(back.ratio());
+        }
+        if ratio > limit {
+            continue;
+        }
+        let distance = f64::from(nearest.distance_squared).sqrt() as f32;
+        let found = Match { a: index, b: nearest.index, distance, ratio };
+        let ([au, av], [bu, bv]) = (a.places[index], b.places[nearest.index]);
+        let of_places = best.entry([au, av, bu, bv].map(f64::to_bits)).or_insert(found);
+        if found.ratio < of_places.ratio {
+            *of_places = found;
+        }
+    }
+    let mut matches: Vec<Match> = best.into_values().collect();
+    matches.sort_by_key(|m| m.a);
+    Ok(matches)
+}
+
+/// Adds to `guided` those of `putative` that share no feature with it, in the order of A's features.
+pub(super) fn with_others(guided: Vec<Match>, putative: &[Match]) -> Vec<Match> {
+    let used_a: BTreeSet<usize> = guided.iter().map(|m| m.a).collect();
+    let used_b: BTreeSet<usize> = guided.iter().map(|m| m.b).collect();
+    let mut all = guided;
+    all.extend(putative.iter().filter(|m| !used_a.contains(&m.a) && !used_b.contains(&m.b)));
+    all.sort_by_key(|m| m.a);
+    all
+}
+
+/// For each feature of `from` the nearest one of `to` within `band`; `None` where the band holds none.
+fn nearest_in_band(
+    from: MatchSide<'_>,
+    to: MatchSide<'_>,
+    band: &GuidingBand,
+    monitor: &Monitor,
+) -> Result<Vec<Option<InBand>>, Cancelled> {
+    let nearest = |(index, descriptor): (usize, &Descriptor)| {
+        monitor.check()?;
+        let mut best: Option<InBand> = None;
+        band.for_each_within(index, |other| {
+            let distance_squared = distance_squared(descriptor, &to.descriptors[other]);
+            let found = |second| Some(InBand { index: other, distance_squared, second_distance_squared: second });
+            best = match best {
+                None => found(None),
+                Some(old) => {
+                    let elsewhere = to.places[old.index] != to.places[other];
+                    if distance_squared < old.distance_squared {
+                        found(if elsewhere { Some(old.distance_squared) } else { old.second_distance_squared })
+                    } else if elsewhere {
+                        let second = old.second_distance_squared.map_or(distance_squared, |x| x.min(distance_squared));
+                        Some(InBand { second_distance_squared: Some(second), ..old })
+                    } else {
+                        Some(old)
+                    }
+                }
+            };
+        });
+        Ok(best)
+    };
+    from.descriptors.par_iter().enumerate().with_min_len(32).map(nearest).collect()
+}
+
+fn distance_squared(a: &Descriptor, b: &Descriptor) -> u32 {
+    a.iter().zip(b).map(|(&a, &b)| (i32::from(a) - i32::from(b)).pow(2) as u32).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::matching::geometry::tests::{Random, scene_in_space};
+    use crate::matching::{MatchParams, match_features};
+
+    /// A scene of `count` points in both images, whose descriptors differ by noise, and `others` in each image alone;
+    /// many descriptors are alike, so that few are clearly nearest in the whole image.
+    fn noisy_pair(count: usize, others: usize) -> [(Vec<[f64; 2]>, Vec<Descriptor>); 2] {
+        let mut random = Random::new(3);
+        let scene = scene_in_space(&mut random, count);
+        let kinds: Vec<Descriptor> =
+            (0..8).map(|_| std::array::from_fn(|_| random.between(40.0, 120.0) as u8)).collect();
+        let near = |random: &mut Random, around: &Descriptor, by: f64| -> Descriptor {
+            around.map(|x| (f64::from(x) + random.between(-by, by)).clamp(0.0, 255.0) as u8)
+        };
+        let (mut a, mut b) = ((Vec::new(), Vec::new()), (Vec::new(), Vec::new()));
+        for (place_a, place_b) in scene {
+            let kind = random.between(0.0, 8.0) as usize;
+            let own = near(&mut random, &kinds[kind], 20.0);
+            a.0.push(place_a);
+            a.1.push(near(&mut random, &own, 17.0));
+            b.0.push(place_b);
+            b.1.push(near(&mut random, &own, 17.0));
+        }
+        for side in [&mut a, &mut b] {
+            for _ in 0..others {
+                side.0.push([random.between(0.0, 639.0), random.between(0.0, 479.0)]);
+                let kind = random.between(0.0, 8.0) as usize;
+                side.1.push(near(&mut random, &kinds[kind], 26.0));
+            }
+        }
+        [a, b]
+    }
+
+    fn side(of: &(Vec<[f64; 2]>, Vec<Descriptor>)) -> MatchSide<'_> {
+        MatchSide { places: &of.0, descriptors: &of.1 }
+    }
+
+    #[test]
+    fn guided_matching_finds_what_the_ratio_test_lost() {
+        let [a, b] = noisy_pair(600, 600);
+        let found = |guided: bool| {
+            let params = MatchParams { guided, max_error_px: 2.0, ..MatchParams::default() };
+            match_features(side(&a), side(&b), &params, &Monitor::default()).expect("valid parameters")
+        };
+        // The first 600 features of both images belong together.
+        let right = |guided: bool| {
+            let result = found(guided);
+            let inlier = result.verification.expect("verified").inlier;
+            let right = |(m, inlier): &(&Match, &bool)| **inlier && m.a == m.b && m.a < 600;
+            let inliers = inlier.iter().filter(|inlier| **inlier).count();
+            (result.matches.iter().zip(&inlier).filter(right).count(), inliers)
+        };
+        let ((plain, of_plain), (guided, of_guided)) = (right(false), right(true));
+        assert!(plain > 300 && 10 * guided >= 12 * plain, "{plain} of {of_plain}, {guided} of {of_guided}");
+        assert!(guided * 10 > of_guided * 8, "{guided} of {of_guided} inliers are right");
+        let result = found(true);
+        let unique = |of: fn(&Match) -> usize| result.matches.iter().map(of).collect::<BTreeSet<_>>().len();
+        assert_eq!((unique(|m| m.a), unique(|m| m.b)), (result.matches.len(), result.matches.len()));
+        assert!(result.matches.is_sorted_by_key(|m| m.a));
+    }
+
+    #[test]
+    fn orientations_of_one_place_count_once() {
+        let [a, b] = noisy_pair(300, 0);
+        let twice = |(places, descriptors): &(Vec<[f64; 2]>, Vec<Descriptor>)| {
+            let turned = descriptors.iter().map(|d| d.map(|x| x.saturating_add(1)));
+            ([&places[..], places].concat(), descriptors.iter().copied().chain(turned).collect::<Vec<Descriptor>>())
+        };
+        let params = MatchParams { max_error_px: 2.0, ratio: 1.0, ..MatchParams::default() };
+        let alone = match_features(side(&a), side(&b), &params, &Monitor::default()).expect("valid");
+        let model = alone.verification.and_then(|v| v.model).expect("a model");
+        let guided =
+            |a: &_, b: &_| guided_matches(side(a), side(b), &model, &params, &Monitor::default()).expect("done");
+        let (once, both) = (guided(&a, &b), guided(&twice(&a), &twice(&b)));
+        assert!(once.len() > 200, "{}", once.len());
+        let places = |matches: &[Match]| matches.iter().map(|m| (m.a % 300, m.b % 300)).collect::<BTreeSet<_>>();
+        assert_eq!(places(&both).len(), both.len());
+        let same = places(&once).intersection(&places(&both)).count();
+        assert!(same * 10 > once.len() * 9, "{same} of {}", once.len());
+    }
+
+    #[test]
+    fn threads_change_nothing() {
+        let [a, b] = noisy_pair(300, 300);
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let params = MatchParams { guided: true, ..MatchParams::default() };
+            pool.install(|| match_features(side(&a), side(&b), &params, &Monitor::default()))
+        };
+        assert_eq!(with(1), with(2));
+    }
+}
