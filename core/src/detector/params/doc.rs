@@ -432,7 +432,7 @@ param!(
 );
 
 /// Records of all parameters, in the order in which they are shown.
-pub const ALL: [Param<DetectorParams>; 25] = [
+pub const ALL: [Param<DetectorParams>; 26] = [
     METHOD,
     SLOPES,
     SLOPES_U,
