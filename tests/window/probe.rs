@@ -44,7 +44,8 @@ fn rect_of(window: &Window, label: &str) -> egui::Rect {
 
 #[test]
 fn a_feature_says_why_it_was_kept() {
-    let mut window = demo();
+    // High enough for the whole answer.
+    let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
     window.key(Key::Home);
     window.click("Why?");
     window.settle();

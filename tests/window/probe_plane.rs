@@ -128,7 +128,7 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
     let before = slope(&window);
     // The slice has space for numbers on its left.
     let from = rect.center() + vec2(13.0, 45.0);
-    window.drag(from, from + vec2(6.0, 0.0));
+    window.drag(from, from + vec2(9.0, 0.0));
     let after = slope(&window);
     assert!(on(across, after) > on(across, before) + 0.3, "{before:?} {after:?}");
     assert!((on(along, after) - on(along, before)).abs() < 1e-3, "{before:?} {after:?}");

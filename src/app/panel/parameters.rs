@@ -10,8 +10,7 @@ use crate::app::style;
 use crate::detector::params::{Param, doc};
 use crate::detector::{DetectorParams, SlopeChoice, SlopeFinding};
 use crate::teach::Part;
-use egui::collapsing_header::CollapsingState;
-use egui::{Align, Id, Layout, RichText, Ui};
+use egui::{Align, Layout, RichText, Ui};
 
 /// Parameters that are always shown; all others are *Advanced*.
 const BASIC: [Param<DetectorParams>; 6] =
@@ -25,6 +24,9 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             button_ui(ui, model, queue, ActionId::Preset1d, Some("BuFF 1D"));
             button_ui(ui, model, queue, ActionId::Preset2d, Some("BuFF 2D"));
             button_ui(ui, model, queue, ActionId::PresetSift, Some("SIFT"));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                button_ui(ui, model, queue, ActionId::ResetParams, Some("Reset all"));
+            });
         });
         ui.add_space(4.0);
         let error = model.slots.a.param_error.clone();
@@ -38,7 +40,7 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         for record in BASIC {
             row_ui(ui, model, &table, &record);
         }
-        advanced_ui(ui, model, &table, queue);
+        advanced_ui(ui, model, &table);
         if model.params.slopes != given {
             model.slopes = SlopeChoice::Given;
         }
@@ -70,33 +72,31 @@ fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
 
 /// Draws the folded parameters with the number of those that are not at their defaults. An error or a lesson that points
 /// at one of them opens the fold.
-fn advanced_ui(ui: &mut Ui, model: &mut Model, table: &rows::ParamTable<'_, DetectorParams>, queue: &mut Queue) {
+fn advanced_ui(ui: &mut Ui, model: &mut Model, table: &rows::ParamTable<'_, DetectorParams>) {
     let changed = advanced().filter(|record| record.text(&model.params) != record.text(&table.defaults)).count();
     let is_needed = |record: &Param<DetectorParams>| {
         table.error.is_some_and(|error| error.parameter == record.name)
             || parts::is_wanted(ui.ctx(), Part::parameter(record))
     };
-    let mut fold = CollapsingState::load_with_default_open(ui.ctx(), Id::unique("advanced parameters"), false);
-    fold.set_open(model.panels.advanced || advanced().any(is_needed));
+    let is_open = model.panels.advanced || advanced().any(is_needed);
     let toggled = ui.horizontal(|ui| {
-        let openness = fold.openness(ui.ctx());
         let (_, icon) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::click());
-        egui::collapsing_header::paint_default_icon(ui, openness, &icon);
+        egui::collapsing_header::paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
         let title = ui.selectable_label(false, "Advanced").on_hover_text("All other parameters of the detector");
         if changed > 0 {
             let text = format!("{changed} not the default");
             ui.label(RichText::new(text).small().color(style::warning(ui)))
                 .on_hover_text("Open to see which; ↺ resets one");
         }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            button_ui(ui, model, queue, ActionId::ResetParams, Some("Reset all"));
-        });
         title.clicked() || icon.clicked()
     });
     if toggled.inner {
-        model.panels.advanced = !fold.is_open();
+        model.panels.advanced = !is_open;
     }
-    fold.show_body_unindented(ui, |ui| advanced().for_each(|record| row_ui(ui, model, table, record)));
+    // Without an animation: a part that a lesson points at is in its place at once.
+    if is_open {
+        advanced().for_each(|record| row_ui(ui, model, table, record));
+    }
 }
 
 /// Text of the found slopes, shown below their switch.

@@ -437,7 +437,9 @@ mod tests {
         assert!(bench.model.selected.is_none(), "the selection is one of A's features");
         bench.model.probe_feature(Side::A, 1);
         assert_eq!((bench.model.probe.side, bench.model.selected), (Side::A, Some(1)));
-        // Of a match, the feature on the side in focus.
+        // Of a match, the feature on the side in focus. The discs of two charts look alike.
+        bench.model.pair.params.ratio = 1.0;
+        bench.settle();
         bench.model.pair.selected = Some(0);
         let found = bench.model.pair.matches.as_ref().and_then(|m| m.row(0)).expect("they match").found;
         for (side, index) in [(Side::A, found.a), (Side::B, found.b)] {

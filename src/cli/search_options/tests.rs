@@ -46,7 +46,8 @@ pub(in crate::cli) fn everything() -> (Vec<String>, DetectorParams) {
         let mut sample = DetectorParams::default();
         let default = record.text(&sample);
         let words = (record.field)(&mut sample).words().unwrap_or_default().iter().map(|(word, _)| *word);
-        let mut others = words.chain(["-6:6:25", "2..9", "2.5", "-1", "3", "off"]).filter(|text| *text != default);
+        let mut others =
+            words.chain(["-6:6:25", "2..9", "0.5", "2.5", "-1", "3", "off"]).filter(|text| *text != default);
         let valid = |text: &&str| record.read(&mut sample, text).is_ok() && record.check(&sample).is_ok();
         let text = others.rfind(valid).unwrap_or_else(|| panic!("{}: no other value", record.name));
         record.read(&mut expected, text).expect("read above");

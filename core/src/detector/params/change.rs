@@ -73,7 +73,8 @@ mod tests {
         for record in doc::ALL.into_iter().filter(|record| *record != doc::SLOPES) {
             let mut sample = DetectorParams::default();
             let words = (record.field)(&mut sample).words().unwrap_or_default().iter().map(|(word, _)| *word);
-            let others = words.chain(["-1:2:5", "1..4", "4.25", "3"]).filter(|text| *text != record.text(&before));
+            let others =
+                words.chain(["-1:2:5", "1..4", "0.5", "4.25", "3"]).filter(|text| *text != record.text(&before));
             let changed = others.filter_map(|text| Some((text, ParamChange::new(record, text).applied(&before).ok()?)));
             let mut changed = changed.filter(|(text, after)| record.text(after) == **text);
             let (text, after) = changed.next_back().unwrap_or_else(|| panic!("{}: no other value", record.name));

@@ -114,7 +114,7 @@ fn list_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, listed: Range<usize>
 
 /// Positions of the list's columns, as fractions of its width: distance, σ, slope and strength end there, the test
 /// begins there.
-const COLUMNS: [f32; 5] = [0.10, 0.19, 0.52, 0.62, 0.64];
+const COLUMNS: [f32; 5] = [0.10, 0.19, 0.515, 0.635, 0.655];
 
 fn heading_ui(ui: &mut Ui) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());

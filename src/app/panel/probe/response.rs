@@ -399,7 +399,8 @@ mod tests {
             strong[row.min(2)] * (1.0 - column as f32 / map.columns.len() as f32)
         });
         let shown = within_scales(&map);
-        assert_eq!(shown.row(1), shown.row(2), "one that is ten times as strong looks alike");
+        let alike = shown.row(1).iter().zip(shown.row(2)).all(|(a, b)| (a - b).abs() < 1e-6);
+        assert!(alike, "one that is ten times as strong looks alike");
         assert!((shown.at(0, 1) - 1.0).abs() < 1e-6 && (shown.at(0, 0) - 0.6).abs() < 1e-6, "noise stays pale");
     }
 }
