@@ -114,7 +114,7 @@ impl Limit<'_, '_> {
         let finest = 2.0 * self.space.sigma_image(self.space.first_octave, 0.0) as f32 / gaps as f32;
         let step = (finest / axis.step()).max(1.0);
         match at.round().clamp(0.0, last) {
-            first if first == 0.0 => (0.0, vec![0.0, -step]),
+            0.0 => (0.0, vec![0.0, -step]),
             end if end == last => (last, vec![0.0, step]),
             _ => (at, vec![0.0]),
         }
