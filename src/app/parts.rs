@@ -2,15 +2,16 @@
 //! it.
 
 use crate::teach::Part;
-use egui::{Context, Id, Rect, Ui};
+use egui::{Context, Id, Rect, Ui, Vec2};
 use std::collections::BTreeMap;
 
 /// Parts that are pointed at, and where they were drawn.
 #[derive(Debug, Clone, Default)]
 struct Parts {
     wanted: Vec<Part>,
-    /// Wanted parts that are still to be scrolled to.
-    scroll_to: Vec<Part>,
+    /// Size of the area in which a wanted part was last scrolled to. It is scrolled to once, and again when that area
+    /// changed: what opens below it must not hide it.
+    scrolled_in: BTreeMap<Part, Vec2>,
     /// The pass in which they were drawn.
     pass: u64,
     drawn: BTreeMap<Part, Rect>,
@@ -20,7 +21,7 @@ fn with<T>(ctx: &Context, use_parts: impl FnOnce(&mut Parts) -> T) -> T {
     ctx.data_mut(|data| use_parts(data.get_temp_mut_or_default(Id::unique("parts of the window"))))
 }
 
-/// Records that `part` was drawn in `rect`, if it is wanted. Scrolls to it once after it was requested.
+/// Records that `part` was drawn in `rect`, if it is wanted, and scrolls to it.
 pub fn mark(ui: &Ui, part: Part, rect: Rect) {
     let pass = ui.ctx().cumulative_pass_nr();
     let scroll = with(ui.ctx(), |parts| {
@@ -35,8 +36,8 @@ pub fn mark(ui: &Ui, part: Part, rect: Rect) {
             // A part that is drawn in pieces extends over all of them.
             parts.drawn.entry(part).and_modify(|drawn| *drawn = drawn.union(seen)).or_insert(seen);
         }
-        let place = parts.scroll_to.iter().position(|wanted| *wanted == part);
-        place.map(|place| parts.scroll_to.remove(place)).is_some()
+        let area = ui.clip_rect().size();
+        parts.scrolled_in.insert(part, area) != Some(area)
     });
     if scroll {
         ui.scroll_to_rect(rect, None);
@@ -52,7 +53,8 @@ pub fn is_wanted(ctx: &Context, part: Part) -> bool {
 pub fn want(ctx: &Context, wanted: &[Part]) {
     with(ctx, |parts| {
         if parts.wanted != wanted {
-            (parts.wanted, parts.scroll_to) = (wanted.to_vec(), wanted.to_vec());
+            parts.wanted = wanted.to_vec();
+            parts.scrolled_in.clear();
             parts.drawn.clear();
         }
     });

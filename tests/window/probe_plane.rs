@@ -131,7 +131,8 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
     window.drag(from, from + vec2(9.0, 0.0));
     let after = slope(&window);
     assert!(on(across, after) > on(across, before) + 0.3, "{before:?} {after:?}");
-    assert!((on(along, after) - on(along, before)).abs() < 1e-3, "{before:?} {after:?}");
+    // Slopes are rounded to hundredths.
+    assert!((on(along, after) - on(along, before)).abs() < 0.0075, "{before:?} {after:?}");
 }
 
 #[test]
