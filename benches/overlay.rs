@@ -37,7 +37,7 @@ fn pass(ctx: &egui::Context, app: &mut BurstscopeApp, number: usize) -> usize {
 
 fn overlay(criterion: &mut Criterion) {
     let motion = Motion::OneD;
-    let scene = SceneParams { width: 1600, height: 1200, frames: 6, motion, seed: 7, ..SceneParams::default() };
+    let scene = SceneParams { width: 2000, height: 1500, frames: 6, motion, seed: 7, ..SceneParams::default() };
     let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("scene.npy");

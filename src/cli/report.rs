@@ -225,9 +225,8 @@ fn write_summary(out: &mut String, report: &BurstReport, params: &DetectorParams
         writeln!(out, "  note      {}", note.for_command())?;
     }
     let gate = match params.noise_gate {
-        NoiseGate::Auto => format!("{:.2} σ (auto)", report.noise_gate_factor),
-        NoiseGate::Strict => format!("{:.2} σ (strict)", report.noise_gate_factor),
         NoiseGate::Factor(_) => format!("{:.2} σ", report.noise_gate_factor),
+        word => format!("{:.2} σ ({word})", report.noise_gate_factor),
     };
     writeln!(out, "  noise     {:.5} of full scale in a frame; noise gate {gate}", report.frame_noise)?;
     for warning in &report.noise.warnings {

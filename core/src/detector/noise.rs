@@ -223,8 +223,8 @@ pub(super) fn dog_energy(low: f64, high: f64) -> f64 {
     product(low, low) - 2.0 * product(low, high) + product(high, high)
 }
 
-/// The gate's factor k: the one given, or the one at which white noise gives about [`STRICT_FALSE_PER_MEGAPIXEL`] or
-/// [`AUTO_FALSE_PER_MEGAPIXEL`] false keypoints per megapixel of the input over all slopes and octaves.
+/// The gate's factor k: the one given, or the one at which white noise gives about [`STRICT_FALSE_PER_MEGAPIXEL`],
+/// [`AUTO_FALSE_PER_MEGAPIXEL`] or [`MATCHING_FALSE_PER_MEGAPIXEL`] false keypoints per megapixel of the input over all slopes and octaves.
 ///
 /// The number of local maxima of a smooth Gaussian field above k falls like k²·exp(−k²/2) per independent place; the
 /// places are proportional to pixels and slopes. The factor in front, [`MAXIMA_PER_PIXEL`], was measured on pure noise.
@@ -233,6 +233,7 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
         NoiseGate::Factor(k) => return k,
         NoiseGate::Strict => STRICT_FALSE_PER_MEGAPIXEL,
         NoiseGate::Auto => AUTO_FALSE_PER_MEGAPIXEL,
+        NoiseGate::Matching => MATCHING_FALSE_PER_MEGAPIXEL,
     };
     let maxima = match params.used_extrema() {
         SlopeExtrema::Each => MAXIMA_PER_PIXEL,
@@ -257,9 +258,12 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
 /// Target of the strict gate: false keypoints per megapixel of pure noise. With two orientations a keypoint is up to
 /// two features, and at most one false feature a megapixel is promised.
 pub const STRICT_FALSE_PER_MEGAPIXEL: f64 = 0.5;
-/// Target of the automatic gate, which serves matching: false keypoints per megapixel of pure noise. They are few
-/// beside true ones and find no match, while the faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
+/// Target of the automatic gate: false keypoints per megapixel of pure noise. They are few beside true ones and find no
+/// match, while the faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
 pub const AUTO_FALSE_PER_MEGAPIXEL: f64 = 5.0;
+/// Target of the gate for matching: false keypoints per megapixel of pure noise. Guided matching compares a feature with
+/// a hundredth of the others, so that false ones cost time and few wrong matches (docs/MEASUREMENTS.md).
+pub const MATCHING_FALSE_PER_MEGAPIXEL: f64 = 100.0;
 /// Factor of `gate_factor` for extrema at each slope for itself, one for one blob. Measured on 12 to 20 Mpx of white
 /// noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for 13 slopes on a line, 7×7, and the doubled image. See
 /// [`gate_factor`].

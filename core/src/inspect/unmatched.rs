@@ -3,11 +3,11 @@
 //! To be matched, a feature of A must pass three steps: its nearest descriptor in B must be clearly nearer than the
 //! second (ratio test), B's feature must choose it too (mutual check), and the pair must fit the geometry. This module
 //! reports the step at which it was lost, and, where a geometry is known, whether B has a keypoint at the expected
-//! place.
+//! place, and why guided matching left it.
 
 use crate::detector::{Descriptor, Detection, Slope};
 use crate::matching::putative::{Nearest, nearest_two};
-use crate::matching::{MatchParams, MatchResult, TwoViewModel};
+use crate::matching::{GUIDED_BAND, GUIDED_RATIO, MatchParams, MatchResult, MatchSide, TwoViewModel, nearest_along};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 use std::sync::Arc;
@@ -180,7 +180,13 @@ impl<'a> Losses<'a> {
         if pair.model().is_some_and(|model| pair.there(model, index).is_empty()) {
             return Lost::NoKeypoint;
         }
-        if pair.params.mutual && of_b[nearest.index].index != index { Lost::MutualCheck } else { Lost::RatioTest }
+        let back = &of_b[nearest.index];
+        if pair.params.mutual && back.index != index {
+            return Lost::MutualCheck;
+        }
+        let ratio = if pair.params.mutual { nearest.ratio().max(back.ratio()) } else { nearest.ratio() };
+        // One that passes was matched by its descriptor, and its match gave way to another one along the geometry.
+        if ratio <= pair.params.ratio { Lost::Geometry } else { Lost::RatioTest }
     }
 
     /// The numbers of features of A lost at each step, in the order of [`Lost::ALL`].
@@ -246,7 +252,7 @@ fn unmatched(losses: &Losses<'_>, index: usize, count: usize) -> Unmatched {
     let sentence = if lost == Lost::NoKeypoint && leaves {
         "the geometry puts it outside the other picture".to_owned()
     } else {
-        sentence((pair, index), lost, &candidates, preferred, &there)
+        sentence((pair, index), lost, &candidates, preferred, &there) + &along_geometry(&pair, index, lost)
     };
     Unmatched { lost, candidates, preferred, expected, there, sentence }
 }
@@ -259,6 +265,27 @@ fn distance(a: &Descriptor, b: &Descriptor) -> f32 {
 /// Name of a feature by its rank in strength, from 1, as in tables.
 fn rank_name(index: usize) -> String {
     format!("feature #{}", index + 1)
+}
+
+/// Adds why guided matching did not find a feature that was lost before it; empty without guided matching.
+fn along_geometry(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
+    let is_lost_before = matches!(lost, Lost::RatioTest | Lost::MutualCheck);
+    let Some(model) = pair.model().filter(|_| pair.params.guided && is_lost_before) else {
+        return String::new();
+    };
+    let places: Vec<[f64; 2]> = (0..pair.b.features.len()).map(|other| pair.place_b(other)).collect();
+    let to = MatchSide { places: &places, descriptors: &pair.b.descriptors };
+    let closer = MatchParams { max_error_px: GUIDED_BAND * pair.params.max_error_px, ..pair.params.clone() };
+    match nearest_along((pair.place_a(index), pair.a.descriptors[index]), to, model, &closer) {
+        None => "; along the geometry there is none".to_owned(),
+        Some((feature, ratio)) if ratio > GUIDED_RATIO.max(pair.params.ratio) => format!(
+            "; along the geometry {} is nearest, {ratio:.2} times the distance to the next; at most {GUIDED_RATIO:.2} is allowed",
+            rank_name(feature)
+        ),
+        Some((feature, _)) => {
+            format!("; along the geometry {} is nearest, but not the other way round", rank_name(feature))
+        }
+    }
 }
 
 fn sentence(
@@ -327,6 +354,11 @@ fn sentence(
             rank_name(best.feature),
             preferred.map_or_else(|| "another".to_owned(), rank_name)
         ),
+        Lost::Geometry if pair.result.matches.iter().all(|m| m.a != index) => {
+            let other = pair.result.matches.iter().find(|m| m.b == best.feature);
+            let other = other.map_or_else(|| "another feature".to_owned(), |m| rank_name(m.a));
+            format!("geometry: its match, {}, goes with {other} of this picture along it", rank_name(best.feature))
+        }
         Lost::Geometry => {
             let error =
                 best.error_px.map_or_else(String::new, |error| format!(": {error:.1} px from the place it expects"));

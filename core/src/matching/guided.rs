@@ -18,6 +18,10 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Maximum ratio within the band, where [`MatchParams::ratio`] is lower.
 pub const GUIDED_RATIO: f32 = 0.9;
 
+/// Max error of guided matches, in [`MatchParams::max_error_px`], which is for the sure ones: half of it gives fewer
+/// wrong matches and better poses (docs/MEASUREMENTS.md).
+pub const GUIDED_BAND: f32 = 0.5;
+
 /// Nearest feature within the band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct InBand {
@@ -79,6 +83,20 @@ pub fn guided_matches(
     let mut matches: Vec<Match> = best.into_values().collect();
     matches.sort_by_key(|m| m.a);
     Ok(matches)
+}
+
+/// The feature of `to` that is nearest to one feature of the other image within its band, A to B, and the ratio of its
+/// distance to that of the next one there; `None` where the band of [`MatchParams::max_error_px`] holds none.
+pub fn nearest_along(
+    (place, descriptor): ([f64; 2], Descriptor),
+    to: MatchSide<'_>,
+    model: &TwoViewModel,
+    params: &MatchParams,
+) -> Option<(usize, f32)> {
+    let from = MatchSide { places: &[place], descriptors: &[descriptor] };
+    let band = model.band_in_b(from.places, to.places, f64::from(params.max_error_px));
+    let nearest = nearest_in_band(from, to, &band, &Monitor::default()).ok()?;
+    nearest[0].map(|nearest| (nearest.index, nearest.ratio()))
 }
 
 /// Adds to `guided` those of `putative` that share no feature with it, in the order of A's features.

@@ -26,7 +26,7 @@ pub mod putative;
 
 pub use camera::{Camera, CameraModel};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
-pub use guided::{GUIDED_RATIO, guided_matches};
+pub use guided::{GUIDED_BAND, GUIDED_RATIO, guided_matches, nearest_along};
 pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};
 
@@ -103,14 +103,15 @@ pub fn match_features(
         assert_eq!(side.places.len(), side.descriptors.len(), "each feature has a place and a descriptor");
     }
     let mut matches = match_descriptors(a.descriptors, b.descriptors, params, monitor)?;
-    let verified = |matches: &[Match]| {
+    let verified = |matches: &[Match], params: &MatchParams| {
         let pair = |m: &Match| PointPair { a: a.places[m.a], b: b.places[m.b], rank: m.ratio };
         verify(&matches.iter().map(pair).collect::<Vec<_>>(), params, monitor)
     };
-    let mut verification = verified(&matches)?;
+    let mut verification = verified(&matches, params)?;
     if let Some(model) = verification.as_ref().and_then(|v| v.model.as_ref()).filter(|_| params.guided) {
-        let guided = guided::with_others(guided_matches(a, b, model, params, monitor)?, &matches);
-        let refitted = verified(&guided)?;
+        let closer = MatchParams { max_error_px: GUIDED_BAND * params.max_error_px, ..params.clone() };
+        let guided = guided::with_others(guided_matches(a, b, model, &closer, monitor)?, &matches);
+        let refitted = verified(&guided, &closer)?;
         let inliers = |v: &Option<Verification>| v.as_ref().map_or(0, Verification::inlier_count);
         if inliers(&refitted) >= inliers(&verification) {
             (matches, verification) = (guided, refitted);

@@ -169,7 +169,7 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
     let frames = layer.detection.frames_used.len();
     let selected = |i: usize| layer.selected == Some(i);
     let mark = |i: usize| {
-        let (placed, own) = (&layer.placed[i], &layer.detection.features[i]);
+        let (placed, own) = (&layer.placed()[i], &layer.detection.features[i]);
         let faint = layer.is_faint(i);
         // The motion over the whole burst is the same in every frame.
         let (first, last) = motion_image(own, frames);
@@ -184,7 +184,7 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
             dashed: placed.at_slope_limit,
         }
     };
-    let mut order: Vec<usize> = (0..layer.placed.len()).filter(|&i| layer.shown[i]).collect();
+    let mut order: Vec<usize> = (0..layer.placed().len()).filter(|&i| layer.shown[i]).collect();
     order.sort_by_key(|&i| (selected(i), !layer.is_faint(i)));
     order.into_iter().map(mark).collect()
 }

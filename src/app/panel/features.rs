@@ -29,12 +29,12 @@ pub struct FeatureOptions {
 pub struct FeatureLayer {
     /// Features, at their places at mid-burst.
     pub detection: Arc<Detection>,
-    /// Features at their places in the picture: in a frame at its time, otherwise at mid-burst.
-    pub placed: Vec<Feature>,
-    /// Whether the picture is a frame.
-    pub in_frame: bool,
+    /// Features at their places in the picture where that is a frame: at its time.
+    in_frame: Option<Vec<Feature>>,
     /// For each feature, whether it is shown.
     pub shown: Vec<bool>,
+    /// For each feature, whether it moves by another slope than [`Self::slope`]; empty without a slope.
+    elsewhere: Vec<bool>,
     /// Slope by which the picture was shifted; `None` if it was not, or by several, or if features at other slopes are
     /// not to be fainter.
     pub slope: Option<Slope>,
@@ -69,16 +69,21 @@ impl FeatureLayer {
         let is_listed = inspected && pane.side == Side::A && pane.method.is_none();
         let is_stale = pane.method.is_none() && !model.features_are_current(pane.side);
         let dt = frames_from_middle(pane.picture.as_ref(), &detection);
-        let placed = match dt {
-            Some(dt) => detection.features.iter().map(|f| at_time(f, dt)).collect(),
-            None => detection.features.clone(),
+        let slope = model.slope_in_picture(id).filter(|_| inspected);
+        let near = near_slope(&detection.slopes);
+        let moves_otherwise = |f: &Feature, slope: Slope| {
+            let (du, dv) = (f.slope.u - slope.u, f.slope.v - slope.v);
+            du * du + dv * dv > near * near
         };
+        let elsewhere = slope.map_or_else(Vec::new, |slope| {
+            detection.features.iter().map(|feature| moves_otherwise(feature, slope)).collect()
+        });
         let shown = if is_listed { model.listed_flags() } else { vec![true; detection.features.len()] };
         let mut layer = Self {
-            placed,
-            in_frame: dt.is_some(),
+            in_frame: dt.map(|dt| detection.features.iter().map(|f| at_time(f, dt)).collect()),
             shown,
-            slope: model.slope_in_picture(id).filter(|_| inspected),
+            elsewhere,
+            slope,
             selected: model.selected.filter(|_| is_listed),
             hovered: model.hovered.filter(|_| is_listed),
             stale: is_stale,
@@ -96,6 +101,11 @@ impl FeatureLayer {
         Some(layer)
     }
 
+    /// Features at their places in the picture: in a frame at its time, otherwise at mid-burst.
+    pub fn placed(&self) -> &[Feature] {
+        self.in_frame.as_deref().unwrap_or(&self.detection.features)
+    }
+
     /// Colours of the features.
     pub fn scale(&self, model: &Model) -> overlay::ColourScale {
         let (features, grid) = (&self.detection.features, &self.detection.slopes);
@@ -107,32 +117,30 @@ impl FeatureLayer {
     /// those selected or pointed at. Features of other slopes than the picture's take no place from its own.
     fn in_full(&self, output: &CanvasOutput) -> overlay::Drawn {
         let choose = |faint: bool| {
-            let shown: Vec<bool> =
-                self.shown.iter().enumerate().map(|(i, shown)| *shown && self.is_faint(i) == faint).collect();
+            let shown = |i: usize| self.shown[i] && self.is_faint(i) == faint;
             let always = |i: usize| [self.selected, self.hovered].contains(&Some(i));
-            overlay::drawn(&self.placed, Some(&shown), output.ui_from_image, output.visible_image, always)
+            overlay::drawn(self.placed(), shown, output.ui_from_image, output.visible_image, always)
         };
-        let (mut all, faint) = (choose(false), choose(true));
-        all.flags.iter_mut().zip(faint.flags).for_each(|(flag, faint)| *flag |= faint);
-        (all.drawn, all.in_view) = (all.drawn + faint.drawn, all.in_view + faint.in_view);
+        let mut all = choose(false);
+        if !self.elsewhere.is_empty() {
+            let faint = choose(true);
+            all.flags.iter_mut().zip(faint.flags).for_each(|(flag, faint)| *flag |= faint);
+            all.dots.extend(faint.dots);
+            (all.drawn, all.in_view) = (all.drawn + faint.drawn, all.in_view + faint.in_view);
+        }
         all
     }
 
     /// The feature at `pos_ui`: one that is drawn in full, otherwise one whose dot lies there.
     fn at(&self, output: &CanvasOutput, in_full: &overlay::Drawn, pos_ui: Pos2) -> Option<usize> {
-        let drawn = overlay::feature_at(&self.placed, Some(&in_full.flags), output.ui_from_image, pos_ui);
-        drawn.or_else(|| {
-            let dots: Vec<bool> = self.shown.iter().zip(&in_full.flags).map(|(shown, full)| *shown && !full).collect();
-            overlay::dot_at(&self.placed, &dots, output.ui_from_image, pos_ui)
-        })
+        let drawn = overlay::feature_at(self.placed(), Some(&in_full.flags), output.ui_from_image, pos_ui);
+        drawn.or_else(|| overlay::dot_at(self.placed(), &in_full.dots, output.ui_from_image, pos_ui))
     }
 
     /// Whether the feature moves by another slope than that of the picture, in which it is blurred then.
     pub fn is_faint(&self, index: usize) -> bool {
-        let Some(slope) = self.slope else { return false };
-        let f = &self.placed[index];
-        let far = (f.slope.u - slope.u).hypot(f.slope.v - slope.v) > near_slope(&self.detection.slopes);
-        far && ![self.selected, self.hovered].contains(&Some(index))
+        self.elsewhere.get(index).is_some_and(|elsewhere| *elsewhere)
+            && ![self.selected, self.hovered].contains(&Some(index))
     }
 }
 
@@ -168,7 +176,10 @@ pub fn features_ui(
     if pointer.is_some() {
         layer.hovered = pointed;
         // One that was a dot is drawn in full from now on.
-        pointed.into_iter().for_each(|i| in_full.flags[i] = true);
+        if let Some(i) = pointed {
+            in_full.flags[i] = true;
+            in_full.dots.retain(|dot| *dot != i);
+        }
         if on_top {
             model.hovered = pointed;
         }
@@ -184,9 +195,9 @@ pub fn features_ui(
     {
         let name = layer.method.map_or_else(|| format!("#{}", i + 1), |method| method.label().to_owned());
         let judged = model.coherence.of(&layer.detection).and_then(|values| values.get(i));
-        tip_ui(ui, &name, &layer.placed[i], judged);
+        tip_ui(ui, &name, &layer.placed()[i], judged);
     }
-    if options.legend && !layer.placed.is_empty() {
+    if options.legend && !layer.placed().is_empty() {
         let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
         let notes = [has_faint.then(|| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
         let notes: Vec<String> = notes.into_iter().flatten().collect();
@@ -206,17 +217,16 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
         motion: layer.motions,
         ..overlay::OverlayStyle::new(scale, layer.detection.frames_used.len())
     };
-    overlay::draw_dots(
-        output,
-        &layer.placed,
-        &overlay::OverlayStyle { shown: Some(&layer.shown), ..style },
-        &in_full.flags,
-    );
-    if layer.in_frame {
+    overlay::draw_dots(output, layer.placed(), &style, &in_full.dots);
+    if layer.in_frame.is_some() {
         // The motion over the whole burst stays; the circles move along it.
         let ways = overlay::OverlayStyle { circles: false, orientations: false, ..style };
         overlay::draw_features(output, &layer.detection.features, &ways);
-        overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { motion: false, ..style });
+        overlay::draw_features(output, layer.placed(), &overlay::OverlayStyle { motion: false, ..style });
+        return;
+    }
+    if layer.elsewhere.is_empty() {
+        overlay::draw_features(output, layer.placed(), &style);
         return;
     }
     let flags = |faint: bool| -> Vec<bool> {
@@ -232,8 +242,8 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
         hovered: None,
         ..style
     };
-    overlay::draw_features(output, &layer.placed, &below);
-    overlay::draw_features(output, &layer.placed, &overlay::OverlayStyle { shown: Some(&full), ..style });
+    overlay::draw_features(output, layer.placed(), &below);
+    overlay::draw_features(output, layer.placed(), &overlay::OverlayStyle { shown: Some(&full), ..style });
 }
 
 /// Maximum distance in slope of features that belong to the picture, in pixels per frame: slightly more than half-way

@@ -207,15 +207,20 @@ fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_coun
     }
 }
 
-/// Draws the choice of the noise gate: automatic, strict, or a factor.
+/// Draws the choice of the noise gate: a derived one, or a factor.
 fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, drag: &Drag, label: Id) {
     /// First value when switching to a factor: about that of the automatic gate for a small search.
     const FIRST_FACTOR: f32 = 4.5;
     let mut factor = match gate {
         NoiseGate::Factor(factor) => *factor,
-        NoiseGate::Auto | NoiseGate::Strict => FIRST_FACTOR,
+        _ => FIRST_FACTOR,
     };
-    let names = [(NoiseGate::Auto, "Auto"), (NoiseGate::Strict, "Strict"), (NoiseGate::Factor(factor), "Factor")];
+    let names = [
+        (NoiseGate::Auto, "Auto"),
+        (NoiseGate::Matching, "Matching"),
+        (NoiseGate::Strict, "Strict"),
+        (NoiseGate::Factor(factor), "Factor"),
+    ];
     choice_ui(ui, gate, label, &names);
     if let NoiseGate::Factor(_) = gate {
         let size = vec2(48.0, ui.spacing().interact_size.y);

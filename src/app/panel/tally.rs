@@ -26,9 +26,8 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     };
     let detection = &found.detection;
     let gate = match found.params.noise_gate {
-        NoiseGate::Auto => format!("automatic, {:.2} σ", detection.noise_gate_factor),
-        NoiseGate::Strict => format!("strict, {:.2} σ", detection.noise_gate_factor),
         NoiseGate::Factor(k) => format!("{k} σ"),
+        word => format!("{word}, {:.2} σ", detection.noise_gate_factor),
     };
     let text = format!(
         "Frame noise {} of full scale  ·  noise gate {gate}  ·  {} slopes  ·  octaves {} … {}",

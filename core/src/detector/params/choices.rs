@@ -200,23 +200,37 @@ pub enum Localisation {
 /// The noise gate: how many standard deviations of the noise in D a response must reach.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum NoiseGate {
-    /// For matching: the factor is derived from the size of the search so that pure noise gives about
+    /// For looking and matching: the factor is derived from the size of the search so that pure noise gives about
     /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::AUTO_FALSE_PER_MEGAPIXEL) false keypoints a
     /// megapixel, which matching rejects.
     #[default]
     Auto,
+    /// For matching alone: as [`Self::Auto`], with about
+    /// [`MATCHING_FALSE_PER_MEGAPIXEL`](crate::detector::noise::MATCHING_FALSE_PER_MEGAPIXEL), among which are
+    /// faint true ones that guided matching finds.
+    Matching,
     /// The factor is derived so that pure noise gives at most one false feature a megapixel over the whole search.
     Strict,
     /// This factor; 0 switches the gate off.
     Factor(f32),
 }
 
+impl NoiseGate {
+    /// The gates that derive their factor from the size of the search, with their words.
+    pub const DERIVED: [(Self, &'static str); 3] =
+        [(Self::Auto, "auto"), (Self::Matching, "matching"), (Self::Strict, "strict")];
+
+    /// Its word; `None` for a factor.
+    pub fn word(self) -> Option<&'static str> {
+        Self::DERIVED.iter().find(|(gate, _)| *gate == self).map(|(_, word)| *word)
+    }
+}
+
 impl std::fmt::Display for NoiseGate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Auto => f.write_str("auto"),
-            Self::Strict => f.write_str("strict"),
-            Self::Factor(k) => write!(f, "{k}"),
+        match (self, self.word()) {
+            (Self::Factor(k), _) => write!(f, "{k}"),
+            (_, word) => f.write_str(word.unwrap_or_default()),
         }
     }
 }
@@ -224,15 +238,14 @@ impl std::fmt::Display for NoiseGate {
 impl std::str::FromStr for NoiseGate {
     type Err = String;
 
-    /// Reads `auto`, `strict` or a number.
+    /// Reads `auto`, `matching`, `strict` or a number.
     fn from_str(text: &str) -> Result<Self, String> {
-        match text.trim() {
-            "auto" => Ok(Self::Auto),
-            "strict" => Ok(Self::Strict),
-            number => number
-                .parse()
-                .map(Self::Factor)
-                .map_err(|_| format!("'{text}' is neither 'auto' nor 'strict' nor a number of standard deviations")),
+        let text = text.trim();
+        match Self::DERIVED.iter().find(|(_, word)| *word == text) {
+            Some((gate, _)) => Ok(*gate),
+            None => text.parse().map(Self::Factor).map_err(|_| {
+                format!("'{text}' is none of 'auto', 'matching' and 'strict', and no number of standard deviations")
+            }),
         }
     }
 }
@@ -240,9 +253,8 @@ impl std::str::FromStr for NoiseGate {
 impl Serialize for NoiseGate {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
-            Self::Auto => serializer.serialize_str("auto"),
-            Self::Strict => serializer.serialize_str("strict"),
             Self::Factor(k) => serializer.serialize_f32(*k),
+            word => serializer.collect_str(word),
         }
     }
 }

@@ -2,11 +2,10 @@
 //! the picture can bear.
 //!
 //! The image is divided into square cells whose side is a power of two, in image pixels, and lies between
-//! [`CELL_POINTS`] and half of it on the screen. In each cell the strongest [`IN_A_CELL`] features are drawn. Cells of
-//! one zoom nest in those of the next coarser one, so zooming in only adds features; and because the cells belong to
+//! [`CELL_POINTS`] and half of it on the screen. In each cell the strongest [`IN_A_CELL`] features are drawn, and the next
+//! of the strongest [`SEEN_IN_A_CELL`] as dots. Cells of one zoom nest in those of the next coarser one, so zooming in only adds features; and because the cells belong to
 //! the image, panning changes none.
 
-use super::is_shown;
 use super::match_lines::{LineKind, MatchLine, Pane};
 use crate::app::canvas::RectTransform;
 use crate::detector::feature::Feature;
@@ -17,6 +16,9 @@ const CELL_POINTS: f32 = 64.0;
 
 /// Number of features that are drawn in a cell.
 const IN_A_CELL: u16 = 2;
+
+/// Number of features in a cell of which anything is drawn.
+const SEEN_IN_A_CELL: u16 = 14;
 
 /// Number of lines that begin in a cell.
 const LINES_IN_A_CELL: u16 = 3;
@@ -34,6 +36,8 @@ fn cell_image(points_per_pixel: f32) -> f32 {
 pub struct Drawn {
     /// Flag of each feature: drawn in full.
     pub flags: Vec<bool>,
+    /// Features in view that are drawn as dots, strongest first.
+    pub dots: Vec<usize>,
     /// Number of features drawn in full whose centre is in view.
     pub drawn: usize,
     /// Number of shown features whose centre is in view.
@@ -41,24 +45,28 @@ pub struct Drawn {
 }
 
 /// Chooses among `features`, strongest first, those drawn in full where `view_image` is visible at the scale of
-/// `ui_from_image`. `shown` is as in [`super::OverlayStyle`]; features for which `always` holds are drawn whatever
-/// stands around them. Takes time in proportion to the number of features.
+/// `ui_from_image`, of those for which `shown` holds; features for which `always` holds are drawn whatever stands around
+/// them. Takes time in proportion to the number of features.
 pub fn drawn(
     features: &[Feature],
-    shown: Option<&[bool]>,
+    shown: impl Fn(usize) -> bool,
     ui_from_image: RectTransform,
     view_image: Rect,
     always: impl Fn(usize) -> bool,
 ) -> Drawn {
-    let places = (0..features.len()).filter(|&i| is_shown(shown, i)).map(|i| (i, pos2(features[i].u, features[i].v)));
-    let mut cells = Cells::new(ui_from_image.scale(), view_image, IN_A_CELL);
+    let mut cells = Cells::new(ui_from_image.scale(), view_image);
     let mut out = Drawn { flags: vec![false; features.len()], ..Drawn::default() };
-    for (i, place) in places {
-        let is_drawn = cells.take(place) || always(i);
+    for (i, feature) in features.iter().enumerate().filter(|(i, _)| shown(*i)) {
+        let place = pos2(feature.u, feature.v);
+        let Some(stronger) = cells.add(place) else { continue };
+        let is_drawn = stronger < IN_A_CELL || always(i);
         out.flags[i] = is_drawn;
         if view_image.contains(place) {
             out.in_view += 1;
             out.drawn += usize::from(is_drawn);
+            if !is_drawn && stronger < SEEN_IN_A_CELL {
+                out.dots.push(i);
+            }
         }
     }
     out
@@ -69,11 +77,11 @@ pub fn drawn(
 pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);
-    let mut cells = Cells::new(t.scale(), view_image, LINES_IN_A_CELL);
+    let mut cells = Cells::new(t.scale(), view_image);
     let mut flags = vec![false; lines.len()];
     for is_inlier in [true, false] {
         for (flag, line) in flags.iter_mut().zip(lines).filter(|(_, l)| (l.kind == LineKind::Inlier) == is_inlier) {
-            *flag = cells.take(line.a) || always(line.index);
+            *flag = cells.add(line.a).is_some_and(|before| before < LINES_IN_A_CELL) || always(line.index);
         }
     }
     flags
@@ -81,33 +89,38 @@ pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, always: impl Fn(usize) ->
 
 /// Square cells over a view and its surroundings, with the number of marks in each.
 struct Cells {
-    side: f32,
+    /// One over the side of a cell.
+    per_pixel: f32,
     first: (f32, f32),
     size: (usize, usize),
     held: Vec<u16>,
-    most: u16,
 }
 
 impl Cells {
-    /// Empty cells for a picture of `points_per_pixel` that is visible in `view_image`, each for up to `most` marks.
-    fn new(points_per_pixel: f32, view_image: Rect, most: u16) -> Self {
+    /// Empty cells for a picture of `points_per_pixel` that is visible in `view_image`.
+    fn new(points_per_pixel: f32, view_image: Rect) -> Self {
         let side = cell_image(points_per_pixel);
         // Circles reach into the view from outside: cells one view around it are counted too.
         let around = view_image.expand2(view_image.size());
         let first = ((around.min.x / side).floor(), (around.min.y / side).floor());
         let count = |to: f32, first: f32| (((to / side).floor() - first) as usize + 1).clamp(1, MAX_CELLS);
         let size = (count(around.max.x, first.0), count(around.max.y, first.1));
-        Self { side, first, size, held: vec![0; size.0 * size.1], most }
+        // The side is a power of two, so that this is exact.
+        Self { per_pixel: side.recip(), first, size, held: vec![0; size.0 * size.1] }
     }
 
-    /// Whether the cell of `place` has room for one more mark, which takes it.
-    fn take(&mut self, place: Pos2) -> bool {
+    /// Adds a mark to the cell of `place`; returns the number of marks that were there before. `None` for a place that is
+    /// no number.
+    fn add(&mut self, place: Pos2) -> Option<u16> {
+        if place.any_nan() {
+            return None;
+        }
         let index =
-            |at: f32, first: f32, count: usize| (((at / self.side).floor() - first).max(0.0) as usize).min(count - 1);
+            |at: f32, first: f32, count: usize| ((at * self.per_pixel - first).max(0.0) as usize).min(count - 1);
         let at = index(place.y, self.first.1, self.size.1) * self.size.0 + index(place.x, self.first.0, self.size.0);
-        let has_room = self.held[at] < self.most;
-        self.held[at] = self.held[at].saturating_add(1);
-        has_room
+        let before = self.held[at];
+        self.held[at] = before.saturating_add(1);
+        Some(before)
     }
 }
 
@@ -143,7 +156,7 @@ mod tests {
     fn a_view_bears_a_few_hundred_of_the_strongest_in_every_part() {
         let features = crowd(5000);
         let (transform, rect) = view(pos2(0.0, 0.0), 2.0);
-        let all = drawn(&features, None, transform, rect, |_| false);
+        let all = drawn(&features, |_| true, transform, rect, |_| false);
         assert!((100..600).contains(&all.drawn), "{}", all.drawn);
         assert_eq!(all.in_view, 5000);
         assert_eq!(all.drawn, all.flags.iter().filter(|flag| **flag).count());
@@ -154,6 +167,9 @@ mod tests {
             assert!((0..features.len()).filter(inside).count() > 20);
         }
         assert!(all.flags[0]);
+        // Of the others a few in each part are dots.
+        assert!(all.dots.iter().all(|i| !all.flags[*i]) && all.dots.len() > 2 * all.drawn);
+        assert!(all.dots.len() < 3000, "{}", all.dots.len());
     }
 
     #[test]
@@ -181,10 +197,10 @@ mod tests {
     fn some_are_drawn_whatever_stands_around_them_and_hidden_ones_take_no_place() {
         let features = crowd(5000);
         let (transform, rect) = view(pos2(0.0, 0.0), 1.0);
-        let chosen = drawn(&features, None, transform, rect, |i| i == 4999);
+        let chosen = drawn(&features, |_| true, transform, rect, |i| i == 4999);
         assert!(chosen.flags[4999] && !flags(&features, pos2(0.0, 0.0), 1.0)[4999]);
         let only_weak: Vec<bool> = (0..features.len()).map(|i| i >= 4900).collect();
-        let weak = drawn(&features, Some(&only_weak), transform, rect, |_| false);
+        let weak = drawn(&features, |i| only_weak[i], transform, rect, |_| false);
         assert!(weak.drawn > 40 && weak.in_view == 100 && !weak.flags[0]);
     }
 
@@ -196,7 +212,7 @@ mod tests {
         features[5].u = -1e30;
         for zoom in [1e-9, 1e-3, 1.0, 1e4, 1e9] {
             let (transform, rect) = view(pos2(-1e5, 2e5), zoom);
-            assert_eq!(drawn(&features, None, transform, rect, |_| false).flags.len(), 100);
+            assert_eq!(drawn(&features, |_| true, transform, rect, |_| false).flags.len(), 100);
         }
     }
 }

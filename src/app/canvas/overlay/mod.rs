@@ -95,16 +95,13 @@ const MIN_RADIUS_POINTS: f32 = 1.5;
 /// Radius of the dot of a feature that is not drawn in full, in points.
 const DOT_RADIUS_POINTS: f32 = 0.9;
 
-/// Draws a faint dot at the centre of each shown feature in view that `in_full` leaves out.
-pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>, in_full: &[bool]) {
+/// Draws a faint dot at the centre of each of `dots`, which index `features`.
+pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>, dots: &[usize]) {
     let mut mesh = Mesh::default();
-    for (i, feature) in features.iter().enumerate().filter(|&(i, _)| is_shown(style.shown, i) && !in_full[i]) {
-        let at = pos2(feature.u, feature.v);
-        if output.visible_image.contains(at) {
-            let colour = style.scale.colour(i, feature).gamma_multiply(if style.stale { 0.3 } else { 0.6 });
-            let centre = output.ui_from_image.pos(at);
-            mesh.add_colored_rect(Rect::from_center_size(centre, Vec2::splat(2.0 * DOT_RADIUS_POINTS)), colour);
-        }
+    for &i in dots {
+        let colour = style.scale.colour(i, &features[i]).gamma_multiply(if style.stale { 0.3 } else { 0.6 });
+        let centre = output.ui_from_image.pos(pos2(features[i].u, features[i].v));
+        mesh.add_colored_rect(Rect::from_center_size(centre, Vec2::splat(2.0 * DOT_RADIUS_POINTS)), colour);
     }
     if !mesh.is_empty() {
         output.painter.add(Shape::mesh(mesh));
@@ -189,10 +186,10 @@ fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
 /// Maximum distance of the pointer from a centre or a circle line, in points.
 const TOLERANCE_POINTS: f32 = 7.0;
 
-/// Index of the feature whose dot is nearest to `pos_ui`, within a few points; `dots` flags the features that are dots.
-pub fn dot_at(features: &[Feature], dots: &[bool], ui_from_image: RectTransform, pos_ui: Pos2) -> Option<usize> {
+/// Index of the feature whose dot is nearest to `pos_ui`, within a few points; `dots` index `features`.
+pub fn dot_at(features: &[Feature], dots: &[usize], ui_from_image: RectTransform, pos_ui: Pos2) -> Option<usize> {
     let distance = |i: usize| ui_from_image.pos(pos2(features[i].u, features[i].v)).distance(pos_ui);
-    let near = (0..features.len()).filter(|&i| dots[i]).map(|i| (distance(i), i));
+    let near = dots.iter().map(|&i| (distance(i), i));
     near.filter(|(distance, _)| *distance <= TOLERANCE_POINTS).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
 }
 
