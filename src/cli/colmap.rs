@@ -12,9 +12,10 @@ use crate::dataset::{
     CameraChoice, ColmapJob, ColmapReport, Comparison, Event, FeatureJob, FeatureStore, GatherReport, ImageKind,
     LeftOut, export_colmap_from, gather,
 };
-use crate::detector::SearchParams;
+use crate::detector::params::doc::NOISE_GATE;
+use crate::detector::{DetectorParams, NoiseGate, SearchParams};
 use crate::matching::{CameraModel, MatchParams, PairSelection};
-use clap::Args;
+use clap::{Arg, Args};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -35,11 +36,22 @@ struct ColmapDocument<'a> {
     next: [String; 2],
 }
 
+/// Parameters of the search where none are given: as everywhere, with the gate that keeps what guided matching can use.
+fn defaults() -> SearchParams {
+    DetectorParams { noise_gate: NoiseGate::Matching, ..DetectorParams::default() }.into()
+}
+
+/// Says the default of this command's gate.
+fn gate_help(arg: Arg) -> Arg {
+    let text = |help: String| help.replace("[default: auto]", "[default of this command: matching]");
+    arg.help(text(NOISE_GATE.short_help())).long_help(text(NOISE_GATE.long_help()))
+}
+
 /// Maximum number of bursts that one line names.
 const NAMED: usize = 3;
 
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
-    let detector = args.run.search.params()?;
+    let detector = args.run.search.params_over(defaults())?;
     let matching = args.matching.params()?;
     let camera = matching.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
     let inputs = resolve_bursts(&args.inputs, args.sequence)?;
@@ -171,7 +183,7 @@ fn write_summary(out: &mut String, report: &ColmapReport, next: &[String]) -> st
 /// whose features are in --out already, found with the same parameters from the same files, are not done again: after
 /// an interruption the same command goes on. A burst that cannot be opened is reported and left out.
 #[derive(Debug, Clone, Args)]
-#[command(after_long_help = COLMAP_HELP)]
+#[command(after_long_help = COLMAP_HELP, mut_arg(NOISE_GATE.name, gate_help))]
 pub struct ColmapArgs {
     /// Folder of bursts (each a folder of frames), several of them, stacks, or a long sequence with --burst-length.
     #[arg(value_name = "DATASET", required = true)]

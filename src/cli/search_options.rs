@@ -68,7 +68,12 @@ impl ParamsFileArg {
     /// # Errors
     /// When the file cannot be read (a failure) or makes no sense (wrong use). Both errors name the file.
     pub fn read(&self) -> Result<SearchParams, Failure> {
-        self.params.as_deref().map_or_else(|| Ok(SearchParams::default()), read_params)
+        self.read_or(SearchParams::default())
+    }
+
+    /// Parameters in the file, or `defaults` without a file.
+    fn read_or(&self, defaults: SearchParams) -> Result<SearchParams, Failure> {
+        self.params.as_deref().map_or(Ok(defaults), read_params)
     }
 }
 
@@ -92,7 +97,15 @@ impl SearchArgs {
     /// # Errors
     /// When the parameter file cannot be read or makes no sense, or a combination of options makes no sense.
     pub fn params(&self) -> Result<SearchParams, Failure> {
-        let mut params = self.file.read()?;
+        self.params_over(SearchParams::default())
+    }
+
+    /// As [`Self::params`], for a command with other `defaults`; those of a parameter file are the usual ones.
+    ///
+    /// # Errors
+    /// As [`Self::params`].
+    pub fn params_over(&self, defaults: SearchParams) -> Result<SearchParams, Failure> {
+        let mut params = self.file.read_or(defaults)?;
         if self.gives(&doc::SLOPES) {
             params.slopes = SlopeChoice::AUTO;
         } else if (self.gives(&doc::SLOPES_U) || self.gives(&doc::SLOPES_V)) && params.slopes.is_auto() {

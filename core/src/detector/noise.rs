@@ -417,6 +417,8 @@ mod tests {
         let strict = DetectorParams { noise_gate: NoiseGate::Strict, ..one.clone() };
         // A tenth of the false alarms is about ln 10 / k more.
         assert!((gate_factor(&strict) - gate_factor(&one) - 10f32.ln() / gate_factor(&one)).abs() < 0.1);
+        let matching = DetectorParams { noise_gate: NoiseGate::Matching, ..one.clone() };
+        assert!((0.8..1.1).contains(&(gate_factor(&one) - gate_factor(&matching))));
         let fixed = DetectorParams { noise_gate: NoiseGate::Factor(4.5), ..one };
         assert_eq!(gate_factor(&fixed), 4.5);
     }

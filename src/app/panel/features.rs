@@ -116,19 +116,11 @@ impl FeatureLayer {
     /// Choice of the features that are drawn in full over the canvas of `output`: the strongest of each part of it, and
     /// those selected or pointed at. Features of other slopes than the picture's take no place from its own.
     fn in_full(&self, output: &CanvasOutput) -> overlay::Drawn {
-        let choose = |faint: bool| {
-            let shown = |i: usize| self.shown[i] && self.is_faint(i) == faint;
-            let always = |i: usize| [self.selected, self.hovered].contains(&Some(i));
-            overlay::drawn(self.placed(), shown, output.ui_from_image, output.visible_image, always)
+        let group = |i: usize| {
+            self.shown[i].then(|| if self.is_faint(i) { overlay::Group::Faint } else { overlay::Group::Own })
         };
-        let mut all = choose(false);
-        if !self.elsewhere.is_empty() {
-            let faint = choose(true);
-            all.flags.iter_mut().zip(faint.flags).for_each(|(flag, faint)| *flag |= faint);
-            all.dots.extend(faint.dots);
-            (all.drawn, all.in_view) = (all.drawn + faint.drawn, all.in_view + faint.in_view);
-        }
-        all
+        let always = |i: usize| self.selected == Some(i) || self.hovered == Some(i);
+        overlay::drawn(self.placed(), group, output.ui_from_image, output.visible_image, always)
     }
 
     /// The feature at `pos_ui`: one that is drawn in full, otherwise one whose dot lies there.
@@ -139,8 +131,8 @@ impl FeatureLayer {
 
     /// Whether the feature moves by another slope than that of the picture, in which it is blurred then.
     pub fn is_faint(&self, index: usize) -> bool {
-        self.elsewhere.get(index).is_some_and(|elsewhere| *elsewhere)
-            && ![self.selected, self.hovered].contains(&Some(index))
+        let elsewhere = self.elsewhere.get(index).is_some_and(|elsewhere| *elsewhere);
+        elsewhere && self.selected != Some(index) && self.hovered != Some(index)
     }
 }
 

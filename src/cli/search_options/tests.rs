@@ -108,7 +108,7 @@ fn nonsense_says_what_would_be_right() {
         (vec!["--slopes", "all"], "possible values: auto"),
         (vec!["--method", "surf"], "possible values: buff, sift"),
         (vec!["--frames", "5"], "is not A..B"),
-        (vec!["--noise-gate", "lots"], "neither 'auto' nor 'strict' nor a number"),
+        (vec!["--noise-gate", "lots"], "none of 'auto', 'matching' and 'strict'"),
         (vec!["--levels", "0"], "give 1 to 10"),
         (vec!["--params", "/nowhere/p.toml"], "/nowhere/p.toml"),
     ] {

@@ -44,21 +44,31 @@ pub struct Drawn {
     pub in_view: usize,
 }
 
+/// Group of a feature that is drawn: those of one group take no place from those of the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Group {
+    /// Features of the picture.
+    Own,
+    /// Features that are fainter, because they were found elsewhere.
+    Faint,
+}
+
 /// Chooses among `features`, strongest first, those drawn in full where `view_image` is visible at the scale of
-/// `ui_from_image`, of those for which `shown` holds; features for which `always` holds are drawn whatever stands around
+/// `ui_from_image`, of those that have a `group`; features for which `always` holds are drawn whatever stands around
 /// them. Takes time in proportion to the number of features.
 pub fn drawn(
     features: &[Feature],
-    shown: impl Fn(usize) -> bool,
+    group: impl Fn(usize) -> Option<Group>,
     ui_from_image: RectTransform,
     view_image: Rect,
     always: impl Fn(usize) -> bool,
 ) -> Drawn {
-    let mut cells = Cells::new(ui_from_image.scale(), view_image);
+    let mut cells = [(); 2].map(|()| Cells::new(ui_from_image.scale(), view_image));
     let mut out = Drawn { flags: vec![false; features.len()], ..Drawn::default() };
-    for (i, feature) in features.iter().enumerate().filter(|(i, _)| shown(*i)) {
+    for (i, feature) in features.iter().enumerate() {
+        let Some(group) = group(i) else { continue };
         let place = pos2(feature.u, feature.v);
-        let Some(stronger) = cells.add(place) else { continue };
+        let Some(stronger) = cells[group as usize].add(place) else { continue };
         let is_drawn = stronger < IN_A_CELL || always(i);
         out.flags[i] = is_drawn;
         if view_image.contains(place) {
@@ -156,7 +166,7 @@ mod tests {
     fn a_view_bears_a_few_hundred_of_the_strongest_in_every_part() {
         let features = crowd(5000);
         let (transform, rect) = view(pos2(0.0, 0.0), 2.0);
-        let all = drawn(&features, |_| true, transform, rect, |_| false);
+        let all = drawn(&features, |_| Some(Group::Own), transform, rect, |_| false);
         assert!((100..600).contains(&all.drawn), "{}", all.drawn);
         assert_eq!(all.in_view, 5000);
         assert_eq!(all.drawn, all.flags.iter().filter(|flag| **flag).count());
@@ -197,11 +207,15 @@ mod tests {
     fn some_are_drawn_whatever_stands_around_them_and_hidden_ones_take_no_place() {
         let features = crowd(5000);
         let (transform, rect) = view(pos2(0.0, 0.0), 1.0);
-        let chosen = drawn(&features, |_| true, transform, rect, |i| i == 4999);
+        let chosen = drawn(&features, |_| Some(Group::Own), transform, rect, |i| i == 4999);
         assert!(chosen.flags[4999] && !flags(&features, pos2(0.0, 0.0), 1.0)[4999]);
         let only_weak: Vec<bool> = (0..features.len()).map(|i| i >= 4900).collect();
-        let weak = drawn(&features, |i| only_weak[i], transform, rect, |_| false);
+        let weak = drawn(&features, |i| only_weak[i].then_some(Group::Own), transform, rect, |_| false);
         assert!(weak.drawn > 40 && weak.in_view == 100 && !weak.flags[0]);
+        // Fainter ones take no place from the others, nor these from them.
+        let groups = |i: usize| Some(if only_weak[i] { Group::Faint } else { Group::Own });
+        let both = drawn(&features, groups, transform, rect, |_| false);
+        assert!((0..features.len()).filter(|&i| only_weak[i]).all(|i| both.flags[i] == weak.flags[i]));
     }
 
     #[test]
@@ -212,7 +226,7 @@ mod tests {
         features[5].u = -1e30;
         for zoom in [1e-9, 1e-3, 1.0, 1e4, 1e9] {
             let (transform, rect) = view(pos2(-1e5, 2e5), zoom);
-            assert_eq!(drawn(&features, |_| true, transform, rect, |_| false).flags.len(), 100);
+            assert_eq!(drawn(&features, |_| Some(Group::Own), transform, rect, |_| false).flags.len(), 100);
         }
     }
 }

@@ -15,14 +15,13 @@ mod strokes;
 
 pub use crate::app::view::ColourBy;
 pub use colour_by::ColourScale;
-pub use density::{Drawn, drawn, drawn_lines};
+pub use density::{Drawn, Group, drawn, drawn_lines};
 pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 
 use super::{CanvasOutput, RectTransform};
 use crate::detector::feature::Feature;
 use crate::detector::localise::rim_radius;
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, pos2};
-use rayon::prelude::*;
 use strokes::Strokes;
 
 /// Style of the features.
@@ -109,6 +108,7 @@ pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlaySty
 }
 
 /// Draws `features` over the canvas of `output`. Invisible features cost nothing; thousands are drawn at display rate.
+/// (One thread does it: to wake others takes longer than the few hundred features that a view bears.)
 pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
     let pixels_per_point = output.painter.pixels_per_point();
     let visible: Vec<usize> = (0..features.len())
@@ -116,24 +116,15 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
         .collect();
     let opacity = if style.stale { 0.35 } else { 0.95 };
     let edges = visible.len() <= MAX_WITH_EDGE && !style.stale;
-    // Meshes are built in parallel, in the features' order.
-    let meshes: Vec<Mesh> = visible
-        .par_chunks(256)
-        .map(|chunk| {
-            let mut strokes = Strokes::new(pixels_per_point);
-            for feature in chunk.iter().filter(|_| edges).map(|&i| &features[i]) {
-                let edge = Color32::from_black_alpha(90);
-                draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: 3.2, colour: edge });
-            }
-            for &i in chunk {
-                let colour = style.scale.colour(i, &features[i]).gamma_multiply(opacity);
-                draw_one(&mut strokes, output.ui_from_image, &features[i], style, Line { width: 1.4, colour });
-            }
-            strokes.into_mesh()
-        })
-        .collect();
-    output.painter.extend(meshes.into_iter().filter(|mesh| !mesh.is_empty()).map(Shape::mesh));
-    let mut strokes = Strokes::new(pixels_per_point);
+    let mut strokes = Strokes::with_room_for(pixels_per_point, visible.len() * if edges { 2 } else { 1 });
+    let edge = Color32::from_black_alpha(90);
+    for feature in visible.iter().filter(|_| edges).map(|&i| &features[i]) {
+        draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: 3.2, colour: edge });
+    }
+    for &i in &visible {
+        let colour = style.scale.colour(i, &features[i]).gamma_multiply(opacity);
+        draw_one(&mut strokes, output.ui_from_image, &features[i], style, Line { width: 1.4, colour });
+    }
     // The hovered and the selected feature lie above all others.
     for (highlight, width) in [(style.hovered, 2.0), (style.selected, 2.6)] {
         let shown = highlight.filter(|&i| is_shown(style.shown, i));

@@ -18,6 +18,14 @@ impl Strokes {
         Self { mesh: Mesh::default(), feather: 1.0 / pixels_per_point }
     }
 
+    /// As [`Self::new`], with memory for `count` features as they usually are.
+    pub fn with_room_for(pixels_per_point: f32, count: usize) -> Self {
+        let mut strokes = Self::new(pixels_per_point);
+        strokes.mesh.reserve_vertices(100 * count);
+        strokes.mesh.reserve_triangles(130 * count);
+        strokes
+    }
+
     /// Returns the mesh of all strokes.
     pub fn into_mesh(self) -> Mesh {
         self.mesh
