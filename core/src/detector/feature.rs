@@ -87,7 +87,8 @@ pub enum Test {
     Duplicate,
     /// Single frames respond too differently along its motion.
     Coherence,
-    /// The feature is weaker than the strongest `max_features`.
+    /// Its features are weaker than the strongest `max_features`. Keypoints weaker than all of these come to this test
+    /// without the two before it.
     MaxFeatures,
 }
 
@@ -135,7 +136,7 @@ pub struct Tally {
     pub samples: u64,
     /// Number of samples that each test rejected, in the order of [`Test::ALL`].
     pub rejected: [u64; 12],
-    /// Number of keypoints that passed every test (before they were split by orientation).
+    /// Number of keypoints that passed every test; a keypoint may have several features.
     pub kept: u64,
 }
 

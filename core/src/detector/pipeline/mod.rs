@@ -1,10 +1,12 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
 //! The inputs give the frames that take part and their noise; the [search](crate::detector::search) goes through
-//! octaves, tiles and slopes and finds keypoints. Then of the keypoints on one blob the strongest stays; those that stay
-//! are localised and described, tested for their [coherence](crate::detector::coherence) if requested, and ranked. The data for explaining the detection is gathered in a [`Trail`], which
-//! judges single samples ([`Judgement`]).
+//! octaves, tiles and slopes and finds keypoints. Then features are [chosen](choice): of the keypoints on one blob the
+//! strongest stays; those that stay are localised and described, tested for their
+//! [coherence](crate::detector::coherence) if requested, and ranked. The data for explaining the detection is gathered
+//! in a [`Trail`], which judges single samples ([`Judgement`]).
 
+mod choice;
 #[cfg(test)]
 mod tests;
 mod trail;
@@ -12,23 +14,20 @@ mod trail;
 pub use crate::detector::search::FIRST_PEAK_PART;
 pub use trail::{Judgement, Neighbourhood, Sample, Trail, strongest_around};
 
-use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally, Test};
+use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally};
 use super::memory::{self, Account, OF_PROCESS, Plan};
 use super::params::DetectorParams;
 use crate::burst::Burst;
-use crate::detector::coherence::Along;
-use crate::detector::describe::patch::{Describing, FramesOfOctaves, Motions};
+use crate::detector::describe::patch::{Describing, FramesOfOctaves};
 use crate::detector::describe::{self, Described};
-use crate::detector::distinct::{self, Blob};
 use crate::detector::limit::Limit;
-use crate::detector::params::{DescribeSlope, Distinct};
+use crate::detector::params::DescribeSlope;
+use crate::detector::pipeline::choice::Choosing;
 use crate::detector::scale_space::octave_size;
 use crate::detector::search::setup::{FirstLevels, Inputs, Search, SlopeGroup};
 use crate::detector::search::{SEARCH_PART, Searched};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
-use rayon::prelude::*;
-use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -88,43 +87,26 @@ fn search_as_planned(
     let mut tally = Tally::default();
     let started = Instant::now();
     let Searched { keypoints, bases } = search.octaves(&octaves, &plan.search, &mut tally)?;
-    let octave_frames = FramesOfOctaves::new(&planes, &inputs.times, octaves.clone());
-    let covered_by = search.distinct(&keypoints, &octave_frames)?;
-    let kept: Vec<usize> = (0..keypoints.len()).filter(|&index| covered_by[index].is_none()).collect();
-    tally.reject(Test::Duplicate, (keypoints.len() - kept.len()) as u64);
-    tally.kept = kept.len() as u64;
     times.search_secs = started.elapsed().as_secs_f32();
     let started = Instant::now();
-    let described: Vec<Keypoint> = kept.iter().map(|&index| keypoints[index]).collect();
-    let mut found = search.describe(&octaves, &described, (bases.as_deref(), &plan.describe), &octave_frames)?;
-    let incoherent = if params.used_coherence() > 0.0 {
-        octave_frames.make(described.iter());
-        let along = Along { frames: &octave_frames, inputs: &inputs, gate_factor: search.gate_factor };
-        let incoherent = incoherent(&along, &found, params.used_coherence(), monitor)?;
-        found.retain(|one| !incoherent.contains_key(&one.keypoint));
-        incoherent.into_iter().map(|(described, coherence)| (kept[described], coherence)).collect()
-    } else {
-        HashMap::new()
+    let octave_frames = FramesOfOctaves::new(&planes, &inputs.times, octaves.clone());
+    let choosing = Choosing {
+        search: &search,
+        inputs: &inputs,
+        keypoints: &keypoints,
+        bases: bases.as_deref(),
+        groups: &plan.describe,
+        frames: &octave_frames,
     };
-    tally.reject(Test::Coherence, incoherent.len() as u64);
-    tally.kept -= incoherent.len() as u64;
+    let choice = choosing.choose(params.max_features)?;
+    choice.count(&mut tally);
     monitor.check()?;
-    found.sort_by(|Described { feature: a, .. }, Described { feature: b, .. }| {
-        let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));
-        // Features of one keypoint stay in the order of their orientations.
-        let by_sample = || (a.octave, a.level, a.slope_index).cmp(&(b.octave, b.level, b.slope_index));
-        b.strength().total_cmp(&a.strength()).then_with(by_place).then_with(by_sample)
-    });
-    let ranked: Vec<usize> = found.iter().map(|one| kept[one.keypoint]).collect();
-    if params.max_features > 0 && found.len() > params.max_features {
-        tally.reject(Test::MaxFeatures, (found.len() - params.max_features) as u64);
-        found.truncate(params.max_features);
-    }
     let gate_factor = search.gate_factor;
     let (mut features, descriptors): (Vec<_>, Vec<_>) =
-        found.into_iter().map(|one| (one.feature, one.descriptor)).unzip();
+        choice.found.iter().map(|one| (one.feature, one.descriptor)).unzip();
     search.limit(&octave_frames).mark(&mut features)?;
-    times.describe_secs = started.elapsed().as_secs_f32();
+    times.search_secs += choice.distinct_secs;
+    times.describe_secs = started.elapsed().as_secs_f32() - choice.distinct_secs;
     monitor.report(Stage::Describe, 1.0);
     let detection = Detection {
         features,
@@ -140,45 +122,10 @@ fn search_as_planned(
     };
     drop(octave_frames);
     drop(planes);
-    Ok(Trail::new(inputs, bases, keypoints, covered_by, (ranked, incoherent), detection))
-}
-
-/// Keypoints of `found` whose coherence is known and below `min`, with their coherence. Features of one keypoint, which
-/// follow one another, have the same.
-fn incoherent(
-    along: &Along<'_, '_>,
-    found: &[Described],
-    min: f32,
-    monitor: &Monitor,
-) -> Result<HashMap<usize, f32>, Cancelled> {
-    let of_keypoints: Vec<&Described> = found.chunk_by(|a, b| a.keypoint == b.keypoint).map(|same| &same[0]).collect();
-    let low = |one: &&Described| {
-        let coherence = along.evenness(&one.feature, monitor)?.coherence;
-        Ok(coherence.filter(|coherence| *coherence < min).map(|coherence| (one.keypoint, coherence)))
-    };
-    let low: Vec<Option<(usize, f32)>> = of_keypoints.par_iter().map(low).collect::<Result<_, Cancelled>>()?;
-    Ok(low.into_iter().flatten().collect())
+    Ok(Trail::new(inputs, (bases, plan.describe.clone()), keypoints, choice.into(), detection))
 }
 
 impl Search<'_> {
-    /// For each keypoint the index of the stronger one that shows the same blob; `None` for those that stay.
-    fn distinct(&self, keypoints: &[Keypoint], frames: &FramesOfOctaves<'_>) -> Result<Vec<Option<usize>>, Cancelled> {
-        let Distinct::Radius(radius) = self.params.distinct else {
-            return Ok(vec![None; keypoints.len()]);
-        };
-        let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, &self.space)).collect();
-        let rule = distinct::Rule { radius, scale_ratio: self.params.distinct_scale };
-        frames.make(keypoints.iter());
-        let motions = Motions {
-            frames,
-            times: self.times,
-            size_image: self.size_image,
-            space: &self.space,
-            interpolation: self.params.interpolation,
-        };
-        distinct::covered_by(&blobs, rule, |a, b| motions.are_two(&keypoints[a], &keypoints[b]), self.monitor)
-    }
-
     /// Inputs for marking the features at the limit of the slopes.
     fn limit<'a, 'f>(&'a self, frames: &'a FramesOfOctaves<'f>) -> Limit<'a, 'f> {
         Limit {
@@ -193,20 +140,23 @@ impl Search<'_> {
     }
 
     /// Localises and describes `keypoints`, which are in order of octaves. The first levels are taken from `bases`;
-    /// where they were not kept, they are computed again for one of the `groups` of slopes after the other.
+    /// where they were not kept, they are computed again for one of the `groups` of slopes after the other. `part` is the
+    /// part of the description's progress that this takes.
     fn describe(
         &self,
         octaves: &Range<i32>,
         keypoints: &[Keypoint],
         (bases, groups): (Option<&[FirstLevels]>, &[SlopeGroup]),
         frames: &FramesOfOctaves<'_>,
+        part: Range<f32>,
     ) -> Result<Vec<Described>, Cancelled> {
+        let report = |done: f32| self.monitor.report(Stage::Describe, SEARCH_PART + (1.0 - SEARCH_PART) * done);
         let finished = AtomicUsize::new(0);
         let described = |count: usize| {
             let done = (finished.fetch_add(count, Ordering::Relaxed) + count) as f32 / keypoints.len() as f32;
-            self.monitor.report(Stage::Describe, SEARCH_PART + (1.0 - SEARCH_PART) * done);
+            report(part.start + (part.end - part.start) * done);
         };
-        self.monitor.report(Stage::Describe, SEARCH_PART);
+        report(part.start);
         if let Some(bases) = bases {
             return self.describe_with(octaves, keypoints, bases, (frames, &described));
         }

@@ -17,10 +17,11 @@ use crate::detector::feature::{Detection, Feature, Keypoint, Test};
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::params::{DetectorParams, Distinct, SlopeNeighbours};
+use crate::detector::pipeline::choice::{Choice, Choosing, Verdict};
 use crate::detector::refine::{Fit, Limits, Refined, fit, refine};
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, ScaleSpace, dog_tile, octave_size, stack_tiles};
 use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
-use crate::detector::search::setup::{FirstLevels, HELD, Inputs, Search};
+use crate::detector::search::setup::{FirstLevels, HELD, Inputs, Search, SlopeGroup};
 use crate::detector::search::slope_window::{OtherSlopes, refined_slope};
 use crate::kernel::gaussian_bank::FilterScratch;
 use crate::kernel::patch::{Patch, PatchScratch};
@@ -40,6 +41,21 @@ type SampleKey = (i32, i32, usize, [u32; 2]);
 /// Radius of the keypoints considered, in links of a chain: keypoints that remove one another form chains.
 const CHAIN_LINKS: f32 = 6.0;
 
+/// Fates of the keypoints, and the keypoint of each feature, strongest first.
+#[derive(Debug)]
+pub(super) struct Chosen {
+    verdicts: Vec<Verdict>,
+    ranked: Vec<usize>,
+    /// Keypoints that are known to stay among those on their blobs.
+    distinct: Vec<usize>,
+}
+
+impl From<Choice> for Chosen {
+    fn from(Choice { found, verdicts, distinct, .. }: Choice) -> Self {
+        Self { verdicts, ranked: found.iter().map(|one| one.keypoint).collect(), distinct }
+    }
+}
+
 /// A detection and the data from which it was computed.
 #[derive(Debug)]
 pub struct Trail {
@@ -48,13 +64,14 @@ pub struct Trail {
     /// are computed again when needed.
     pub(super) bases: Option<Vec<FirstLevels>>,
     keypoints: Vec<Keypoint>,
-    covered_by: Vec<Option<usize>>,
-    /// Keypoint of each described feature, strongest first and including those cut off by `max_features`.
-    ranked: Vec<usize>,
-    /// Coherence of the keypoints that the test of coherence rejects.
-    incoherent: HashMap<usize, f32>,
+    /// Groups of slopes in which first levels that were not kept are computed again.
+    groups: Vec<SlopeGroup>,
+    /// Choice of the features.
+    chosen: Chosen,
+    /// The choice without a maximum number of features, computed on first use.
+    uncut: OnceLock<Chosen>,
     by_sample: HashMap<SampleKey, usize>,
-    /// Keypoints that stayed, sorted by row.
+    /// Keypoints that are known to have stayed, sorted by row.
     stayed: Vec<(usize, Blob)>,
     /// σ_D at the place of least noise, by octave, DoG level index and slope.
     pub(super) sigma_d: Vec<Vec<Vec<f32>>>,
@@ -66,23 +83,22 @@ pub struct Trail {
 impl Trail {
     pub(super) fn new(
         inputs: Inputs,
-        bases: Option<Vec<FirstLevels>>,
+        (bases, groups): (Option<Vec<FirstLevels>>, Vec<SlopeGroup>),
         keypoints: Vec<Keypoint>,
-        covered_by: Vec<Option<usize>>,
-        (ranked, incoherent): (Vec<usize>, HashMap<usize, f32>),
+        chosen: Chosen,
         detection: Detection,
     ) -> Self {
         let means = inputs.octaves().map(|_| OnceLock::new()).collect();
-        let (by_sample, stayed, sigma_d) = (HashMap::new(), Vec::new(), Vec::new());
-        Self { inputs, bases, keypoints, covered_by, ranked, incoherent, by_sample, stayed, sigma_d, means, detection }
+        let (by_sample, stayed, sigma_d, uncut) = (HashMap::new(), Vec::new(), Vec::new(), OnceLock::new());
+        Self { inputs, bases, keypoints, groups, chosen, uncut, by_sample, stayed, sigma_d, means, detection }
     }
 
     /// Adds the lookup tables that questions need.
     pub(super) fn ready(mut self) -> Self {
         let key = |k: &Keypoint| (k.octave, k.level, k.slope_index, k.sample);
         self.by_sample = self.keypoints.iter().enumerate().map(|(index, k)| (key(k), index)).collect();
-        let kept = self.keypoints.iter().enumerate().filter(|(index, _)| self.covered_by[*index].is_none());
-        self.stayed = kept.map(|(index, k)| (index, Blob::of(k, &self.inputs.space))).collect();
+        let blob = |&index: &usize| (index, Blob::of(&self.keypoints[index], &self.inputs.space));
+        self.stayed = self.chosen.distinct.iter().map(blob).collect();
         self.stayed.sort_by(|a, b| a.1.v.total_cmp(&b.1.v));
         let monitor = Monitor::default();
         let sigma_d = self.with_search(&monitor, |search| {
@@ -110,8 +126,8 @@ impl Trail {
         let bases = self.bases.iter().flatten().flat_map(FirstLevels::planes);
         let planes: usize = bases.chain(means).map(plane).sum();
         let Detection { features, descriptors, .. } = &self.detection;
-        let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.ranked[..]);
-        let of_keypoint = size_of::<(Keypoint, Option<usize>, SampleKey, usize)>();
+        let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.chosen.ranked[..]);
+        let of_keypoint = size_of::<(Keypoint, Verdict, SampleKey, usize)>();
         frames + planes + found + of_keypoint * self.keypoints.len() + size_of_val(&self.stayed[..])
     }
 
@@ -160,9 +176,52 @@ impl Trail {
         &self.keypoints
     }
 
-    /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one.
+    /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one. `None` for keypoints
+    /// that [are cut](Trail::is_cut).
     pub fn covered_by(&self, index: usize) -> Option<usize> {
-        self.covered_by[index]
+        match self.chosen.verdicts[index] {
+            Verdict::CoveredBy(by) => Some(by),
+            _ => None,
+        }
+    }
+
+    /// Whether keypoint `index` is too weak for any feature of it to be among those kept. It is not compared with the
+    /// stronger keypoints on its blob.
+    pub fn is_cut(&self, index: usize) -> bool {
+        self.chosen.verdicts[index] == Verdict::Cut
+    }
+
+    /// First test that a keypoint that [is cut](Trail::is_cut) would fail if all features were kept. The first call
+    /// takes as long as describing all keypoints.
+    pub fn fails_uncut(&self, index: usize) -> Option<Test> {
+        match self.uncut().verdicts[index] {
+            Verdict::Kept | Verdict::Cut => None,
+            Verdict::CoveredBy(_) => Some(Test::Duplicate),
+            Verdict::Incoherent(_) => Some(Test::Coherence),
+        }
+    }
+
+    /// The choice without a maximum number of features.
+    fn uncut(&self) -> &Chosen {
+        if self.inputs.params.max_features == 0 {
+            return &self.chosen;
+        }
+        let choose = || {
+            let monitor = Monitor::default();
+            let planes = self.inputs.planes();
+            let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.means);
+            let choosing = Choosing {
+                search: &Search::new(&self.inputs, &planes, &monitor),
+                inputs: &self.inputs,
+                keypoints: &self.keypoints,
+                bases: self.bases.as_deref(),
+                groups: &self.groups,
+                frames: &frames,
+            };
+            Chosen::from(choosing.choose(0).expect("nobody cancels it"))
+        };
+        // On threads of its own: a thread that waited for others here might meanwhile run a job that waits for this.
+        self.uncut.get_or_init(|| std::thread::scope(|scope| join(scope.spawn(|| on_own_threads(choose)))))
     }
 
     /// Whether keypoint `index` would stay among those around it with another `radius` and `scale_ratio` for distinct
@@ -199,7 +258,7 @@ impl Trail {
     }
 
     /// Index of the keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for
-    /// distinct keypoints.
+    /// distinct keypoints. Keypoints that [are cut](Trail::is_cut) may not be compared.
     pub fn would_be_covered_by(&self, keypoint: &Keypoint) -> Option<usize> {
         let params = &self.inputs.params;
         let Distinct::Radius(radius) = params.distinct else {
@@ -217,19 +276,29 @@ impl Trail {
         })
     }
 
-    /// Index of the keypoint of feature `index` of the detection.
+    /// Index of the keypoint of feature `index` of the detection, or of those beyond `max_features`.
     pub fn keypoint_of_feature(&self, index: usize) -> usize {
-        self.ranked[index]
+        self.chosen.ranked.get(index).copied().unwrap_or_else(|| self.uncut().ranked[index])
     }
 
-    /// Number of features including those beyond `max_features`.
+    /// Number of features including those beyond `max_features`. The first call takes as long as describing all
+    /// keypoints.
     pub fn ranked(&self) -> usize {
-        self.ranked.len()
+        self.uncut().ranked.len()
     }
 
-    /// Ranks by strength of a keypoint's features, including those beyond `max_features`.
+    /// Rank by strength that a keypoint that [is cut](Trail::is_cut) has, or would have if it stayed, among all
+    /// features. The first call takes as long as describing all keypoints.
+    pub fn rank_uncut(&self, keypoint: usize) -> usize {
+        let ranked = &self.uncut().ranked;
+        let strength = |index: usize| self.keypoints[index].strength();
+        let own = ranked.iter().position(|of| *of == keypoint);
+        own.unwrap_or_else(|| ranked.partition_point(|of| strength(*of) > strength(keypoint)))
+    }
+
+    /// Ranks by strength of a keypoint's features that are kept.
     pub fn ranks_of(&self, keypoint: usize) -> impl Iterator<Item = usize> + '_ {
-        self.ranked.iter().enumerate().filter(move |(_, of)| **of == keypoint).map(|(rank, _)| rank)
+        self.chosen.ranked.iter().enumerate().filter(move |(_, of)| **of == keypoint).map(|(rank, _)| rank)
     }
 
     /// Index of the keypoint that was found at the sample (column, row) of an octave, level and slope.
@@ -322,7 +391,10 @@ impl Trail {
 
     /// The coherence of a keypoint that the test of coherence rejects; `None` for others.
     pub fn incoherent(&self, keypoint: usize) -> Option<f32> {
-        self.incoherent.get(&keypoint).copied()
+        match self.chosen.verdicts[keypoint] {
+            Verdict::Incoherent(coherence) => Some(coherence),
+            _ => None,
+        }
     }
 
     /// Calls `work` with the source of responses along any motion.
@@ -332,6 +404,19 @@ impl Trail {
         let gate_factor = self.detection.noise_gate_factor;
         work(&Along { frames: &frames, inputs: &self.inputs, gate_factor })
     }
+}
+
+/// Calls `work` in a pool of threads of its own; in the current one where the system gives no more threads.
+fn on_own_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    match rayon::ThreadPoolBuilder::new().build() {
+        Ok(pool) => pool.install(work),
+        Err(_) => work(),
+    }
+}
+
+/// Result of a thread; its panic goes on here.
+fn join<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// A sample of D.
