@@ -238,6 +238,11 @@ impl Keypoint {
         (self.x * pixel, self.y * pixel, self.sigma_octave * pixel)
     }
 
+    /// The keypoint, where the standard deviation of the noise in D is `sigma_d`.
+    pub(crate) fn with_noise(self, sigma_d: f32) -> Self {
+        Self { snr: if sigma_d > 0.0 { self.value.abs() / sigma_d } else { f32::INFINITY }, ..self }
+    }
+
     /// Strength for ranking: see [`strength`].
     pub fn strength(&self) -> f32 {
         strength(self.value, self.snr)

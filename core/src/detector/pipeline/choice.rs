@@ -11,12 +11,14 @@ use crate::detector::coherence::Along;
 use crate::detector::describe::Described;
 use crate::detector::describe::patch::{FramesOfOctaves, Motions};
 use crate::detector::distinct::{Blob, Deciding, Rule};
-use crate::detector::feature::{Keypoint, Tally, Test};
+use crate::detector::feature::{Feature, Keypoint, Tally, Test};
 use crate::detector::params::Distinct;
-use crate::detector::search::setup::{FirstLevels, Inputs, Search, SlopeGroup};
+use crate::detector::pipeline::left::{Known, Left};
+use crate::detector::search::setup::{Inputs, Search};
 use crate::monitor::Cancelled;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::MutexGuard;
 use std::time::Instant;
 
 /// Fate of a keypoint in the choice.
@@ -68,10 +70,10 @@ pub(super) struct Choosing<'a, 'f> {
     pub(super) inputs: &'a Inputs,
     /// Keypoints, in order of octaves.
     pub(super) keypoints: &'a [Keypoint],
-    /// First levels of the octaves, where they were kept.
-    pub(super) bases: Option<&'a [FirstLevels]>,
-    /// Groups of slopes in which first levels are computed again where they were not kept.
-    pub(super) groups: &'a [SlopeGroup],
+    /// Their numbers among those that the search left; `None` for all of these.
+    pub(super) numbers: Option<&'a [u32]>,
+    /// Result of the search.
+    pub(super) left: &'a Left,
     pub(super) frames: &'a FramesOfOctaves<'f>,
 }
 
@@ -125,7 +127,7 @@ impl Choosing<'_, '_> {
             let until = if left.is_empty() { 1.0 } else { done + 0.8 * (1.0 - done) };
             self.append(&mut found, (distinct, &mut verdicts), done..until)?;
             done = until;
-            found.sort_by(in_order);
+            found.par_sort_by(in_order);
             found.truncate(max);
         }
         if let Some(weakest) = found.get(max.saturating_sub(1)).map(Described::strength) {
@@ -155,7 +157,21 @@ impl Choosing<'_, '_> {
             space: &search.space,
             interpolation: search.params.interpolation,
         };
-        let are_two = |a: usize, b: usize| motions.are_two(&self.keypoints[a], &self.keypoints[b]);
+        let compare = |a: usize, b: usize| motions.are_two(&self.keypoints[a], &self.keypoints[b]);
+        let are_two = |a: usize, b: usize| {
+            let (stronger, snr) = (self.number(a) as u32, self.keypoints[b].snr);
+            let known = |known: MutexGuard<'_, Known>| {
+                known.twins.iter().find(|(by, with, _)| (*by, *with) == (stronger, snr)).map(|(_, _, two)| *two)
+            };
+            self.known(b).and_then(known).unwrap_or_else(|| {
+                let two = compare(a, b);
+                if let Some(mut known) = self.known(b) {
+                    known.twins.retain(|(_, with, _)| *with == snr);
+                    known.twins.push((stronger, snr, two));
+                }
+                two
+            })
+        };
         self.frames.make(self.keypoints.iter());
         twins.decide(asked, are_two, search.monitor)
     }
@@ -170,18 +186,34 @@ impl Choosing<'_, '_> {
     ) -> Result<(), Cancelled> {
         let search = self.search;
         chosen.sort_unstable();
+        let mut new: Vec<Described> = Vec::new();
+        chosen.retain(|&index| {
+            let known = self.known(index);
+            let described = known.as_ref().and_then(|known| known.described.as_deref());
+            new.extend(described.into_iter().flatten().map(|one| {
+                let feature = Feature { snr: self.keypoints[index].snr, ..one.feature };
+                Described { feature, keypoint: index, ..one.clone() }
+            }));
+            described.is_none()
+        });
         let keypoints: Vec<Keypoint> = chosen.iter().map(|&index| self.keypoints[index]).collect();
-        let octaves = self.inputs.octaves();
-        let mut new = search.describe(&octaves, &keypoints, (self.bases, self.groups), self.frames, part)?;
-        let min = search.params.used_coherence();
-        if min > 0.0 {
-            self.frames.make(keypoints.iter());
-            let along = Along { frames: self.frames, inputs: self.inputs, gate_factor: search.gate_factor };
-            for (number, coherence) in self.incoherent(&along, &new, min)? {
-                verdicts[chosen[number]] = Verdict::Incoherent(coherence);
+        let (octaves, levels) = (self.inputs.octaves(), (self.left.bases.as_deref(), &self.left.groups[..]));
+        let first = new.len();
+        new.extend(search.describe(&octaves, &keypoints, levels, self.frames, part)?);
+        new[first..].iter_mut().for_each(|one| one.keypoint = chosen[one.keypoint]);
+        for same in new[first..].chunk_by(|a, b| a.keypoint == b.keypoint) {
+            if let Some(mut known) = self.known(same[0].keypoint) {
+                known.described = Some(same.into());
             }
         }
-        new.iter_mut().for_each(|one| one.keypoint = chosen[one.keypoint]);
+        let min = search.params.used_coherence();
+        if min > 0.0 {
+            self.frames.make(self.keypoints.iter());
+            let along = Along { frames: self.frames, inputs: self.inputs, gate_factor: search.gate_factor };
+            for (index, coherence) in self.incoherent(&along, &new, min)? {
+                verdicts[index] = Verdict::Incoherent(coherence);
+            }
+        }
         found.extend(new.into_iter().filter(|one| !matches!(verdicts[one.keypoint], Verdict::Incoherent(_))));
         Ok(())
     }
@@ -192,11 +224,50 @@ impl Choosing<'_, '_> {
         let of_keypoints: Vec<&Described> =
             found.chunk_by(|a, b| a.keypoint == b.keypoint).map(|same| &same[0]).collect();
         let low = |one: &&Described| {
-            let coherence = along.evenness(&one.feature, self.search.monitor)?.coherence;
+            let known = self.known(one.keypoint).and_then(|known| known.coherence);
+            let coherence = match known {
+                Some((gate, coherence)) if gate == along.gate_factor => coherence,
+                _ => along.evenness(&one.feature, self.search.monitor)?.coherence,
+            };
+            if let Some(mut known) = self.known(one.keypoint) {
+                known.coherence = Some((along.gate_factor, coherence));
+            }
             Ok(coherence.filter(|coherence| *coherence < min).map(|coherence| (one.keypoint, coherence)))
         };
         let low: Vec<Option<(usize, f32)>> = of_keypoints.par_iter().map(low).collect::<Result<_, Cancelled>>()?;
         Ok(low.into_iter().flatten().collect())
+    }
+}
+
+impl Choosing<'_, '_> {
+    /// Number of keypoint `index` among those that the search left.
+    fn number(&self, index: usize) -> usize {
+        self.numbers.map_or(index, |numbers| numbers[index] as usize)
+    }
+
+    /// What is known about keypoint `index`, if anything is kept.
+    fn known(&self, index: usize) -> Option<MutexGuard<'_, Known>> {
+        self.left.known(self.number(index))
+    }
+
+    /// Marks the features at the limit of the slopes.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once the search's monitor was cancelled.
+    pub(super) fn mark(&self, found: &mut [Described]) -> Result<(), Cancelled> {
+        let limit = self.search.limit(self.frames);
+        found.par_iter_mut().try_for_each(|one| {
+            let snr = one.feature.snr;
+            let known = self.known(one.keypoint).and_then(|known| known.at_limit).filter(|(with, _)| *with == snr);
+            one.feature.at_slope_limit = match known {
+                Some((_, at_limit)) => at_limit,
+                None => limit.is_at_limit(&one.feature)?,
+            };
+            if let Some(mut known) = self.known(one.keypoint) {
+                known.at_limit = Some((snr, one.feature.at_slope_limit));
+            }
+            Ok(())
+        })
     }
 }
 

@@ -7,6 +7,7 @@
 //! in a [`Trail`], which judges single samples ([`Judgement`]).
 
 mod choice;
+mod left;
 #[cfg(test)]
 mod tests;
 mod trail;
@@ -22,13 +23,15 @@ use crate::detector::describe::patch::{Describing, FramesOfOctaves};
 use crate::detector::describe::{self, Described};
 use crate::detector::limit::Limit;
 use crate::detector::params::DescribeSlope;
-use crate::detector::pipeline::choice::Choosing;
+use crate::detector::pipeline::choice::{Choice, Choosing};
+use crate::detector::pipeline::left::{Left, Passing, sigma_d};
 use crate::detector::scale_space::octave_size;
+use crate::detector::search::SEARCH_PART;
 use crate::detector::search::setup::{FirstLevels, Inputs, Search, SlopeGroup};
-use crate::detector::search::{SEARCH_PART, Searched};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -39,7 +42,7 @@ use std::time::Instant;
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
 /// was cancelled.
 pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
-    Ok(search_all(burst, params, (&OF_PROCESS, memory::budget()), monitor)?.detection)
+    Ok(search_all(burst, params, (&OF_PROCESS, memory::budget()), false, monitor)?.detection)
 }
 
 /// Finds the features of a burst and keeps the data that explains them: the coarser octaves, if there is memory for
@@ -54,28 +57,30 @@ pub(crate) fn search_with_trail(
 ) -> Result<Trail, DetectError> {
     // Trails that are kept already have their part of the budget.
     let budget = memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()));
-    Ok(search_all(burst, params, (&OF_PROCESS, budget), monitor)?.ready())
+    Ok(search_all(burst, params, (&OF_PROCESS, budget), true, monitor)?.ready())
 }
 
-/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave.
+/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave. If the trail `keeps`
+/// what is computed about single keypoints, it can be judged again.
 fn search_all(
     burst: &Burst,
     params: &DetectorParams,
     (account, budget): (&Account, Option<u64>),
+    keeps: bool,
     monitor: &Monitor,
 ) -> Result<Trail, DetectError> {
     let started = Instant::now();
     params.validate_for(burst.len(), burst.size())?;
     let frames = params.used_frames(burst.len()).len();
     let (plan, _share) = account.plan(params, frames, burst.size(), budget)?;
-    plan.run(|| search_as_planned(burst, params, &plan, (started, monitor)))
+    plan.run(|| search_as_planned(burst, params, (&plan, keeps), (started, monitor)))
 }
 
 /// Detects by `plan`, with parameters that are valid for the burst; `started` is the time of the start.
 fn search_as_planned(
     burst: &Burst,
     params: &DetectorParams,
-    plan: &Plan,
+    (plan, keeps): (&Plan, bool),
     (started, monitor): (Instant, &Monitor),
 ) -> Result<Trail, DetectError> {
     let inputs = Inputs::new(burst, params, monitor)?;
@@ -86,43 +91,79 @@ fn search_as_planned(
     let octaves = inputs.octaves();
     let mut tally = Tally::default();
     let started = Instant::now();
-    let Searched { keypoints, bases } = search.octaves(&octaves, &plan.search, &mut tally)?;
+    let searched = search.octaves(&octaves, &plan.search, &mut tally)?;
     times.search_secs = started.elapsed().as_secs_f32();
+    let left = Left::new(&search, searched, &plan.describe, tally, keeps);
+    let octave_frames = FramesOfOctaves::new(&planes, &inputs.times, octaves);
+    let chosen = chosen(&search, &inputs, (&left, None), &octave_frames, times)?;
+    drop(octave_frames);
+    drop(planes);
+    Ok(Trail::new(inputs, Arc::new(left), None, chosen))
+}
+
+/// Chooses the features among the keypoints that a search `left`, or those of them that pass other thresholds. `times`
+/// are those of the steps before.
+fn chosen(
+    search: &Search<'_>,
+    inputs: &Inputs,
+    (left, passing): (&Left, Option<&Passing>),
+    frames: &FramesOfOctaves<'_>,
+    mut times: StageTimes,
+) -> Result<(Choice, Detection), Cancelled> {
     let started = Instant::now();
-    let octave_frames = FramesOfOctaves::new(&planes, &inputs.times, octaves.clone());
-    let choosing = Choosing {
-        search: &search,
-        inputs: &inputs,
-        keypoints: &keypoints,
-        bases: bases.as_deref(),
-        groups: &plan.describe,
-        frames: &octave_frames,
-    };
-    let choice = choosing.choose(params.max_features)?;
+    let keypoints = passing.map_or(&left.keypoints[..], |passing| &passing.keypoints);
+    let numbers = passing.map(|passing| &passing.numbers[..]);
+    let choosing = Choosing { search, inputs, keypoints, numbers, left, frames };
+    let mut choice = choosing.choose(search.params.max_features)?;
+    let mut tally = passing.map_or(left.tally, |passing| passing.tally);
     choice.count(&mut tally);
-    monitor.check()?;
-    let gate_factor = search.gate_factor;
-    let (mut features, descriptors): (Vec<_>, Vec<_>) =
-        choice.found.iter().map(|one| (one.feature, one.descriptor)).unzip();
-    search.limit(&octave_frames).mark(&mut features)?;
+    choosing.mark(&mut choice.found)?;
     times.search_secs += choice.distinct_secs;
     times.describe_secs = started.elapsed().as_secs_f32() - choice.distinct_secs;
-    monitor.report(Stage::Describe, 1.0);
+    search.monitor.report(Stage::Describe, 1.0);
+    let (features, descriptors) = choice.found.iter().map(|one| (one.feature, one.descriptor)).unzip();
     let detection = Detection {
         features,
         descriptors,
         tally,
         frame_noise: inputs.noise.frame_noise,
-        noise_gate_factor: gate_factor,
+        noise_gate_factor: search.gate_factor,
         noise: inputs.noise.clone(),
         slopes: inputs.params.used_slopes(),
         frames_used: inputs.frames_used.clone(),
-        octaves,
+        octaves: inputs.octaves(),
         times,
     };
-    drop(octave_frames);
-    drop(planes);
-    Ok(Trail::new(inputs, (bases, plan.describe.clone()), keypoints, choice.into(), detection))
+    Ok((choice, detection))
+}
+
+impl Trail {
+    /// Trail of a search of the same burst with `params`, without that search; `None` where it needs one. That is so
+    /// unless the parameters differ only in noise gate, peak threshold, edge threshold, the rule for distinct keypoints,
+    /// coherence and the number of features, and unless the first three are at least as strict as those of the search
+    /// that this trail goes back to.
+    ///
+    /// Keypoints, features and descriptors are those of the search to the bit. In the tally, samples that are no
+    /// keypoints are counted as that earlier search rejected them.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn rejudged(&self, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
+        if !self.left.differs_in_judgement_only(params) {
+            return Ok(None);
+        }
+        let started = Instant::now();
+        let inputs = Inputs { params: params.clone(), ..self.inputs.clone() };
+        let planes = inputs.planes();
+        let search = Search::new(&inputs, &planes, monitor);
+        let Some(passing) = self.left.passing(&search, &sigma_d(&search)) else { return Ok(None) };
+        let frames = FramesOfOctaves::new(&planes, &inputs.times, inputs.octaves()).with_means(&self.left.means);
+        let times = StageTimes { search_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
+        let chosen = chosen(&search, &inputs, (&self.left, Some(&passing)), &frames, times)?;
+        drop(frames);
+        drop(planes);
+        Ok(Some(Self::new(inputs, self.left.clone(), Some(passing), chosen).ready()))
+    }
 }
 
 impl Search<'_> {

@@ -26,7 +26,7 @@ fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
 
 /// Searches with all of `budget` bytes, whatever other tests of this process take at the same time.
 fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail, DetectError> {
-    search_all(burst, params, (&Account::new(), budget), &Monitor::default())
+    search_all(burst, params, (&Account::new(), budget), true, &Monitor::default())
 }
 
 /// Searches in all kinds of groups, and compares each result with the whole search's. Returns the numbers of groups in
@@ -45,7 +45,7 @@ fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
         assert!(plan.search.len() > 1 && plan.search.iter().all(|group| group.visited.len() <= slopes), "{plan:?}");
         counts.push(plan.describe.len());
         let found = search_within(burst, params, Some(budget)).expect("it fits").ready();
-        assert!(found.bases.is_none() && whole.bases.is_some());
+        assert!(found.left.bases.is_none() && whole.left.bases.is_some());
         assert_eq!(found.keypoints(), whole.keypoints(), "{plan:?}");
         let covered = |trail: &Trail| (0..trail.keypoints().len()).map(|k| trail.covered_by(k)).collect::<Vec<_>>();
         assert_eq!(covered(&found), covered(&whole));

@@ -18,10 +18,11 @@ use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::params::{DetectorParams, Distinct, SlopeNeighbours};
 use crate::detector::pipeline::choice::{Choice, Choosing, Verdict};
+use crate::detector::pipeline::left::{Left, Passing, SigmaD, sigma_d};
 use crate::detector::refine::{Fit, Limits, Refined, fit, refine};
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, ScaleSpace, dog_tile, octave_size, stack_tiles};
 use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
-use crate::detector::search::setup::{FirstLevels, HELD, Inputs, Search, SlopeGroup};
+use crate::detector::search::setup::{FirstLevels, HELD, Inputs, Search};
 use crate::detector::search::slope_window::{OtherSlopes, refined_slope};
 use crate::kernel::gaussian_bank::FilterScratch;
 use crate::kernel::patch::{Patch, PatchScratch};
@@ -60,12 +61,10 @@ impl From<Choice> for Chosen {
 #[derive(Debug)]
 pub struct Trail {
     pub(super) inputs: Inputs,
-    /// First levels of each octave; none for the first octave. `None` where the slopes were searched in groups: they
-    /// are computed again when needed.
-    pub(super) bases: Option<Vec<FirstLevels>>,
-    keypoints: Vec<Keypoint>,
-    /// Groups of slopes in which first levels that were not kept are computed again.
-    groups: Vec<SlopeGroup>,
+    /// Result of the search, which trails for other thresholds share.
+    pub(super) left: Arc<Left>,
+    /// Keypoints that pass the thresholds; `None` for all that the search left.
+    passing: Option<Passing>,
     /// Choice of the features.
     chosen: Chosen,
     /// The choice without a maximum number of features, computed on first use.
@@ -74,39 +73,30 @@ pub struct Trail {
     /// Keypoints that are known to have stayed, sorted by row.
     stayed: Vec<(usize, Blob)>,
     /// σ_D at the place of least noise, by octave, DoG level index and slope.
-    pub(super) sigma_d: Vec<Vec<Vec<f32>>>,
-    /// Frames at the resolution of each octave, computed on first use.
-    means: Vec<OnceLock<Vec<Plane>>>,
+    pub(super) sigma_d: SigmaD,
     pub(super) detection: Detection,
 }
 
 impl Trail {
     pub(super) fn new(
         inputs: Inputs,
-        (bases, groups): (Option<Vec<FirstLevels>>, Vec<SlopeGroup>),
-        keypoints: Vec<Keypoint>,
-        chosen: Chosen,
-        detection: Detection,
+        left: Arc<Left>,
+        passing: Option<Passing>,
+        (choice, detection): (Choice, Detection),
     ) -> Self {
-        let means = inputs.octaves().map(|_| OnceLock::new()).collect();
         let (by_sample, stayed, sigma_d, uncut) = (HashMap::new(), Vec::new(), Vec::new(), OnceLock::new());
-        Self { inputs, bases, keypoints, groups, chosen, uncut, by_sample, stayed, sigma_d, means, detection }
+        Self { inputs, left, passing, chosen: choice.into(), uncut, by_sample, stayed, sigma_d, detection }
     }
 
     /// Adds the lookup tables that questions need.
     pub(super) fn ready(mut self) -> Self {
         let key = |k: &Keypoint| (k.octave, k.level, k.slope_index, k.sample);
-        self.by_sample = self.keypoints.iter().enumerate().map(|(index, k)| (key(k), index)).collect();
-        let blob = |&index: &usize| (index, Blob::of(&self.keypoints[index], &self.inputs.space));
+        self.by_sample = self.keypoints().iter().enumerate().map(|(index, k)| (key(k), index)).collect();
+        let blob = |&index: &usize| (index, Blob::of(&self.keypoints()[index], &self.inputs.space));
         self.stayed = self.chosen.distinct.iter().map(blob).collect();
         self.stayed.sort_by(|a, b| a.1.v.total_cmp(&b.1.v));
         let monitor = Monitor::default();
-        let sigma_d = self.with_search(&monitor, |search| {
-            let levels = 0..search.space.levels + 2;
-            let of_octave = |octave| levels.clone().map(|level| search.sigma_d(octave, level)).collect();
-            self.octaves().map(of_octave).collect()
-        });
-        self.sigma_d = sigma_d;
+        self.sigma_d = self.with_search(&monitor, sigma_d);
         self
     }
 
@@ -122,13 +112,18 @@ impl Trail {
         let plane = |plane: &Plane| size_of_val(plane.data());
         let is_own = |frame: &&Arc<Plane>| !others.iter().any(|other| Arc::ptr_eq(other, frame));
         let frames: usize = self.inputs.frames.iter().filter(is_own).map(|frame| plane(frame)).sum();
-        let means = self.means.iter().filter_map(OnceLock::get).flatten();
-        let bases = self.bases.iter().flatten().flat_map(FirstLevels::planes);
+        let means = self.left.means.iter().filter_map(OnceLock::get).flatten();
+        let bases = self.left.bases.iter().flatten().flat_map(FirstLevels::planes);
         let planes: usize = bases.chain(means).map(plane).sum();
         let Detection { features, descriptors, .. } = &self.detection;
         let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.chosen.ranked[..]);
         let of_keypoint = size_of::<(Keypoint, Verdict, SampleKey, usize)>();
-        frames + planes + found + of_keypoint * self.keypoints.len() + size_of_val(&self.stayed[..])
+        frames
+            + planes
+            + self.left.bytes()
+            + found
+            + of_keypoint * self.keypoints().len()
+            + size_of_val(&self.stayed[..])
     }
 
     /// The detection.
@@ -173,7 +168,7 @@ impl Trail {
 
     /// All keypoints that passed the tests of the search, including those that show the same blob as a stronger one.
     pub fn keypoints(&self) -> &[Keypoint] {
-        &self.keypoints
+        self.passing.as_ref().map_or(&self.left.keypoints, |passing| &passing.keypoints)
     }
 
     /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one. `None` for keypoints
@@ -209,13 +204,13 @@ impl Trail {
         let choose = || {
             let monitor = Monitor::default();
             let planes = self.inputs.planes();
-            let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.means);
+            let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
             let choosing = Choosing {
                 search: &Search::new(&self.inputs, &planes, &monitor),
                 inputs: &self.inputs,
-                keypoints: &self.keypoints,
-                bases: self.bases.as_deref(),
-                groups: &self.groups,
+                keypoints: self.keypoints(),
+                numbers: self.passing.as_ref().map(|passing| &passing.numbers[..]),
+                left: &self.left,
                 frames: &frames,
             };
             Chosen::from(choosing.choose(0).expect("nobody cancels it"))
@@ -227,17 +222,18 @@ impl Trail {
     /// Whether keypoint `index` would stay among those around it with another `radius` and `scale_ratio` for distinct
     /// keypoints. All of these are compared again: removed ones may then stay, and remove others.
     pub fn would_stay(&self, index: usize, radius: f32, scale_ratio: f32) -> bool {
-        let own = self.keypoints[index].in_image();
+        let own = self.keypoints()[index].in_image();
         let near = |k: &Keypoint| {
             let (u, v, sigma) = k.in_image();
             let reach = CHAIN_LINKS * radius.max(self.distinct_radius()) * sigma.max(own.2);
             (u - own.0).hypot(v - own.1) <= reach
         };
-        let around: Vec<usize> = (0..self.keypoints.len()).filter(|&other| near(&self.keypoints[other])).collect();
+        let around: Vec<usize> = (0..self.keypoints().len()).filter(|&other| near(&self.keypoints()[other])).collect();
         let blobs: Vec<Blob> =
-            around.iter().map(|&other| Blob::of(&self.keypoints[other], &self.inputs.space)).collect();
+            around.iter().map(|&other| Blob::of(&self.keypoints()[other], &self.inputs.space)).collect();
         let covered = self.with_motions(|motions| {
-            let are_two = |a: usize, b: usize| motions.are_two(&self.keypoints[around[a]], &self.keypoints[around[b]]);
+            let are_two =
+                |a: usize, b: usize| motions.are_two(&self.keypoints()[around[a]], &self.keypoints()[around[b]]);
             distinct::covered_by(&blobs, distinct::Rule { radius, scale_ratio }, are_two, &Monitor::default())
                 .expect("nobody cancels it")
         });
@@ -251,7 +247,7 @@ impl Trail {
     /// Calls `work` with the test of whether two keypoints at one place are separate structures.
     fn with_motions<T>(&self, work: impl FnOnce(&Motions<'_, '_>) -> T) -> T {
         let planes = self.inputs.planes();
-        let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.means);
+        let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
         let Inputs { times, size_image, space, params, .. } = &self.inputs;
         let interpolation = params.interpolation;
         work(&Motions { frames: &frames, times, size_image: *size_image, space, interpolation })
@@ -272,7 +268,7 @@ impl Trail {
         let last = self.stayed.partition_point(|(_, other)| other.v <= blob.v + reach);
         let blobs = self.stayed[first..last].iter().copied();
         self.with_motions(|motions| {
-            distinct::would_cover(&blob, blobs, rule, |index| motions.are_two(&self.keypoints[index], keypoint))
+            distinct::would_cover(&blob, blobs, rule, |index| motions.are_two(&self.keypoints()[index], keypoint))
         })
     }
 
@@ -291,7 +287,7 @@ impl Trail {
     /// features. The first call takes as long as describing all keypoints.
     pub fn rank_uncut(&self, keypoint: usize) -> usize {
         let ranked = &self.uncut().ranked;
-        let strength = |index: usize| self.keypoints[index].strength();
+        let strength = |index: usize| self.keypoints()[index].strength();
         let own = ranked.iter().position(|of| *of == keypoint);
         own.unwrap_or_else(|| ranked.partition_point(|of| strength(*of) > strength(keypoint)))
     }
@@ -400,7 +396,7 @@ impl Trail {
     /// Calls `work` with the source of responses along any motion.
     fn along<T>(&self, work: impl FnOnce(&Along<'_, '_>) -> T) -> T {
         let planes = self.inputs.planes();
-        let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.means);
+        let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
         let gate_factor = self.detection.noise_gate_factor;
         work(&Along { frames: &frames, inputs: &self.inputs, gate_factor })
     }
@@ -500,7 +496,7 @@ impl Trail {
                 dog_tile(&filters, pixels, &held, scratch, &mut dog, None, &mut |_, _| ());
                 dog
             };
-            let bases = self.bases.as_ref().map(|bases| &bases[(octave - search.space.first_octave) as usize]);
+            let bases = self.left.bases.as_ref().map(|bases| &bases[(octave - search.space.first_octave) as usize]);
             let of_slope = |index: usize, scratch: &mut FilterScratch, stacked: &mut Vec<Tile>| {
                 monitor.check()?;
                 let pixels = match bases.filter(|_| !first) {
