@@ -71,7 +71,11 @@ impl ProbeCache {
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
     pub fn rejudged(&self, asked: &SearchParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
-        let judged = self.asked.detector.judged_as(&asked.detector);
+        let mut judged = self.asked.detector.judged_as(&asked.detector);
+        if asked.slopes.is_auto() {
+            // Given slopes do not count then.
+            judged.slopes = asked.detector.slopes;
+        }
         if asked.slopes != self.asked.slopes || asked.detector != judged {
             return Ok(None);
         }

@@ -197,6 +197,10 @@ fn slopes_that_were_found_stay() {
     let new = new.expect("valid parameters");
     assert_eq!(found.detection().features, new.detection().features);
     assert_eq!((found.made_with(), &found.asked, &found.finding), (new.made_with(), &new.asked, &new.finding));
+    // Given slopes do not count where slopes are found.
+    let other = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), ..stricter.clone() };
+    let other = judged(&SearchParams { detector: other, slopes: SlopeChoice::AUTO }).expect("stricter");
+    assert_eq!(other.detection().features, new.detection().features);
     assert!(judged(&stricter.into()).is_none(), "given slopes are others");
 }
 

@@ -8,6 +8,7 @@
 
 use crate::detector::describe::Described;
 use crate::detector::feature::{Keypoint, Tally, Test};
+use crate::detector::noise::gate_factor;
 use crate::detector::params::DetectorParams;
 use crate::detector::refine::edge_limit;
 use crate::detector::search::setup::{FirstLevels, Search, SlopeGroup};
@@ -17,6 +18,17 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// σ_D at the place of least noise, by octave, DoG level index and slope.
 pub(super) type SigmaD = Vec<Vec<Vec<f32>>>;
+
+/// Whether the result of a search with `params` follows from what a search with `searched` left: they differ only in
+/// what is judged later, and `params` are as strict. (In noise with very light tails a higher gate may still be less
+/// strict; then a judgement tells so.)
+pub fn follows(params: &DetectorParams, searched: &DetectorParams) -> bool {
+    searched.judged_as(params) == *params
+        && params.validate().is_ok()
+        && params.peak_threshold >= searched.peak_threshold
+        && edge_limit(params.edge_threshold) <= edge_limit(searched.edge_threshold)
+        && gate_factor(params) >= gate_factor(searched)
+}
 
 /// What is known about a keypoint, besides the search's result.
 #[derive(Debug, Default)]
@@ -87,24 +99,20 @@ impl Left {
         }
     }
 
-    /// Whether a search with `params` differs from this one only in what is judged later.
-    pub(super) fn differs_in_judgement_only(&self, params: &DetectorParams) -> bool {
-        self.gate.is_some() && self.params.judged_as(params) == *params && params.validate().is_ok()
+    /// Parameters of the search.
+    pub(super) fn params(&self) -> &DetectorParams {
+        &self.params
     }
 
-    /// The keypoints that `search`, which [differs in judgement only](Left::differs_in_judgement_only) and whose σ_D is
-    /// `sigma_d`, would find. `None` where it might find others: where one of its thresholds is lower.
+    /// The keypoints that `search` would find, whose σ_D is `sigma_d` and whose parameters [follow](follows) from this
+    /// one's. `None` where it might find others: where one of its limits is lower.
     pub(super) fn passing(&self, search: &Search<'_>, sigma_d: &SigmaD) -> Option<Passing> {
         let (params, factor) = (search.params, search.gate_factor);
-        let (own_factor, own_sigma_d) = self.gate.as_ref()?;
+        let (own_factor, own_sigma_d) = self.gate.as_ref().filter(|_| follows(params, &self.params))?;
         let peak = FIRST_PEAK_PART * params.peak_threshold;
         let edge = edge_limit(params.edge_threshold);
         let gates = sigma_d.iter().flatten().flatten().zip(own_sigma_d.iter().flatten().flatten());
-        let is_lower = params.peak_threshold < self.params.peak_threshold
-            || edge > edge_limit(self.params.edge_threshold)
-            || factor < *own_factor
-            || gates.into_iter().any(|(sigma_d, own)| factor * sigma_d < own_factor * own);
-        if is_lower {
+        if gates.into_iter().any(|(sigma_d, own)| factor * sigma_d < own_factor * own) {
             return None;
         }
         let (mut keypoints, mut numbers, mut tally) = (Vec::new(), Vec::new(), self.tally);

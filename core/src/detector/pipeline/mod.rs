@@ -13,6 +13,7 @@ mod tests;
 mod trail;
 
 pub use crate::detector::search::FIRST_PEAK_PART;
+pub use left::follows;
 pub use trail::{Judgement, Neighbourhood, Sample, Trail, strongest_around};
 
 use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally};
@@ -149,7 +150,7 @@ impl Trail {
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
     pub fn rejudged(&self, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
-        if !self.left.differs_in_judgement_only(params) {
+        if !follows(params, self.left.params()) {
             return Ok(None);
         }
         let started = Instant::now();

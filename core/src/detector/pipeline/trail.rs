@@ -126,6 +126,11 @@ impl Trail {
             + size_of_val(&self.stayed[..])
     }
 
+    /// Whether this trail and `other` go back to the same search: each can be [judged](Trail::rejudged) from the other.
+    pub fn shares_search(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.left, &other.left)
+    }
+
     /// The detection.
     pub fn detection(&self) -> &Detection {
         &self.detection
@@ -134,6 +139,12 @@ impl Trail {
     /// Parameters of the detection.
     pub fn params(&self) -> &DetectorParams {
         &self.inputs.params
+    }
+
+    /// Parameters of the search that this trail goes back to: those that other parameters must [follow](super::follows)
+    /// from to be judged without a search.
+    pub fn searched_with(&self) -> &DetectorParams {
+        self.left.params()
     }
 
     /// Size (columns, rows) of a frame.
