@@ -7,14 +7,16 @@
 //! in a [`Trail`], which judges single samples ([`Judgement`]).
 
 mod choice;
+mod judgement;
 mod left;
 #[cfg(test)]
 mod tests;
 mod trail;
 
 pub use crate::detector::search::FIRST_PEAK_PART;
+pub use judgement::{Judgement, Neighbourhood, Sample, strongest_around};
 pub use left::follows;
-pub use trail::{Judgement, Neighbourhood, Sample, Trail, strongest_around};
+pub use trail::Trail;
 
 use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally};
 use super::memory::{self, Account, OF_PROCESS, Plan};
