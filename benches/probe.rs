@@ -1,10 +1,10 @@
 //! How long a probe takes once its cache is there: a click should be answered at once. 1600×1200 pixels, ten frames, 7
-//! slopes on a line and 7×7.
+//! slopes on a line and 7×7. And how long features take to follow a threshold.
 
 use burstscope::Monitor;
-use burstscope::detector::{DetectorParams, SearchParams, SlopeGrid};
+use burstscope::detector::{DetectorParams, Distinct, NoiseGate, SearchParams, SlopeGrid};
 use burstscope::inspect::{ProbeCache, ProbeOptions, probe};
-use burstscope::synth::{Motion, SceneParams, synth_scene};
+use burstscope::synth::{Motion, SceneParams, demo_burst, synth_scene};
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
@@ -35,5 +35,41 @@ fn probes(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, probes);
+/// How long features take to follow a threshold: each step is another value, judged from what the search left.
+fn thresholds(criterion: &mut Criterion) {
+    let never = Monitor::default();
+    let mut group = criterion.benchmark_group("threshold");
+    group.sample_size(20);
+    let slopes = SlopeGrid::line(-3.0..=3.0, 7);
+    let scene = SceneParams { width: 1600, height: 1200, frames: 10, snr: 8.0, seed: 7, ..SceneParams::default() };
+    let (scene, _) = synth_scene(&scene, &never).expect("valid parameters");
+    for (name, burst) in [("demo", demo_burst()), ("1600×1200, 7 slopes", scene)] {
+        let params = DetectorParams { slopes, levels: 3, ..DetectorParams::default() };
+        let cache = ProbeCache::new(&burst, &params.clone().into(), &never).expect("valid parameters");
+        let gate = cache.detection().noise_gate_factor;
+        type Change = fn(&mut DetectorParams, f32, f32);
+        let changes: [(&str, Change); 6] = [
+            ("noise gate", |params, gate, part| params.noise_gate = NoiseGate::Factor(gate * (1.0 + 0.2 * part))),
+            ("peak threshold", |params, _, part| params.peak_threshold = 0.001 * part),
+            ("edge threshold", |params, _, part| params.edge_threshold *= 1.0 - 0.2 * part),
+            ("distinct", |params, _, part| params.distinct = Distinct::Radius(1.0 + part)),
+            ("coherence", |params, _, part| params.coherence = 0.1 + 0.5 * part),
+            ("max features", |params, _, part| params.max_features = 500 + (2500.0 * part) as usize),
+        ];
+        for (what, change) in changes {
+            let mut step = 0u32;
+            group.bench_function(format!("{name}, {what}"), |bencher| {
+                bencher.iter(|| {
+                    step += 1;
+                    let mut changed = params.clone();
+                    change(&mut changed, gate, (step % 20) as f32 / 20.0);
+                    black_box(cache.trail.rejudged(&changed, &never).expect("not cancelled").expect("not less strict"))
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, probes, thresholds);
 criterion_main!(benches);

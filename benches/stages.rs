@@ -67,6 +67,25 @@ fn searches(c: &mut Criterion) {
     group.finish();
 }
 
+/// Searches by day with the default thresholds: for all features, and for the 3000 strongest.
+fn strongest(c: &mut Criterion) {
+    let quiet = Monitor::default();
+    let mut group = c.benchmark_group("by day");
+    group.sample_size(10).measurement_time(Duration::from_secs(20));
+    for (name, motion, slopes) in
+        [("1D", (1, 0), SlopeGrid::line(-3.0..=3.0, 7)), ("2D", (1, 1), SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7))]
+    {
+        let Some(burst) = common::by_day(motion) else { continue };
+        for max_features in [0, 3000] {
+            let params = DetectorParams { slopes, levels: 3, max_features, ..DetectorParams::default() };
+            let run = |burst: &Burst| detect(burst, &params, &quiet).expect("valid parameters");
+            let id = BenchmarkId::new(name, if max_features == 0 { "all".into() } else { max_features.to_string() });
+            group.bench_with_input(id, &burst, |b, burst| b.iter(|| run(burst)));
+        }
+    }
+    group.finish();
+}
+
 /// How the time grows with frames, pixels and slopes.
 fn growth(c: &mut Criterion) {
     let quiet = Monitor::default();
@@ -94,5 +113,5 @@ fn growth(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, pictures, searches, growth);
+criterion_group!(benches, pictures, searches, strongest, growth);
 criterion_main!(benches);

@@ -2,7 +2,8 @@
 //!
 //! A trail costs as much as its detection. So the detection makes it in the same search and stores it here, for the
 //! probe, the spectrum of slopes, the map of winning slopes and the comparison with the truth. If it was not kept, the
-//! detection is repeated once for all of them.
+//! detection is repeated once for all of them. A detection that differs from a kept one only in its thresholds is judged
+//! from what that one's search left.
 
 use crate::detector::{DetectorParams, SearchParams, memory};
 use crate::inspect::ProbeCache;
@@ -78,6 +79,24 @@ impl Trails {
         (state.kept.len(), state.kept.iter().map(Kept::bytes).sum())
     }
 
+    /// Judges a detection that was asked for with `asked` from what the search of a kept one of the same burst left.
+    fn judged(
+        &self,
+        open: &OpenBurst,
+        asked: &SearchParams,
+        monitor: &Monitor,
+    ) -> Result<Option<ProbeCache>, JobError> {
+        let is_of_burst = |kept: &&Kept| kept.key.burst == open.id;
+        let kept: Vec<Arc<ProbeCache>> =
+            self.lock().kept.iter().rev().filter(is_of_burst).map(|kept| kept.cache.clone()).collect();
+        for cache in kept {
+            if let Some(judged) = cache.rejudged(asked, monitor)? {
+                return Ok(Some(judged));
+            }
+        }
+        Ok(None)
+    }
+
     /// Returns the trail that `find` finds, or makes it with `make`. Waits if another thread is making it. A new trail
     /// stays at least until the next one is made, even above the budget: most askers ask again.
     fn find_or_make(
@@ -129,6 +148,17 @@ impl TrailStore for Trails {
         self.lock().used(|kept| kept.key.burst == open.id && kept.cache.asked == *asked)
     }
 
+    fn rejudged(
+        &self,
+        open: &OpenBurst,
+        asked: &SearchParams,
+        monitor: &Monitor,
+    ) -> Result<Option<Arc<ProbeCache>>, JobError> {
+        let judged = self.judged(open, asked, monitor)?.map(Arc::new);
+        judged.iter().for_each(|judged| self.put(open, judged));
+        Ok(judged)
+    }
+
     fn get(&self, source: &DetectionSource) -> Option<Arc<ProbeCache>> {
         let DetectionSource { burst, asked, params, finding } = source;
         let key = Key { burst: burst.id, params: params.clone() };
@@ -156,7 +186,11 @@ impl TrailStore for Trails {
 
     fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError> {
         let key = Key { burst: source.burst.id, params: source.params.clone() };
-        self.find_or_make((&source.burst, &key), monitor, || self.get(source), || source.trail(monitor))
+        let make = || match self.judged(&source.burst, &source.asked, monitor)? {
+            Some(judged) if judged.made_with() == source.params => Ok(judged),
+            _ => source.trail(monitor),
+        };
+        self.find_or_make((&source.burst, &key), monitor, || self.get(source), make)
     }
 }
 
@@ -171,7 +205,9 @@ impl State {
     }
 
     fn keep(&mut self, kept: Kept, budget_bytes: usize) {
-        self.kept.retain(|other| other.key != kept.key);
+        // One trail stands for all that go back to the same search: the others are judged from it.
+        let replaced = |other: &Kept| other.key == kept.key || other.cache.trail.shares_search(&kept.cache.trail);
+        self.kept.retain(|other| !replaced(other));
         self.kept.push(kept);
         self.drop_to(budget_bytes, 1);
     }

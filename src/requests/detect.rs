@@ -63,7 +63,11 @@ impl Request for DetectRequest {
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Detected, JobError> {
         let Self { burst, params: asked } = self;
         let (trails, monitor) = (work.kept.trails, work.monitor);
-        let cache = match trails.asked(&burst, &asked) {
+        let kept = match trails.asked(&burst, &asked) {
+            Some(kept) => Some(kept),
+            None => trails.rejudged(&burst, &asked, monitor)?,
+        };
+        let cache = match kept {
             Some(kept) => kept,
             None => {
                 trails.make_room();
@@ -75,7 +79,10 @@ impl Request for DetectRequest {
         let params = cache.made_with();
         // A method that searches one merged frame made that of all frames.
         let detection = Detection { frames_used: params.used_frames(burst.burst.len()), ..cache.detection().clone() };
-        Ok(Detected { burst: burst.id, asked, params, finding: cache.finding.clone(), detection: Arc::new(detection) })
+        // As `params`, of the burst itself.
+        let searched = DetectorParams { frames: params.frames, ..cache.trail.searched_with().clone() };
+        let (finding, detection) = (cache.finding.clone(), Arc::new(detection));
+        Ok(Detected { burst: burst.id, asked, params, searched, finding, detection })
     }
 }
 
@@ -88,6 +95,9 @@ pub struct Detected {
     pub asked: SearchParams,
     /// The parameters that were used, with the slopes that were found if they were to be found.
     pub params: DetectorParams,
+    /// Parameters of the search that left what the features were judged from: `params`, or less strict ones. Those that
+    /// [follow](crate::detector::follows) from them need no other search.
+    pub searched: DetectorParams,
     /// Result of the search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
     /// The features.
@@ -134,8 +144,9 @@ impl Request for CompareRequest {
             Self::Detect(DetectRequest { burst, params }) => {
                 let searched = baseline::search(&burst.burst, &params, work.monitor)?;
                 let Searched { detection, params: used, finding, .. } = searched;
-                let detection = Arc::new(detection);
-                Ok(Compared::Detected(Detected { burst: burst.id, asked: params, params: used, finding, detection }))
+                let (detection, searched) = (Arc::new(detection), used.clone());
+                let (burst, asked, params) = (burst.id, params, used);
+                Ok(Compared::Detected(Detected { burst, asked, params, searched, finding, detection }))
             }
         }
     }

@@ -39,7 +39,7 @@ pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -
 }
 
 /// Store of the trails of detections, which the next request may need. [`NothingKept`] keeps none. The answers are the
-/// same with every store.
+/// same with every store, but for the tally of a detection that is [judged](TrailStore::rejudged) from an earlier one.
 pub trait TrailStore {
     /// Keeps the trail of a detection.
     fn put(&self, burst: &OpenBurst, trail: &Arc<ProbeCache>);
@@ -49,6 +49,18 @@ pub trait TrailStore {
 
     /// Trail of a detection that was asked for with `asked`, if it is kept.
     fn asked(&self, burst: &OpenBurst, asked: &SearchParams) -> Option<Arc<ProbeCache>>;
+
+    /// Trail of the detection that was asked for with `asked`, judged from what the search of a kept one left, see
+    /// [`ProbeCache::rejudged`]. It then stands for that one too.
+    ///
+    /// # Errors
+    /// [`JobError::Cancelled`] once `monitor` was cancelled.
+    fn rejudged(
+        &self,
+        burst: &OpenBurst,
+        asked: &SearchParams,
+        monitor: &Monitor,
+    ) -> Result<Option<Arc<ProbeCache>>, JobError>;
 
     /// Trail of `source`, if it is kept.
     fn get(&self, source: &DetectionSource) -> Option<Arc<ProbeCache>>;
@@ -101,6 +113,10 @@ impl TrailStore for NothingKept {
 
     fn asked(&self, _: &OpenBurst, _: &SearchParams) -> Option<Arc<ProbeCache>> {
         None
+    }
+
+    fn rejudged(&self, _: &OpenBurst, _: &SearchParams, _: &Monitor) -> Result<Option<Arc<ProbeCache>>, JobError> {
+        Ok(None)
     }
 
     fn get(&self, _: &DetectionSource) -> Option<Arc<ProbeCache>> {

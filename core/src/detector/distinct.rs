@@ -81,11 +81,6 @@ const BLOCK: usize = 512;
 /// strong blobs the first one goes first. `both_stay(stronger, weaker)` tells whether two that lie so near are separate
 /// structures all the same.
 ///
-/// Time grows in proportion to the number of blobs: those that stayed are kept in cells by scale and place. Blobs are
-/// taken in blocks. Those that stayed of earlier blocks are stronger than a whole block, so all of the block is
-/// compared with them in parallel; only blobs that none of those covers are compared with their own block, one after
-/// the other. The result is that of comparing one after the other throughout.
-///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
 pub fn covered_by(
@@ -94,25 +89,119 @@ pub fn covered_by(
     both_stay: impl Fn(usize, usize) -> bool + Sync,
     monitor: &Monitor,
 ) -> Result<Vec<Option<usize>>, Cancelled> {
-    let mut order: Vec<usize> = (0..blobs.len()).collect();
-    order.sort_by(|&a, &b| blobs[b].rank.total_cmp(&blobs[a].rank).then(a.cmp(&b)));
-    let mut stayed = Cells::new(blobs, rule, &order);
-    let mut out = vec![None; blobs.len()];
-    for (number, block) in order.chunks(BLOCK).enumerate() {
-        let by_earlier = |&index: &usize| {
-            monitor.check()?;
-            Ok(stayed.covering(index, 0, &both_stay))
-        };
-        let by_earlier: Vec<Option<usize>> =
-            block.par_iter().with_min_len(16).map(by_earlier).collect::<Result<_, _>>()?;
-        for (&index, by_earlier) in block.iter().zip(by_earlier) {
-            out[index] = by_earlier.or_else(|| stayed.covering(index, number * BLOCK, &both_stay));
-            if out[index].is_none() {
-                stayed.insert(index);
-            }
+    let mut deciding = Deciding::new(blobs, rule);
+    let all: Vec<usize> = (0..blobs.len()).collect();
+    deciding.decide(&all, both_stay, monitor)?;
+    Ok(all.iter().map(|&index| deciding.covered_by(index)).collect())
+}
+
+/// Decision on one blob.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Decision {
+    /// Not made yet.
+    Open,
+    /// The blob stays.
+    Stays,
+    /// A stronger blob, with this index, stands for it.
+    CoveredBy(u32),
+}
+
+/// Decisions on those blobs that are asked about, each that of [`covered_by`] on all blobs.
+///
+/// A decision on a blob needs those on the stronger blobs that may cover it, and theirs in turn, but no others. So the
+/// cost grows with the number of blobs asked about and around them, not with the number of all.
+pub struct Deciding<'b> {
+    /// All blobs, each cell from the strongest to the weakest.
+    all: Cells<'b>,
+    /// The blobs that stayed.
+    stayed: Cells<'b>,
+    decisions: Vec<Decision>,
+}
+
+impl<'b> Deciding<'b> {
+    /// No decision on any of `blobs` yet.
+    pub fn new(blobs: &'b [Blob], rule: Rule) -> Self {
+        let mut order: Vec<usize> = (0..blobs.len()).collect();
+        order.par_sort_unstable_by(|&a, &b| blobs[b].rank.total_cmp(&blobs[a].rank).then(a.cmp(&b)));
+        let stayed = Cells::new(blobs, rule, &order);
+        let mut all = stayed.clone();
+        order.iter().rev().for_each(|&index| all.insert(index));
+        Self { all, stayed, decisions: vec![Decision::Open; blobs.len()] }
+    }
+
+    /// Index of the strongest blob that stayed and covers blob `index`; `None` where it stays or is not decided.
+    pub fn covered_by(&self, index: usize) -> Option<usize> {
+        match self.decisions[index] {
+            Decision::CoveredBy(by) => Some(by as usize),
+            Decision::Open | Decision::Stays => None,
         }
     }
-    Ok(out)
+
+    /// Blobs that are known to stay.
+    pub fn stayed(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.decisions.len()).filter(|&index| self.decisions[index] == Decision::Stays)
+    }
+
+    /// Decides on the blobs `asked`, each of which is given once, and on those that their decisions need. `both_stay` is
+    /// as for [`covered_by`].
+    ///
+    /// Blobs are taken in blocks from the strongest to the weakest: a block is compared with those that stayed before it
+    /// in parallel, then with its own members one after the other.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn decide(
+        &mut self,
+        asked: &[usize],
+        both_stay: impl Fn(usize, usize) -> bool + Sync,
+        monitor: &Monitor,
+    ) -> Result<(), Cancelled> {
+        for block in self.needed(asked).chunks(BLOCK) {
+            let (stayed, before) = (&self.stayed, self.stayed.inserted);
+            let by_earlier = |&index: &usize| {
+                monitor.check()?;
+                Ok(stayed.covering(index, (0, stayed.place[index]), &both_stay))
+            };
+            let by_earlier: Vec<Option<usize>> =
+                block.par_iter().with_min_len(16).map(by_earlier).collect::<Result<_, _>>()?;
+            for (&index, by_earlier) in block.iter().zip(by_earlier) {
+                // Of its own block only members stronger than the one found already.
+                let below = self.stayed.place[by_earlier.unwrap_or(index)];
+                let by = self.stayed.covering(index, (before, below), &both_stay).or(by_earlier);
+                self.decisions[index] = by.map_or(Decision::Stays, |by| Decision::CoveredBy(by as u32));
+                if by.is_none() {
+                    self.stayed.insert(index);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The open ones of the blobs `asked` and of all that their decisions need, from the strongest to the weakest.
+    fn needed(&self, asked: &[usize]) -> Vec<usize> {
+        let mut is_open: Vec<bool> = self.decisions.iter().map(|decision| *decision == Decision::Open).collect();
+        let mut needed: Vec<usize> =
+            asked.iter().copied().filter(|&index| std::mem::take(&mut is_open[index])).collect();
+        let mut first = 0;
+        while first < needed.len() && is_open.contains(&true) {
+            let may_cover = |&index: &usize| {
+                let mut near = Vec::new();
+                self.all.near(index, |other| {
+                    let is_stronger = self.all.place[other as usize] < self.all.place[index];
+                    if is_stronger && is_open[other as usize] && self.all.covers(other, index) {
+                        near.push(other as usize);
+                    }
+                    is_stronger
+                });
+                near
+            };
+            let near: Vec<Vec<usize>> = needed[first..].par_iter().with_min_len(16).map(may_cover).collect();
+            first = needed.len();
+            needed.extend(near.into_iter().flatten().filter(|&index| std::mem::take(&mut is_open[index])));
+        }
+        needed.par_sort_unstable_by_key(|&index| self.all.place[index]);
+        needed
+    }
 }
 
 /// Marker for no blob.
@@ -121,8 +210,9 @@ const NONE: u32 = u32::MAX;
 /// Smallest ratio between the ends of a grid's range of scales.
 const MIN_CLASS_RATIO: f32 = 1.2;
 
-/// Blobs of one range of scales that stayed, in square cells at least as wide as the largest distance at which one of
-/// them covers another.
+/// Blobs of one range of scales, in square cells at least as wide as the largest distance at which one of them covers
+/// another.
+#[derive(Clone)]
 struct Grid {
     /// Side of a cell, input pixels.
     side: f32,
@@ -132,7 +222,8 @@ struct Grid {
     last: Vec<u32>,
 }
 
-/// The blobs that stayed, by scale and place.
+/// Blobs by scale and place.
+#[derive(Clone)]
 struct Cells<'b> {
     blobs: &'b [Blob],
     rule: Rule,
@@ -144,12 +235,16 @@ struct Cells<'b> {
     grids: Vec<Grid>,
     /// For each blob, the one inserted before it into its cell.
     before: Vec<u32>,
-    /// Position of each blob in the order of strength, in which they are inserted: 0 for the strongest.
+    /// For each blob that is inserted, the number of those inserted before it.
+    turn: Vec<u32>,
+    /// Number of blobs that are inserted.
+    inserted: u32,
+    /// Position of each blob in the order of strength: 0 for the strongest.
     place: Vec<u32>,
 }
 
 impl<'b> Cells<'b> {
-    /// Empty cells for blobs that will be inserted in `order`.
+    /// Empty cells for blobs, whose order from the strongest to the weakest is `order`.
     fn new(blobs: &'b [Blob], rule: Rule, order: &[usize]) -> Self {
         let range = |of: fn(&Blob) -> f32| {
             blobs.iter().map(of).fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), x| (min.min(x), max.max(x)))
@@ -157,8 +252,9 @@ impl<'b> Cells<'b> {
         let ((u0, u1), (v0, v1), (s0, s1)) = (range(|b| b.u), range(|b| b.v), range(|b| b.sigma));
         let mut place = vec![0; blobs.len()];
         order.iter().enumerate().for_each(|(at, &index)| place[index] = at as u32);
-        let before = vec![NONE; blobs.len()];
-        let mut cells = Self { blobs, rule, start: (u0, v0), sigma_min: s0, grids: Vec::new(), before, place };
+        let (before, turn) = (vec![NONE; blobs.len()], vec![0; blobs.len()]);
+        let (start, grids) = ((u0, v0), Vec::new());
+        let mut cells = Self { blobs, rule, start, sigma_min: s0, grids, before, turn, inserted: 0, place };
         if blobs.is_empty() {
             return cells;
         }
@@ -202,30 +298,50 @@ impl<'b> Cells<'b> {
         }
         let last = &mut grid.last[row * grid.columns + column];
         self.before[index] = std::mem::replace(last, index as u32);
+        self.turn[index] = self.inserted;
+        self.inserted += 1;
     }
 
-    /// Strongest blob that covers blob `index`, of those that stayed and have at least position `from` in the order.
-    fn covering(&self, index: usize, from: usize, both_stay: &impl Fn(usize, usize) -> bool) -> Option<usize> {
+    /// Whether blob `stronger` covers blob `weaker`.
+    fn covers(&self, stronger: u32, weaker: usize) -> bool {
+        self.blobs[stronger as usize].covers(&self.blobs[weaker], self.rule)
+    }
+
+    /// Calls `visit` with the blobs of each cell near blob `index`, the last inserted first, until it returns false.
+    fn near(&self, index: usize, mut visit: impl FnMut(u32) -> bool) {
         let blob = &self.blobs[index];
         let class = self.scale_class(blob.sigma);
         // Scales within the ratio are at most one class away; one more on each side allows for rounding.
         let classes = class.saturating_sub(2)..(class + 3).min(self.grids.len());
-        let mut near: Vec<u32> = Vec::new();
         for grid in self.grids[classes].iter().filter(|grid| !grid.last.is_empty()) {
             let (column, row) = self.cell(grid, blob);
             for y in row.saturating_sub(1)..(row + 2).min(grid.rows) {
                 for x in column.saturating_sub(1)..(column + 2).min(grid.columns) {
                     let mut other = grid.last[y * grid.columns + x];
-                    // The last one inserted is the weakest.
-                    while other != NONE && self.place[other as usize] >= from as u32 {
-                        if self.blobs[other as usize].covers(blob, self.rule) {
-                            near.push(other);
-                        }
+                    while other != NONE && visit(other) {
                         other = self.before[other as usize];
                     }
                 }
             }
         }
+    }
+
+    /// Strongest blob that covers blob `index`, of those inserted at turn `from` or later whose position in the order is
+    /// below `below`.
+    fn covering(
+        &self,
+        index: usize,
+        (from, below): (u32, u32),
+        both_stay: &impl Fn(usize, usize) -> bool,
+    ) -> Option<usize> {
+        let mut near: Vec<u32> = Vec::new();
+        self.near(index, |other| {
+            let is_new = self.turn[other as usize] >= from;
+            if is_new && self.place[other as usize] < below && self.covers(other, index) {
+                near.push(other);
+            }
+            is_new
+        });
         // `both_stay` is slow, so the strongest are tested first.
         near.sort_unstable_by_key(|&other| self.place[other as usize]);
         near.into_iter().map(|other| other as usize).find(|&other| !both_stay(other, index))
@@ -306,6 +422,55 @@ mod tests {
                 prop_assert_eq!(covered_by(&blobs, rule, both_stay), by_definition(&blobs, rule, both_stay));
             }
         }
+    }
+
+    /// Decides on the blobs `asked`, one part after the other, and compares the decisions with those on all blobs.
+    fn assert_parts_are_the_whole(
+        blobs: &[Blob],
+        asked: &[Vec<usize>],
+        both_stay: impl Fn(usize, usize) -> bool + Sync,
+    ) {
+        let whole = covered_by(blobs, RULE, &both_stay);
+        let mut deciding = Deciding::new(blobs, RULE);
+        for part in asked {
+            deciding.decide(part, &both_stay, &Monitor::default()).expect("nobody cancels it");
+            for &index in part {
+                assert_eq!(deciding.covered_by(index), whole[index]);
+            }
+            assert!(deciding.stayed().all(|index| whole[index].is_none()));
+        }
+        let stayed: Vec<usize> = deciding.stayed().collect();
+        let asked_stay = asked.iter().flatten().filter(|&&index| whole[index].is_none());
+        assert!(asked_stay.into_iter().all(|index| stayed.contains(index)));
+    }
+
+    proptest! {
+        #[test]
+        fn a_part_is_decided_as_the_whole_is(
+            raw in prop::collection::vec((0.0f32..30.0, 0.0f32..20.0, 0.0f32..2.0, 0u8..99), 1..150),
+            weights in prop::collection::vec(0u32..1000, 150),
+            cuts in prop::collection::vec(1usize..40, 0..6),
+        ) {
+            let blobs: Vec<Blob> = raw.iter().map(|&(u, v, s, rank)| blob(u, v, 0.9 * s.exp2(), f32::from(rank))).collect();
+            // Asked for in another order than that of strength, and not all of them.
+            let mut order: Vec<usize> = (0..blobs.len()).collect();
+            order.sort_by_key(|&index| weights[index]);
+            let mut parts = Vec::new();
+            for cut in cuts {
+                parts.push(order.drain(..cut.min(order.len())).collect::<Vec<usize>>());
+            }
+            assert_parts_are_the_whole(&blobs, &parts, |a, b| (a ^ b).is_multiple_of(5));
+        }
+    }
+
+    #[test]
+    fn a_part_needs_few_of_the_others() {
+        let blobs: Vec<Blob> =
+            (0..40_000).map(|i| blob((i % 200) as f32, (i / 200) as f32, 1.0, (i % 7) as f32)).collect();
+        let deciding = Deciding::new(&blobs, RULE);
+        let needed = deciding.needed(&[20_100]).len();
+        assert!((1..400).contains(&needed), "{needed}");
+        assert_eq!(deciding.needed(&(0..40_000).collect::<Vec<usize>>()).len(), 40_000);
     }
 
     #[test]

@@ -87,7 +87,8 @@ pub enum Test {
     Duplicate,
     /// Single frames respond too differently along its motion.
     Coherence,
-    /// The feature is weaker than the strongest `max_features`.
+    /// Its features are weaker than the strongest `max_features`. Keypoints weaker than all of these come to this test
+    /// without the two before it.
     MaxFeatures,
 }
 
@@ -135,7 +136,7 @@ pub struct Tally {
     pub samples: u64,
     /// Number of samples that each test rejected, in the order of [`Test::ALL`].
     pub rejected: [u64; 12],
-    /// Number of keypoints that passed every test (before they were split by orientation).
+    /// Number of keypoints that passed every test; a keypoint may have several features.
     pub kept: u64,
 }
 
@@ -235,6 +236,11 @@ impl Keypoint {
     pub fn in_image(&self) -> (f32, f32, f32) {
         let pixel = octave_pixel(self.octave);
         (self.x * pixel, self.y * pixel, self.sigma_octave * pixel)
+    }
+
+    /// The keypoint, where the standard deviation of the noise in D is `sigma_d`.
+    pub(crate) fn with_noise(self, sigma_d: f32) -> Self {
+        Self { snr: if sigma_d > 0.0 { self.value.abs() / sigma_d } else { f32::INFINITY }, ..self }
     }
 
     /// Strength for ranking: see [`strength`].

@@ -19,7 +19,6 @@ use crate::detector::scale_space::ScaleSpace;
 use crate::detector::stack::{FrameTimes, frame_offsets};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor};
-use rayon::prelude::*;
 
 /// Minimum rise of the response beyond the rim, in standard deviations of the difference that noise makes.
 const RISE_SIGMAS: f32 = 2.0;
@@ -47,16 +46,13 @@ pub(super) struct Limit<'a, 'f> {
 }
 
 impl Limit<'_, '_> {
-    /// Sets [`Feature::at_slope_limit`] of each feature.
+    /// Value of [`Feature::at_slope_limit`] for a feature; all features of one keypoint have the same.
     ///
     /// # Errors
     /// [`Cancelled`] once the monitor was cancelled.
-    pub fn mark(&self, features: &mut [Feature]) -> Result<(), Cancelled> {
-        features.par_iter_mut().try_for_each(|feature| {
-            self.monitor.check()?;
-            feature.at_slope_limit = self.rises_beyond(feature);
-            Ok(())
-        })
+    pub fn is_at_limit(&self, feature: &Feature) -> Result<bool, Cancelled> {
+        self.monitor.check()?;
+        Ok(self.rises_beyond(feature))
     }
 
     /// Whether the response of `feature` rises from the rim of the slopes to a slope a step beyond.

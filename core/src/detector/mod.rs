@@ -40,5 +40,5 @@ pub use params::{
     DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
     NoiseModelKind, Param, ParamChange, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
 };
-pub use pipeline::{Judgement, Neighbourhood, Sample, Trail};
+pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, follows};
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

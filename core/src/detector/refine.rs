@@ -24,6 +24,14 @@ pub struct Refined {
     pub level_refined: f64,
     /// Interpolated D.
     pub value: f32,
+    /// Squared trace over determinant of the second derivatives in the image, which the edge test limits.
+    pub edge_quotient: f64,
+}
+
+/// Upper limit of [`Refined::edge_quotient`] for an upper limit of the ratio of principal curvatures.
+pub fn edge_limit(edge_threshold: f32) -> f64 {
+    let edge = f64::from(edge_threshold);
+    (edge + 1.0).powi(2) / edge
 }
 
 /// Limits for an accepted extremum.
@@ -112,13 +120,12 @@ impl Fit {
     /// octave's, `levels` the number of DoG levels.
     pub fn tests(&self, size: (usize, usize), levels: usize, limits: Limits) -> [(Test, bool); 4] {
         let (trace_squared, determinant) = self.trace_and_determinant();
-        let edge = f64::from(limits.edge_threshold);
         let inside = |at: f64, n: usize| (0.0..=(n - 1) as f64).contains(&at);
         let (x, y) = self.place();
         [
             (Test::Refinement, !self.offset.iter().any(|d| d.is_nan() || d.abs() >= MAX_OFFSET)),
             (Test::InterpolatedContrast, self.value.abs() as f32 > limits.peak_threshold),
-            (Test::Edge, determinant > 0.0 && trace_squared / determinant < (edge + 1.0).powi(2) / edge),
+            (Test::Edge, determinant > 0.0 && trace_squared / determinant < edge_limit(limits.edge_threshold)),
             // Scales from level −1, the outermost DoG level, to level S+1, one step beyond the other end, as in VLFeat.
             (
                 Test::Outside,
@@ -136,8 +143,10 @@ impl Fit {
 impl From<Fit> for Refined {
     fn from(fit: Fit) -> Self {
         let (x_refined, y_refined) = fit.place();
+        let (trace_squared, determinant) = fit.trace_and_determinant();
         let Fit { x, y, level_refined, value, .. } = fit;
-        Self { x, y, x_refined, y_refined, level_refined, value: value as f32 }
+        let edge_quotient = trace_squared / determinant;
+        Self { x, y, x_refined, y_refined, level_refined, value: value as f32, edge_quotient }
     }
 }
 

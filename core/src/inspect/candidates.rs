@@ -165,13 +165,12 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
             let judgement = judgement?;
             let keypoint =
                 judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample));
-            let max = trail.params().max_features;
             let first_failed = judgement.rejected_by.or_else(|| {
                 let keypoint = keypoint?;
                 match trail.covered_by(keypoint) {
                     Some(_) => Some(Test::Duplicate),
                     None if trail.incoherent(keypoint).is_some() => Some(Test::Coherence),
-                    None if max > 0 && trail.ranks_of(keypoint).all(|rank| rank >= max) => Some(Test::MaxFeatures),
+                    None if trail.is_cut(keypoint) => Some(Test::MaxFeatures),
                     None => None,
                 }
             });

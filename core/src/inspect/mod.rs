@@ -36,7 +36,7 @@ use crate::baseline::PreparedSearch;
 use crate::burst::Burst;
 use crate::detector::pipeline::search_with_trail;
 use crate::detector::{DetectError, Detection, DetectorParams, Method, SearchParams, SlopeChoice, SlopeFinding, Trail};
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use std::sync::Arc;
 
 /// A burst, its detection, and the parameters of the detection.
@@ -63,6 +63,25 @@ impl ProbeCache {
             PreparedSearch::new(burst, params, monitor)?;
         let trail = Arc::new(search_with_trail(&burst, &prepared, &rest)?);
         Ok(Self { burst, trail, finding, asked: params.clone() })
+    }
+
+    /// Detection that was requested with `asked`, from what this one's search left; `None` where it needs a new search,
+    /// see [`Trail::rejudged`].
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn rejudged(&self, asked: &SearchParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
+        let mut judged = self.asked.detector.judged_as(&asked.detector);
+        if asked.slopes.is_auto() {
+            // Given slopes do not count then.
+            judged.slopes = asked.detector.slopes;
+        }
+        if asked.slopes != self.asked.slopes || asked.detector != judged {
+            return Ok(None);
+        }
+        let trail = self.trail.rejudged(&self.params().judged_as(&asked.detector), monitor)?;
+        let (burst, finding, asked) = (self.burst.clone(), self.finding.clone(), asked.clone());
+        Ok(trail.map(|trail| Self { burst, trail: Arc::new(trail), finding, asked }))
     }
 
     /// This detection as the result of another request, `asked`; `finding` is the result of finding its slopes, if that

@@ -22,9 +22,15 @@ pub(super) fn explained(trail: &Trail, judgement: &Judgement, fate: Fate) -> Fat
     let remedy = change(trail, judgement, &fate).map(|(sentence, change)| Remedy {
         sentence,
         change,
-        then_fails: fate.fails_later().next(),
+        then_fails: fate.fails_later().next().or_else(|| fails_uncut(trail, &fate)),
     });
     Fate { verdict, remedy, ..fate }
+}
+
+/// The test that a keypoint that is cut would fail otherwise.
+fn fails_uncut(trail: &Trail, fate: &Fate) -> Option<Test> {
+    let cut = fate.keypoint.filter(|_| fate.first_failed == Some(Test::MaxFeatures))?;
+    trail.fails_uncut(cut)
 }
 
 /// The verdict as one sentence.

@@ -53,6 +53,9 @@ pub fn test_sentence(report: &TestReport) -> String {
     };
     match report.test {
         Test::MaxFeatures if not_asked => "the number of features is not limited".to_owned(),
+        Test::Duplicate | Test::Coherence if not_asked && report.limit.is_some() => {
+            "not tested: weaker than the strongest that are kept".to_owned()
+        }
         Test::Coherence if not_asked && report.value.is_some() => format!("coherence {has}; none is required"),
         Test::Coherence if not_asked => "no coherence is required".to_owned(),
         Test::Coherence if report.outcome == Outcome::Unknown => "unknown, because it became no keypoint".to_owned(),

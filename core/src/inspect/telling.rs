@@ -272,7 +272,7 @@ impl Telling<'_> {
         TestReport {
             test: Test::Duplicate,
             outcome: match () {
-                () if !asked => Outcome::NotAsked,
+                () if !asked || self.is_cut(keypoint) => Outcome::NotAsked,
                 () if by.is_some() => Outcome::Fails,
                 () if place.is_none() => Outcome::Unknown,
                 () => Outcome::Passes,
@@ -295,7 +295,8 @@ impl Telling<'_> {
     /// slope.
     fn coherence(&self, keypoint: Option<usize>) -> TestReport {
         let min = self.trail.params().used_coherence();
-        let stayed = keypoint.filter(|keypoint| self.trail.covered_by(*keypoint).is_none());
+        let stays = |keypoint: usize| !self.trail.is_cut(keypoint) && self.trail.covered_by(keypoint).is_none();
+        let stayed = keypoint.filter(|keypoint| stays(*keypoint));
         let rejected = stayed.and_then(|keypoint| self.trail.incoherent(keypoint));
         let of_feature = || {
             let rank = self.trail.ranks_of(stayed?).next()?;
@@ -306,7 +307,7 @@ impl Telling<'_> {
         TestReport {
             test: Test::Coherence,
             outcome: match () {
-                () if min <= 0.0 => Outcome::NotAsked,
+                () if min <= 0.0 || self.is_cut(keypoint) => Outcome::NotAsked,
                 () if stayed.is_none() => Outcome::Unknown,
                 () => outcome(rejected.is_none()),
             },
@@ -318,9 +319,17 @@ impl Telling<'_> {
         }
     }
 
+    /// Whether it is a keypoint that is cut before it is compared with others.
+    fn is_cut(&self, keypoint: Option<usize>) -> bool {
+        keypoint.is_some_and(|keypoint| self.trail.is_cut(keypoint))
+    }
+
     fn cut_off(&self, keypoint: Option<usize>) -> TestReport {
         let max = self.trail.params().max_features;
-        let rank = keypoint.and_then(|keypoint| self.trail.ranks_of(keypoint).next());
+        let rank = keypoint.and_then(|keypoint| {
+            let cut = self.trail.is_cut(keypoint).then(|| self.trail.rank_uncut(keypoint));
+            cut.or_else(|| self.trail.ranks_of(keypoint).next())
+        });
         TestReport {
             test: Test::MaxFeatures,
             outcome: match rank {

@@ -11,5 +11,6 @@ mod inspect;
 mod laws;
 mod noise_model;
 mod reconstruction;
+mod rejudged;
 mod slopes;
 mod under_load;

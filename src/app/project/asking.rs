@@ -96,10 +96,11 @@ impl Model {
         effects
     }
 
-    /// Requests what is missing. While the pointer drags a value, long work waits for the final value.
+    /// Requests what is missing. While the pointer drags a value, long work waits for the final value; features that need
+    /// no search follow it.
     pub(in crate::app) fn ask(&mut self, engine: &Engine, dragging: bool) {
         self.ask_for_pictures(engine, dragging);
-        if self.auto_detect && !dragging {
+        if self.auto_detect && (!dragging || self.features_can_follow(Side::A)) {
             self.ask_for_features(Side::A, engine);
         }
         self.ask_for_probed(engine, dragging);
@@ -119,7 +120,7 @@ mod tests {
     use super::*;
     use crate::app::project::tests::{Bench, open};
     use crate::app::project::workspace::Workspace;
-    use crate::detector::SlopeGrid;
+    use crate::detector::{NoiseGate, SlopeGrid};
     use crate::requests::{BurstSource, JobError};
     use crate::synth::Example;
     use std::sync::Arc;
@@ -164,6 +165,38 @@ mod tests {
         bench.settle();
         assert!(Arc::ptr_eq(&found, &bench.model.slots.b.found.as_ref().expect("features").detection));
         assert!(bench.model.pair.matches.is_some());
+    }
+
+    #[test]
+    fn features_follow_a_threshold_that_is_dragged_but_not_what_needs_a_search() {
+        let mut bench = Bench::new();
+        let burst = BurstSource::Example(Example::LowContrast).open(&Default::default(), &crate::Monitor::default());
+        bench.model.take_burst(burst.expect("built in"));
+        bench.model.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
+        bench.settle();
+        let all = bench.model.features().len();
+        assert!(all > 3);
+        let mut dragged = |change: fn(&mut Model)| {
+            change(&mut bench.model);
+            bench.model.ask(&bench.engine, true);
+            let asks = bench.model.slots.a.detecting.is_pending();
+            if asks {
+                // A newer value waits, so that the features of this one come.
+                change(&mut bench.model);
+                bench.model.ask(&bench.engine, true);
+                while bench.model.slots.a.detecting.is_pending() {
+                    bench.model.take_answers(&bench.engine);
+                }
+            }
+            (asks, bench.model.features().len(), bench.model.features_are_current(Side::A))
+        };
+        assert_eq!(dragged(|model| model.params.max_features = 2), (true, 2, true));
+        assert_eq!(dragged(|model| model.params.max_features = 3), (true, 3, true));
+        assert_eq!(dragged(|model| model.params.max_features += 1), (true, 4, false));
+        assert_eq!(dragged(|model| model.params.max_features = 0), (true, all, true));
+        assert_eq!(dragged(|model| model.params.noise_gate = NoiseGate::Factor(3.0)), (false, all, false));
+        assert_eq!(dragged(|model| model.params.noise_gate = NoiseGate::Auto), (false, all, true));
+        assert!(!dragged(|model| model.params.slopes = SlopeGrid::line(-1.0..=1.0, 4)).0);
     }
 
     #[test]

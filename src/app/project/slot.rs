@@ -13,7 +13,7 @@ use crate::app::view::fixed;
 use crate::burst::{self, OpenOptions};
 use crate::detector::{
     Advice, Detection, DetectorParams, Feature, Method, ParamError, SearchParams, Slope, SlopeFinding, SlopeGrid,
-    explain,
+    explain, follows,
 };
 use crate::engine::{Engine, Wanted};
 use crate::inspect::spectrum::{SlopeJudgement, features_at_slopes, judgement, slope_with_most_features};
@@ -135,6 +135,17 @@ impl Model {
     pub fn wants_detection(&self, side: Side) -> bool {
         let failed = |request: &DetectRequest| self.slots[side].detecting.has_failed(request);
         self.needs_detection(side) && !self.detect_request(side).as_ref().is_some_and(failed)
+    }
+
+    /// Whether the features of `side` can follow a value that is dragged: they need no search, and the last ones asked
+    /// for are there. (A newer request would cancel them, and none would ever come.)
+    pub(in crate::app) fn features_can_follow(&self, side: Side) -> bool {
+        let now = self.asked_of(side);
+        self.slots[side].found.as_ref().filter(|_| !self.slots[side].detecting.is_pending()).is_some_and(|found| {
+            let is_near =
+                now.slopes == found.asked.slopes && found.asked.detector.judged_as(&now.detector) == now.detector;
+            is_near && follows(&found.params.judged_as(&now.detector), &found.searched)
+        })
     }
 
     /// Starts a detection; the running one is cancelled.
@@ -287,6 +298,8 @@ pub struct FoundFeatures {
     pub asked: SearchParams,
     /// The parameters that were used: with the slopes found, if slopes were to be found.
     pub params: DetectorParams,
+    /// Parameters of the search that they were judged from: see [`Detected::searched`].
+    pub searched: DetectorParams,
     /// The search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
     /// The features, descriptors and the tally.
@@ -302,10 +315,10 @@ pub struct FoundFeatures {
 impl FoundFeatures {
     /// Combines the engine's answer for `burst`, after `elapsed`, with advice.
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
-        let Detected { asked, params, finding, detection, .. } = detected;
+        let Detected { asked, params, searched, finding, detection, .. } = detected;
         let advice = explain(&detection, &params, burst.burst.size());
         let judgement = judgement(&detection, &params, finding.as_ref(), burst.burst.len());
-        Self { asked, params, finding, detection, elapsed, advice, judgement }
+        Self { asked, params, searched, finding, detection, elapsed, advice, judgement }
     }
 }
 

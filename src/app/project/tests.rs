@@ -100,7 +100,8 @@ pub(crate) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec
         times: StageTimes::default(),
     };
     let asked = params.clone().into();
-    Detected { burst: burst.id, asked, params: params.clone(), finding: None, detection: Arc::new(detection) }
+    let (params, searched) = (params.clone(), params.clone());
+    Detected { burst: burst.id, asked, params, searched, finding: None, detection: Arc::new(detection) }
 }
 
 fn with_features() -> Model {

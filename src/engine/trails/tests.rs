@@ -2,7 +2,7 @@
 
 use super::{DetectionSource, Trails};
 use crate::baseline::{Searched, search};
-use crate::detector::{DetectorParams, Method, SearchParams, SlopeChoice, SlopeGrid};
+use crate::detector::{DetectorParams, Distinct, Method, NoiseGate, SearchParams, SlopeChoice, SlopeGrid};
 use crate::engine::tests::answer_of;
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
 use crate::inspect::ProbeCache;
@@ -62,6 +62,43 @@ fn a_detection_that_keeps_its_trail_is_the_plain_one() {
         let kept = engine.stores.trails.get(&DetectionSource { burst: burst.clone(), asked, params, finding });
         assert_eq!(kept.expect("it fits").detection().features, plain.features);
     }
+}
+
+#[test]
+fn a_change_of_thresholds_is_judged_from_what_the_last_search_left() {
+    let (engine, burst) = (Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES), burst());
+    let first = with(Method::Buff, line(5));
+    let changed = |change: fn(&mut DetectorParams)| {
+        let mut params = first.clone();
+        change(&mut params.detector);
+        params
+    };
+    let all = detected(&engine, &burst, &first);
+    for params in [
+        changed(|detector| detector.max_features = 5),
+        changed(|detector| detector.distinct = Distinct::Off),
+        changed(|detector| detector.noise_gate = NoiseGate::Factor(7.0)),
+        changed(|detector| detector.peak_threshold = 0.002),
+        // Back, and less strict than the judgement before.
+        first.clone(),
+    ] {
+        let found = detected(&engine, &burst, &params);
+        let plain = search(&burst.burst, &params, &Monitor::default()).expect("valid").detection;
+        assert!(!plain.features.is_empty(), "{params:?}");
+        assert_eq!((&found.detection.features, &found.params), (&plain.features, &params.detector));
+        assert!(found.detection.descriptors == plain.descriptors);
+        assert_eq!(found.detection.times.noise_secs, 0.0, "it was not searched again: {params:?}");
+        assert_eq!(engine.stores.trails.held().0, 1, "one stands for all");
+    }
+    // A trail that was replaced is judged again where somebody asks for it.
+    let trail = engine.stores.trails.get_or_make(&source(&burst, &first), &Monitor::default()).expect("valid");
+    assert_eq!(trail.detection().features, all.detection.features);
+    // What the search did not leave is searched anew.
+    let lower = changed(|detector| detector.noise_gate = NoiseGate::Factor(3.0));
+    let found = detected(&engine, &burst, &lower);
+    assert!(found.detection.features.len() > all.detection.features.len());
+    assert!(found.detection.times.noise_secs > 0.0);
+    assert_eq!(detected(&engine, &burst, &first).detection.features, all.detection.features);
 }
 
 #[test]

@@ -76,6 +76,10 @@ impl TrailStore for OneKept {
         self.kept.borrow().clone().filter(|kept| SearchParams::from(kept.made_with()) == *asked)
     }
 
+    fn rejudged(&self, _: &OpenBurst, _: &SearchParams, _: &Monitor) -> Result<Option<Arc<ProbeCache>>, JobError> {
+        Ok(None)
+    }
+
     fn get(&self, source: &DetectionSource) -> Option<Arc<ProbeCache>> {
         self.asked(&source.burst, &source.asked)
     }

@@ -1,35 +1,40 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
 //! The inputs give the frames that take part and their noise; the [search](crate::detector::search) goes through
-//! octaves, tiles and slopes and finds keypoints. Then of the keypoints on one blob the strongest stays; those that stay
-//! are localised and described, tested for their [coherence](crate::detector::coherence) if requested, and ranked. The data for explaining the detection is gathered in a [`Trail`], which
-//! judges single samples ([`Judgement`]).
+//! octaves, tiles and slopes and finds keypoints. Then features are [chosen](choice): of the keypoints on one blob the
+//! strongest stays; those that stay are localised and described, tested for their
+//! [coherence](crate::detector::coherence) if requested, and ranked. The data for explaining the detection is gathered
+//! in a [`Trail`], which judges single samples ([`Judgement`]).
 
+mod choice;
+mod judgement;
+mod left;
 #[cfg(test)]
 mod tests;
 mod trail;
 
 pub use crate::detector::search::FIRST_PEAK_PART;
-pub use trail::{Judgement, Neighbourhood, Sample, Trail, strongest_around};
+pub use judgement::{Judgement, Neighbourhood, Sample, strongest_around};
+pub use left::follows;
+pub use trail::Trail;
 
-use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally, Test};
+use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally};
 use super::memory::{self, Account, OF_PROCESS, Plan};
 use super::params::DetectorParams;
 use crate::burst::Burst;
-use crate::detector::coherence::Along;
-use crate::detector::describe::patch::{Describing, FramesOfOctaves, Motions};
+use crate::detector::describe::patch::{Describing, FramesOfOctaves};
 use crate::detector::describe::{self, Described};
-use crate::detector::distinct::{self, Blob};
 use crate::detector::limit::Limit;
-use crate::detector::params::{DescribeSlope, Distinct};
+use crate::detector::params::DescribeSlope;
+use crate::detector::pipeline::choice::{Choice, Choosing};
+use crate::detector::pipeline::left::{Left, Passing, sigma_d};
 use crate::detector::scale_space::octave_size;
+use crate::detector::search::SEARCH_PART;
 use crate::detector::search::setup::{FirstLevels, Inputs, Search, SlopeGroup};
-use crate::detector::search::{SEARCH_PART, Searched};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
-use rayon::prelude::*;
-use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -40,7 +45,7 @@ use std::time::Instant;
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
 /// was cancelled.
 pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
-    Ok(search_all(burst, params, (&OF_PROCESS, memory::budget()), monitor)?.detection)
+    Ok(search_all(burst, params, (&OF_PROCESS, memory::budget()), false, monitor)?.detection)
 }
 
 /// Finds the features of a burst and keeps the data that explains them: the coarser octaves, if there is memory for
@@ -55,28 +60,30 @@ pub(crate) fn search_with_trail(
 ) -> Result<Trail, DetectError> {
     // Trails that are kept already have their part of the budget.
     let budget = memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()));
-    Ok(search_all(burst, params, (&OF_PROCESS, budget), monitor)?.ready())
+    Ok(search_all(burst, params, (&OF_PROCESS, budget), true, monitor)?.ready())
 }
 
-/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave.
+/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave. If the trail `keeps`
+/// what is computed about single keypoints, it can be judged again.
 fn search_all(
     burst: &Burst,
     params: &DetectorParams,
     (account, budget): (&Account, Option<u64>),
+    keeps: bool,
     monitor: &Monitor,
 ) -> Result<Trail, DetectError> {
     let started = Instant::now();
     params.validate_for(burst.len(), burst.size())?;
     let frames = params.used_frames(burst.len()).len();
     let (plan, _share) = account.plan(params, frames, burst.size(), budget)?;
-    plan.run(|| search_as_planned(burst, params, &plan, (started, monitor)))
+    plan.run(|| search_as_planned(burst, params, (&plan, keeps), (started, monitor)))
 }
 
 /// Detects by `plan`, with parameters that are valid for the burst; `started` is the time of the start.
 fn search_as_planned(
     burst: &Burst,
     params: &DetectorParams,
-    plan: &Plan,
+    (plan, keeps): (&Plan, bool),
     (started, monitor): (Instant, &Monitor),
 ) -> Result<Trail, DetectError> {
     let inputs = Inputs::new(burst, params, monitor)?;
@@ -87,98 +94,82 @@ fn search_as_planned(
     let octaves = inputs.octaves();
     let mut tally = Tally::default();
     let started = Instant::now();
-    let Searched { keypoints, bases } = search.octaves(&octaves, &plan.search, &mut tally)?;
-    let octave_frames = FramesOfOctaves::new(&planes, &inputs.times, octaves.clone());
-    let covered_by = search.distinct(&keypoints, &octave_frames)?;
-    let kept: Vec<usize> = (0..keypoints.len()).filter(|&index| covered_by[index].is_none()).collect();
-    tally.reject(Test::Duplicate, (keypoints.len() - kept.len()) as u64);
-    tally.kept = kept.len() as u64;
+    let searched = search.octaves(&octaves, &plan.search, &mut tally)?;
     times.search_secs = started.elapsed().as_secs_f32();
+    let left = Left::new(&search, searched, &plan.describe, tally, keeps);
+    let octave_frames = FramesOfOctaves::new(&planes, &inputs.times, octaves);
+    let chosen = chosen(&search, &inputs, (&left, None), &octave_frames, times)?;
+    drop(octave_frames);
+    drop(planes);
+    Ok(Trail::new(inputs, Arc::new(left), None, chosen))
+}
+
+/// Chooses the features among the keypoints that a search `left`, or those of them that pass other thresholds. `times`
+/// are those of the steps before.
+fn chosen(
+    search: &Search<'_>,
+    inputs: &Inputs,
+    (left, passing): (&Left, Option<&Passing>),
+    frames: &FramesOfOctaves<'_>,
+    mut times: StageTimes,
+) -> Result<(Choice, Detection), Cancelled> {
     let started = Instant::now();
-    let described: Vec<Keypoint> = kept.iter().map(|&index| keypoints[index]).collect();
-    let mut found = search.describe(&octaves, &described, (bases.as_deref(), &plan.describe), &octave_frames)?;
-    let incoherent = if params.used_coherence() > 0.0 {
-        octave_frames.make(described.iter());
-        let along = Along { frames: &octave_frames, inputs: &inputs, gate_factor: search.gate_factor };
-        let incoherent = incoherent(&along, &found, params.used_coherence(), monitor)?;
-        found.retain(|one| !incoherent.contains_key(&one.keypoint));
-        incoherent.into_iter().map(|(described, coherence)| (kept[described], coherence)).collect()
-    } else {
-        HashMap::new()
-    };
-    tally.reject(Test::Coherence, incoherent.len() as u64);
-    tally.kept -= incoherent.len() as u64;
-    monitor.check()?;
-    found.sort_by(|Described { feature: a, .. }, Described { feature: b, .. }| {
-        let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));
-        // Features of one keypoint stay in the order of their orientations.
-        let by_sample = || (a.octave, a.level, a.slope_index).cmp(&(b.octave, b.level, b.slope_index));
-        b.strength().total_cmp(&a.strength()).then_with(by_place).then_with(by_sample)
-    });
-    let ranked: Vec<usize> = found.iter().map(|one| kept[one.keypoint]).collect();
-    if params.max_features > 0 && found.len() > params.max_features {
-        tally.reject(Test::MaxFeatures, (found.len() - params.max_features) as u64);
-        found.truncate(params.max_features);
-    }
-    let gate_factor = search.gate_factor;
-    let (mut features, descriptors): (Vec<_>, Vec<_>) =
-        found.into_iter().map(|one| (one.feature, one.descriptor)).unzip();
-    search.limit(&octave_frames).mark(&mut features)?;
-    times.describe_secs = started.elapsed().as_secs_f32();
-    monitor.report(Stage::Describe, 1.0);
+    let keypoints = passing.map_or(&left.keypoints[..], |passing| &passing.keypoints);
+    let numbers = passing.map(|passing| &passing.numbers[..]);
+    let choosing = Choosing { search, inputs, keypoints, numbers, left, frames };
+    let mut choice = choosing.choose(search.params.max_features)?;
+    let mut tally = passing.map_or(left.tally, |passing| passing.tally);
+    choice.count(&mut tally);
+    choosing.mark(&mut choice.found)?;
+    times.search_secs += choice.distinct_secs;
+    times.describe_secs = started.elapsed().as_secs_f32() - choice.distinct_secs;
+    search.monitor.report(Stage::Describe, 1.0);
+    let (features, descriptors) = choice.found.iter().map(|one| (one.feature, one.descriptor)).unzip();
     let detection = Detection {
         features,
         descriptors,
         tally,
         frame_noise: inputs.noise.frame_noise,
-        noise_gate_factor: gate_factor,
+        noise_gate_factor: search.gate_factor,
         noise: inputs.noise.clone(),
         slopes: inputs.params.used_slopes(),
         frames_used: inputs.frames_used.clone(),
-        octaves,
+        octaves: inputs.octaves(),
         times,
     };
-    drop(octave_frames);
-    drop(planes);
-    Ok(Trail::new(inputs, bases, keypoints, covered_by, (ranked, incoherent), detection))
+    Ok((choice, detection))
 }
 
-/// Keypoints of `found` whose coherence is known and below `min`, with their coherence. Features of one keypoint, which
-/// follow one another, have the same.
-fn incoherent(
-    along: &Along<'_, '_>,
-    found: &[Described],
-    min: f32,
-    monitor: &Monitor,
-) -> Result<HashMap<usize, f32>, Cancelled> {
-    let of_keypoints: Vec<&Described> = found.chunk_by(|a, b| a.keypoint == b.keypoint).map(|same| &same[0]).collect();
-    let low = |one: &&Described| {
-        let coherence = along.evenness(&one.feature, monitor)?.coherence;
-        Ok(coherence.filter(|coherence| *coherence < min).map(|coherence| (one.keypoint, coherence)))
-    };
-    let low: Vec<Option<(usize, f32)>> = of_keypoints.par_iter().map(low).collect::<Result<_, Cancelled>>()?;
-    Ok(low.into_iter().flatten().collect())
+impl Trail {
+    /// Trail of a search of the same burst with `params`, without that search; `None` where it needs one. That is so
+    /// unless the parameters differ only in noise gate, peak threshold, edge threshold, the rule for distinct keypoints,
+    /// coherence and the number of features, and unless the first three are at least as strict as those of the search
+    /// that this trail goes back to.
+    ///
+    /// Keypoints, features and descriptors are those of the search to the bit. In the tally, samples that are no
+    /// keypoints are counted as that earlier search rejected them.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn rejudged(&self, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
+        if !follows(params, self.left.params()) {
+            return Ok(None);
+        }
+        let started = Instant::now();
+        let inputs = Inputs { params: params.clone(), ..self.inputs.clone() };
+        let planes = inputs.planes();
+        let search = Search::new(&inputs, &planes, monitor);
+        let Some(passing) = self.left.passing(&search, &sigma_d(&search)) else { return Ok(None) };
+        let frames = FramesOfOctaves::new(&planes, &inputs.times, inputs.octaves()).with_means(&self.left.means);
+        let times = StageTimes { search_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
+        let chosen = chosen(&search, &inputs, (&self.left, Some(&passing)), &frames, times)?;
+        drop(frames);
+        drop(planes);
+        Ok(Some(Self::new(inputs, self.left.clone(), Some(passing), chosen).ready()))
+    }
 }
 
 impl Search<'_> {
-    /// For each keypoint the index of the stronger one that shows the same blob; `None` for those that stay.
-    fn distinct(&self, keypoints: &[Keypoint], frames: &FramesOfOctaves<'_>) -> Result<Vec<Option<usize>>, Cancelled> {
-        let Distinct::Radius(radius) = self.params.distinct else {
-            return Ok(vec![None; keypoints.len()]);
-        };
-        let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, &self.space)).collect();
-        let rule = distinct::Rule { radius, scale_ratio: self.params.distinct_scale };
-        frames.make(keypoints.iter());
-        let motions = Motions {
-            frames,
-            times: self.times,
-            size_image: self.size_image,
-            space: &self.space,
-            interpolation: self.params.interpolation,
-        };
-        distinct::covered_by(&blobs, rule, |a, b| motions.are_two(&keypoints[a], &keypoints[b]), self.monitor)
-    }
-
     /// Inputs for marking the features at the limit of the slopes.
     fn limit<'a, 'f>(&'a self, frames: &'a FramesOfOctaves<'f>) -> Limit<'a, 'f> {
         Limit {
@@ -193,20 +184,23 @@ impl Search<'_> {
     }
 
     /// Localises and describes `keypoints`, which are in order of octaves. The first levels are taken from `bases`;
-    /// where they were not kept, they are computed again for one of the `groups` of slopes after the other.
+    /// where they were not kept, they are computed again for one of the `groups` of slopes after the other. `part` is the
+    /// part of the description's progress that this takes.
     fn describe(
         &self,
         octaves: &Range<i32>,
         keypoints: &[Keypoint],
         (bases, groups): (Option<&[FirstLevels]>, &[SlopeGroup]),
         frames: &FramesOfOctaves<'_>,
+        part: Range<f32>,
     ) -> Result<Vec<Described>, Cancelled> {
+        let report = |done: f32| self.monitor.report(Stage::Describe, SEARCH_PART + (1.0 - SEARCH_PART) * done);
         let finished = AtomicUsize::new(0);
         let described = |count: usize| {
             let done = (finished.fetch_add(count, Ordering::Relaxed) + count) as f32 / keypoints.len() as f32;
-            self.monitor.report(Stage::Describe, SEARCH_PART + (1.0 - SEARCH_PART) * done);
+            report(part.start + (part.end - part.start) * done);
         };
-        self.monitor.report(Stage::Describe, SEARCH_PART);
+        report(part.start);
         if let Some(bases) = bases {
             return self.describe_with(octaves, keypoints, bases, (frames, &described));
         }

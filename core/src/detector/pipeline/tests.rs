@@ -1,9 +1,9 @@
-//! A search in groups of slopes gives bitwise the same results as the whole search.
+//! A search in groups of slopes gives bitwise the same results as the whole search, and so does one that is cut first.
 
 use super::*;
 use crate::detector::memory::estimate;
-use crate::detector::params::{Distinct, Localisation, Method, SlopeExtrema, SlopeNeighbours};
-use crate::detector::{Slope, SlopeGrid};
+use crate::detector::params::{Distinct, Localisation, Method, NoiseGate, SlopeExtrema, SlopeNeighbours};
+use crate::detector::{Slope, SlopeGrid, Test};
 use crate::plane::tile::Region;
 use crate::synth::{SceneParams, synth_scene};
 use proptest::prelude::*;
@@ -26,7 +26,7 @@ fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
 
 /// Searches with all of `budget` bytes, whatever other tests of this process take at the same time.
 fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail, DetectError> {
-    search_all(burst, params, (&Account::new(), budget), &Monitor::default())
+    search_all(burst, params, (&Account::new(), budget), true, &Monitor::default())
 }
 
 /// Searches in all kinds of groups, and compares each result with the whole search's. Returns the numbers of groups in
@@ -45,7 +45,7 @@ fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
         assert!(plan.search.len() > 1 && plan.search.iter().all(|group| group.visited.len() <= slopes), "{plan:?}");
         counts.push(plan.describe.len());
         let found = search_within(burst, params, Some(budget)).expect("it fits").ready();
-        assert!(found.bases.is_none() && whole.bases.is_some());
+        assert!(found.left.bases.is_none() && whole.left.bases.is_some());
         assert_eq!(found.keypoints(), whole.keypoints(), "{plan:?}");
         let covered = |trail: &Trail| (0..trail.keypoints().len()).map(|k| trail.covered_by(k)).collect::<Vec<_>>();
         assert_eq!(covered(&found), covered(&whole));
@@ -118,6 +118,98 @@ proptest! {
         let counts = assert_same_in_groups(&burst, &params);
         prop_assert!(!(joint && all) || counts.is_empty(), "all slopes are needed at once");
     }
+}
+
+/// Compares a search for at most `max_features` features with the search for all, cut afterwards.
+fn assert_cut_first_is_cut_afterwards(burst: &Burst, params: &DetectorParams, max_features: usize) {
+    let all = search_within(burst, &DetectorParams { max_features: 0, ..params.clone() }, None).expect("fits").ready();
+    let cut = search_within(burst, &DetectorParams { max_features, ..params.clone() }, None).expect("fits").ready();
+    let (expected, found) = (all.detection(), cut.detection());
+    let count = max_features.min(expected.features.len());
+    assert_eq!(found.features, expected.features[..count], "{params:?}");
+    assert!(found.descriptors == expected.descriptors[..count], "{params:?}");
+    let of_feature =
+        |trail: &Trail| (0..expected.features.len()).map(|k| trail.keypoint_of_feature(k)).collect::<Vec<_>>();
+    assert_eq!(of_feature(&cut), of_feature(&all));
+    assert_eq!(cut.ranked(), expected.features.len());
+    for index in 0..all.keypoints().len() {
+        if cut.is_cut(index) {
+            assert!(cut.rank_uncut(index) >= count);
+            let fails = all.covered_by(index).map(|_| Test::Duplicate);
+            assert_eq!(cut.fails_uncut(index), fails.or(all.incoherent(index).map(|_| Test::Coherence)));
+        } else {
+            assert_eq!(cut.covered_by(index), all.covered_by(index));
+            assert_eq!(cut.incoherent(index), all.incoherent(index));
+        }
+    }
+    // The tally counts each sample once, and those that reach the choice as the search for all does.
+    let (before, after) = (expected.tally, found.tally);
+    assert_eq!(after.samples, after.rejected.iter().sum::<u64>() + after.kept);
+    let of_choice = [Test::Duplicate, Test::Coherence, Test::MaxFeatures];
+    for test in Test::ALL.into_iter().filter(|test| !of_choice.contains(test)) {
+        assert_eq!(after.rejected_by(test), before.rejected_by(test));
+    }
+    assert!(after.kept as usize <= count && (count == 0 || after.kept > 0));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, rng_seed: RngSeed::Fixed(16), ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_is_cut_first_is_what_is_cut_afterwards(
+        grid in grids(),
+        joint in any::<bool>(),
+        distinct in prop_oneof![Just(None), (0.5f32..3.0).prop_map(Some)],
+        coherence in prop_oneof![Just(0.0f32), 0.3f32..0.9],
+        max_orientations in 1usize..5,
+        max_features in prop_oneof![Just(1usize), 2usize..40, 40usize..400],
+        noiseless in any::<bool>(),
+        seed in 1u64..500,
+    ) {
+        let mut burst = scene(seed, (150, 130));
+        if noiseless {
+            // Two halves alike, so that many keypoints are equally strong.
+            for frame in &mut burst.frames {
+                let half = frame.clone();
+                *frame = std::sync::Arc::new(Plane::from_fn(150, 130, |u, v| half.row(v)[u % 75]));
+            }
+        }
+        let params = DetectorParams {
+            slopes: grid,
+            slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
+            distinct: distinct.map_or(Distinct::Off, Distinct::Radius),
+            coherence,
+            max_orientations,
+            noise_gate: NoiseGate::Factor(3.0),
+            octaves: 3,
+            levels: 3,
+            ..DetectorParams::default()
+        };
+        assert_cut_first_is_cut_afterwards(&burst, &params, max_features);
+    }
+}
+
+#[test]
+fn the_strongest_are_the_same_where_thousands_are_cut() {
+    let burst = scene(5, (400, 300));
+    let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
+    let params = DetectorParams { slopes, noise_gate: NoiseGate::Factor(2.5), ..DetectorParams::default() };
+    for (max_features, coherence) in [(20, 0.0), (300, 0.0), (1000, 0.0), (60, 0.5)] {
+        assert_cut_first_is_cut_afterwards(&burst, &DetectorParams { coherence, ..params.clone() }, max_features);
+    }
+}
+
+#[test]
+fn what_is_cut_is_not_compared_with_the_others_on_its_blob() {
+    let burst = scene(5, (400, 300));
+    let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
+    let params = DetectorParams { slopes, noise_gate: NoiseGate::Factor(2.5), ..DetectorParams::default() };
+    let tally = |max_features| {
+        search_within(&burst, &DetectorParams { max_features, ..params.clone() }, None).expect("fits").detection.tally
+    };
+    let (few, all) = (tally(20), tally(0));
+    assert!(10 * few.rejected_by(Test::Duplicate) < all.rejected_by(Test::Duplicate), "{few:?} {all:?}");
+    assert_eq!(all.rejected_by(Test::MaxFeatures), 0);
 }
 
 #[test]

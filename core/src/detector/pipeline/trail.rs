@@ -1,14 +1,10 @@
 //! Data that a detection keeps to explain its result: the frames as they were searched, the first levels of the coarser
 //! octaves if there is memory for them, all keypoints with the ones that removed them, and the keypoint of each
-//! feature; and the judgement of single samples from it.
+//! feature.
 //!
 //! Nothing here changes the result. To explain a detection, the search's own functions are run again on the few samples
 //! in question (see [`Trail::neighbourhood`]); the values are bitwise equal, because those of a tile do not depend on
 //! the tile.
-//!
-//! The order of the search's tests and the neighbouring slopes are those of `slope_window`, which works on a whole
-//! tile, slope after slope; here they apply to one sample. A test in tests/detection/inspect checks that both agree,
-//! sample by sample.
 
 use crate::detector::coherence::{self, Along, Evenness, FrameResponse};
 use crate::detector::describe::patch::{FramesOfOctaves, Motions, OctaveFrames};
@@ -16,18 +12,16 @@ use crate::detector::distinct::{self, Blob};
 use crate::detector::feature::{Detection, Feature, Keypoint, Test};
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
-use crate::detector::params::{DetectorParams, Distinct, SlopeNeighbours};
-use crate::detector::refine::{Fit, Limits, Refined, fit, refine};
-use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, ScaleSpace, dog_tile, octave_size, stack_tiles};
-use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
-use crate::detector::search::setup::{FirstLevels, HELD, Inputs, Search};
-use crate::detector::search::slope_window::{OtherSlopes, refined_slope};
-use crate::kernel::gaussian_bank::FilterScratch;
+use crate::detector::params::{DetectorParams, Distinct};
+use crate::detector::pipeline::choice::{Choice, Choosing, Verdict};
+use crate::detector::pipeline::left::{Left, Passing, SigmaD, sigma_d};
+use crate::detector::scale_space::{ScaleSpace, octave_size};
+use crate::detector::search::setup::{FirstLevels, Inputs, Search};
 use crate::kernel::patch::{Patch, PatchScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
-use crate::plane::tile::{Region, Tile};
+use crate::plane::tile::Region;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -40,57 +34,61 @@ type SampleKey = (i32, i32, usize, [u32; 2]);
 /// Radius of the keypoints considered, in links of a chain: keypoints that remove one another form chains.
 const CHAIN_LINKS: f32 = 6.0;
 
+/// Fates of the keypoints, and the keypoint of each feature, strongest first.
+#[derive(Debug)]
+pub(super) struct Chosen {
+    verdicts: Vec<Verdict>,
+    ranked: Vec<usize>,
+    /// Keypoints that are known to stay among those on their blobs.
+    distinct: Vec<usize>,
+}
+
+impl From<Choice> for Chosen {
+    fn from(Choice { found, verdicts, distinct, .. }: Choice) -> Self {
+        Self { verdicts, ranked: found.iter().map(|one| one.keypoint).collect(), distinct }
+    }
+}
+
 /// A detection and the data from which it was computed.
 #[derive(Debug)]
 pub struct Trail {
     pub(super) inputs: Inputs,
-    /// First levels of each octave; none for the first octave. `None` where the slopes were searched in groups: they
-    /// are computed again when needed.
-    pub(super) bases: Option<Vec<FirstLevels>>,
-    keypoints: Vec<Keypoint>,
-    covered_by: Vec<Option<usize>>,
-    /// Keypoint of each described feature, strongest first and including those cut off by `max_features`.
-    ranked: Vec<usize>,
-    /// Coherence of the keypoints that the test of coherence rejects.
-    incoherent: HashMap<usize, f32>,
+    /// Result of the search, which trails for other thresholds share.
+    pub(super) left: Arc<Left>,
+    /// Keypoints that pass the thresholds; `None` for all that the search left.
+    passing: Option<Passing>,
+    /// Choice of the features.
+    chosen: Chosen,
+    /// The choice without a maximum number of features, computed on first use.
+    uncut: OnceLock<Chosen>,
     by_sample: HashMap<SampleKey, usize>,
-    /// Keypoints that stayed, sorted by row.
+    /// Keypoints that are known to have stayed, sorted by row.
     stayed: Vec<(usize, Blob)>,
     /// σ_D at the place of least noise, by octave, DoG level index and slope.
-    pub(super) sigma_d: Vec<Vec<Vec<f32>>>,
-    /// Frames at the resolution of each octave, computed on first use.
-    means: Vec<OnceLock<Vec<Plane>>>,
+    pub(super) sigma_d: SigmaD,
     pub(super) detection: Detection,
 }
 
 impl Trail {
     pub(super) fn new(
         inputs: Inputs,
-        bases: Option<Vec<FirstLevels>>,
-        keypoints: Vec<Keypoint>,
-        covered_by: Vec<Option<usize>>,
-        (ranked, incoherent): (Vec<usize>, HashMap<usize, f32>),
-        detection: Detection,
+        left: Arc<Left>,
+        passing: Option<Passing>,
+        (choice, detection): (Choice, Detection),
     ) -> Self {
-        let means = inputs.octaves().map(|_| OnceLock::new()).collect();
-        let (by_sample, stayed, sigma_d) = (HashMap::new(), Vec::new(), Vec::new());
-        Self { inputs, bases, keypoints, covered_by, ranked, incoherent, by_sample, stayed, sigma_d, means, detection }
+        let (by_sample, stayed, sigma_d, uncut) = (HashMap::new(), Vec::new(), Vec::new(), OnceLock::new());
+        Self { inputs, left, passing, chosen: choice.into(), uncut, by_sample, stayed, sigma_d, detection }
     }
 
     /// Adds the lookup tables that questions need.
     pub(super) fn ready(mut self) -> Self {
         let key = |k: &Keypoint| (k.octave, k.level, k.slope_index, k.sample);
-        self.by_sample = self.keypoints.iter().enumerate().map(|(index, k)| (key(k), index)).collect();
-        let kept = self.keypoints.iter().enumerate().filter(|(index, _)| self.covered_by[*index].is_none());
-        self.stayed = kept.map(|(index, k)| (index, Blob::of(k, &self.inputs.space))).collect();
+        self.by_sample = self.keypoints().iter().enumerate().map(|(index, k)| (key(k), index)).collect();
+        let blob = |&index: &usize| (index, Blob::of(&self.keypoints()[index], &self.inputs.space));
+        self.stayed = self.chosen.distinct.iter().map(blob).collect();
         self.stayed.sort_by(|a, b| a.1.v.total_cmp(&b.1.v));
         let monitor = Monitor::default();
-        let sigma_d = self.with_search(&monitor, |search| {
-            let levels = 0..search.space.levels + 2;
-            let of_octave = |octave| levels.clone().map(|level| search.sigma_d(octave, level)).collect();
-            self.octaves().map(of_octave).collect()
-        });
-        self.sigma_d = sigma_d;
+        self.sigma_d = self.with_search(&monitor, sigma_d);
         self
     }
 
@@ -106,13 +104,23 @@ impl Trail {
         let plane = |plane: &Plane| size_of_val(plane.data());
         let is_own = |frame: &&Arc<Plane>| !others.iter().any(|other| Arc::ptr_eq(other, frame));
         let frames: usize = self.inputs.frames.iter().filter(is_own).map(|frame| plane(frame)).sum();
-        let means = self.means.iter().filter_map(OnceLock::get).flatten();
-        let bases = self.bases.iter().flatten().flat_map(FirstLevels::planes);
+        let means = self.left.means.iter().filter_map(OnceLock::get).flatten();
+        let bases = self.left.bases.iter().flatten().flat_map(FirstLevels::planes);
         let planes: usize = bases.chain(means).map(plane).sum();
         let Detection { features, descriptors, .. } = &self.detection;
-        let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.ranked[..]);
-        let of_keypoint = size_of::<(Keypoint, Option<usize>, SampleKey, usize)>();
-        frames + planes + found + of_keypoint * self.keypoints.len() + size_of_val(&self.stayed[..])
+        let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.chosen.ranked[..]);
+        let of_keypoint = size_of::<(Keypoint, Verdict, SampleKey, usize)>();
+        frames
+            + planes
+            + self.left.bytes()
+            + found
+            + of_keypoint * self.keypoints().len()
+            + size_of_val(&self.stayed[..])
+    }
+
+    /// Whether this trail and `other` go back to the same search: each can be [judged](Trail::rejudged) from the other.
+    pub fn shares_search(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.left, &other.left)
     }
 
     /// The detection.
@@ -123,6 +131,12 @@ impl Trail {
     /// Parameters of the detection.
     pub fn params(&self) -> &DetectorParams {
         &self.inputs.params
+    }
+
+    /// Parameters of the search that this trail goes back to: those that other parameters must [follow](super::follows)
+    /// from to be judged without a search.
+    pub fn searched_with(&self) -> &DetectorParams {
+        self.left.params()
     }
 
     /// Size (columns, rows) of a frame.
@@ -157,28 +171,72 @@ impl Trail {
 
     /// All keypoints that passed the tests of the search, including those that show the same blob as a stronger one.
     pub fn keypoints(&self) -> &[Keypoint] {
-        &self.keypoints
+        self.passing.as_ref().map_or(&self.left.keypoints, |passing| &passing.keypoints)
     }
 
-    /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one.
+    /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one. `None` for keypoints
+    /// that [are cut](Trail::is_cut).
     pub fn covered_by(&self, index: usize) -> Option<usize> {
-        self.covered_by[index]
+        match self.chosen.verdicts[index] {
+            Verdict::CoveredBy(by) => Some(by),
+            _ => None,
+        }
+    }
+
+    /// Whether keypoint `index` is too weak for any feature of it to be among those kept. It is not compared with the
+    /// stronger keypoints on its blob.
+    pub fn is_cut(&self, index: usize) -> bool {
+        self.chosen.verdicts[index] == Verdict::Cut
+    }
+
+    /// First test that a keypoint that [is cut](Trail::is_cut) would fail if all features were kept. The first call
+    /// takes as long as describing all keypoints.
+    pub fn fails_uncut(&self, index: usize) -> Option<Test> {
+        match self.uncut().verdicts[index] {
+            Verdict::Kept | Verdict::Cut => None,
+            Verdict::CoveredBy(_) => Some(Test::Duplicate),
+            Verdict::Incoherent(_) => Some(Test::Coherence),
+        }
+    }
+
+    /// The choice without a maximum number of features.
+    fn uncut(&self) -> &Chosen {
+        if self.inputs.params.max_features == 0 {
+            return &self.chosen;
+        }
+        let choose = || {
+            let monitor = Monitor::default();
+            let planes = self.inputs.planes();
+            let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
+            let choosing = Choosing {
+                search: &Search::new(&self.inputs, &planes, &monitor),
+                inputs: &self.inputs,
+                keypoints: self.keypoints(),
+                numbers: self.passing.as_ref().map(|passing| &passing.numbers[..]),
+                left: &self.left,
+                frames: &frames,
+            };
+            Chosen::from(choosing.choose(0).expect("nobody cancels it"))
+        };
+        // On threads of its own: a thread that waited for others here might meanwhile run a job that waits for this.
+        self.uncut.get_or_init(|| std::thread::scope(|scope| join(scope.spawn(|| on_own_threads(choose)))))
     }
 
     /// Whether keypoint `index` would stay among those around it with another `radius` and `scale_ratio` for distinct
     /// keypoints. All of these are compared again: removed ones may then stay, and remove others.
     pub fn would_stay(&self, index: usize, radius: f32, scale_ratio: f32) -> bool {
-        let own = self.keypoints[index].in_image();
+        let own = self.keypoints()[index].in_image();
         let near = |k: &Keypoint| {
             let (u, v, sigma) = k.in_image();
             let reach = CHAIN_LINKS * radius.max(self.distinct_radius()) * sigma.max(own.2);
             (u - own.0).hypot(v - own.1) <= reach
         };
-        let around: Vec<usize> = (0..self.keypoints.len()).filter(|&other| near(&self.keypoints[other])).collect();
+        let around: Vec<usize> = (0..self.keypoints().len()).filter(|&other| near(&self.keypoints()[other])).collect();
         let blobs: Vec<Blob> =
-            around.iter().map(|&other| Blob::of(&self.keypoints[other], &self.inputs.space)).collect();
+            around.iter().map(|&other| Blob::of(&self.keypoints()[other], &self.inputs.space)).collect();
         let covered = self.with_motions(|motions| {
-            let are_two = |a: usize, b: usize| motions.are_two(&self.keypoints[around[a]], &self.keypoints[around[b]]);
+            let are_two =
+                |a: usize, b: usize| motions.are_two(&self.keypoints()[around[a]], &self.keypoints()[around[b]]);
             distinct::covered_by(&blobs, distinct::Rule { radius, scale_ratio }, are_two, &Monitor::default())
                 .expect("nobody cancels it")
         });
@@ -192,14 +250,14 @@ impl Trail {
     /// Calls `work` with the test of whether two keypoints at one place are separate structures.
     fn with_motions<T>(&self, work: impl FnOnce(&Motions<'_, '_>) -> T) -> T {
         let planes = self.inputs.planes();
-        let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.means);
+        let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
         let Inputs { times, size_image, space, params, .. } = &self.inputs;
         let interpolation = params.interpolation;
         work(&Motions { frames: &frames, times, size_image: *size_image, space, interpolation })
     }
 
     /// Index of the keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for
-    /// distinct keypoints.
+    /// distinct keypoints. Keypoints that [are cut](Trail::is_cut) may not be compared.
     pub fn would_be_covered_by(&self, keypoint: &Keypoint) -> Option<usize> {
         let params = &self.inputs.params;
         let Distinct::Radius(radius) = params.distinct else {
@@ -213,23 +271,33 @@ impl Trail {
         let last = self.stayed.partition_point(|(_, other)| other.v <= blob.v + reach);
         let blobs = self.stayed[first..last].iter().copied();
         self.with_motions(|motions| {
-            distinct::would_cover(&blob, blobs, rule, |index| motions.are_two(&self.keypoints[index], keypoint))
+            distinct::would_cover(&blob, blobs, rule, |index| motions.are_two(&self.keypoints()[index], keypoint))
         })
     }
 
-    /// Index of the keypoint of feature `index` of the detection.
+    /// Index of the keypoint of feature `index` of the detection, or of those beyond `max_features`.
     pub fn keypoint_of_feature(&self, index: usize) -> usize {
-        self.ranked[index]
+        self.chosen.ranked.get(index).copied().unwrap_or_else(|| self.uncut().ranked[index])
     }
 
-    /// Number of features including those beyond `max_features`.
+    /// Number of features including those beyond `max_features`. The first call takes as long as describing all
+    /// keypoints.
     pub fn ranked(&self) -> usize {
-        self.ranked.len()
+        self.uncut().ranked.len()
     }
 
-    /// Ranks by strength of a keypoint's features, including those beyond `max_features`.
+    /// Rank by strength that a keypoint that [is cut](Trail::is_cut) has, or would have if it stayed, among all
+    /// features. The first call takes as long as describing all keypoints.
+    pub fn rank_uncut(&self, keypoint: usize) -> usize {
+        let ranked = &self.uncut().ranked;
+        let strength = |index: usize| self.keypoints()[index].strength();
+        let own = ranked.iter().position(|of| *of == keypoint);
+        own.unwrap_or_else(|| ranked.partition_point(|of| strength(*of) > strength(keypoint)))
+    }
+
+    /// Ranks by strength of a keypoint's features that are kept.
     pub fn ranks_of(&self, keypoint: usize) -> impl Iterator<Item = usize> + '_ {
-        self.ranked.iter().enumerate().filter(move |(_, of)| **of == keypoint).map(|(rank, _)| rank)
+        self.chosen.ranked.iter().enumerate().filter(move |(_, of)| **of == keypoint).map(|(rank, _)| rank)
     }
 
     /// Index of the keypoint that was found at the sample (column, row) of an octave, level and slope.
@@ -322,236 +390,30 @@ impl Trail {
 
     /// The coherence of a keypoint that the test of coherence rejects; `None` for others.
     pub fn incoherent(&self, keypoint: usize) -> Option<f32> {
-        self.incoherent.get(&keypoint).copied()
+        match self.chosen.verdicts[keypoint] {
+            Verdict::Incoherent(coherence) => Some(coherence),
+            _ => None,
+        }
     }
 
     /// Calls `work` with the source of responses along any motion.
     fn along<T>(&self, work: impl FnOnce(&Along<'_, '_>) -> T) -> T {
         let planes = self.inputs.planes();
-        let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.means);
+        let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
         let gate_factor = self.detection.noise_gate_factor;
         work(&Along { frames: &frames, inputs: &self.inputs, gate_factor })
     }
 }
 
-/// A sample of D.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Sample {
-    /// Octave index.
-    pub octave: i32,
-    /// DoG level, 0 … S−1.
-    pub level: i32,
-    /// Index in the slope grid.
-    pub slope_index: usize,
-    /// Column, octave pixels.
-    pub x: usize,
-    /// Row, octave pixels.
-    pub y: usize,
-}
-
-impl Sample {
-    /// Index of its DoG level among those that are computed.
-    pub fn level_index(&self) -> usize {
-        (self.level + 1) as usize
+/// Calls `work` in a pool of threads of its own; in the current one where the system gives no more threads.
+fn on_own_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    match rayon::ThreadPoolBuilder::new().build() {
+        Ok(pool) => pool.install(work),
+        Err(_) => work(),
     }
 }
 
-/// D of all slopes and levels in a part of one octave, bitwise equal to the values that the search compares.
-#[derive(Debug)]
-pub struct Neighbourhood {
-    /// Octave index.
-    pub octave: i32,
-    /// Size (columns, rows) of the octave.
-    pub size: (usize, usize),
-    /// Samples that can be judged.
-    pub region: Region,
-    /// One tile a slope, with the region and the pixels that its refinement may read.
-    pub tiles: Vec<DogTile>,
-}
-
-/// Results of the search's tests of one sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Judgement {
-    /// D at the sample.
-    pub value: f32,
-    /// The first test of the search that rejects it, if any. Whether it shows the same blob as a stronger keypoint is
-    /// decided later.
-    pub rejected_by: Option<Test>,
-    /// σ_D at its level and slope where the noise is least.
-    pub sigma_d_min: f32,
-    /// σ_D at the sample.
-    pub sigma_d: f32,
-    /// The strongest of the slopes that beat it by the joint rule, if any.
-    pub beaten_by: Option<usize>,
-    /// The quadratic fit; `None` where D has none.
-    pub fit: Option<Fit>,
-    /// The keypoint that it makes, or would make if it passed all tests; `None` where the fit did not converge inside
-    /// the octave.
-    pub would_be: Option<Keypoint>,
-}
-
-impl Judgement {
-    /// The keypoint that it makes; `None` where a test rejects it.
-    pub fn keypoint(&self) -> Option<Keypoint> {
-        self.would_be.filter(|_| self.rejected_by.is_none())
-    }
-}
-
-impl Trail {
-    /// D of all slopes around `region` of `octave`, at least one pixel of which must lie in the octave.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
-    pub fn neighbourhood(&self, octave: i32, region: &Region, monitor: &Monitor) -> Result<Neighbourhood, Cancelled> {
-        self.with_search(monitor, |search| {
-            let size = self.octave_size(octave);
-            let held = region.widened(HELD, size);
-            let first = octave == search.space.first_octave;
-            let bank = if first { &search.banks.0 } else { &search.banks.1 };
-            let filters = OctaveFilters::new(&search.space, bank, &search.space.all_levels(), size);
-            let inputs = filters.inputs(&held);
-            let one = |pixels: Pixels<'_>, scratch: &mut FilterScratch| {
-                let mut dog = DogTile::default();
-                dog_tile(&filters, pixels, &held, scratch, &mut dog, None, &mut |_, _| ());
-                dog
-            };
-            let bases = self.bases.as_ref().map(|bases| &bases[(octave - search.space.first_octave) as usize]);
-            let of_slope = |index: usize, scratch: &mut FilterScratch, stacked: &mut Vec<Tile>| {
-                monitor.check()?;
-                let pixels = match bases.filter(|_| !first) {
-                    None => {
-                        stack_tiles(search.frames, &search.offsets[index..=index], octave, &inputs, stacked);
-                        Pixels::Stacked(&stacked[0])
-                    }
-                    Some(bases) => Pixels::Level(bases.at(index)),
-                };
-                Ok(one(pixels, scratch))
-            };
-            let slopes = 0..search.grid.len();
-            let tiles = if first || bases.is_some() {
-                let space = || (FilterScratch::default(), Vec::new());
-                let of_slope = |(scratch, stacked): &mut _, index| of_slope(index, scratch, stacked);
-                slopes.into_par_iter().map_init(space, of_slope).collect::<Result<_, Cancelled>>()?
-            } else {
-                // First levels that were not kept are computed again, slope by slope: each may take much of the
-                // picture.
-                let mut scratch = FilterScratch::default();
-                let mut of_slope = |index| {
-                    let level = search.stack(index).first_level(octave, &inputs, monitor)?;
-                    Ok(one(Pixels::Level(&level), &mut scratch))
-                };
-                slopes.map(&mut of_slope).collect::<Result<_, Cancelled>>()?
-            };
-            Ok(Neighbourhood { octave, size, region: region.clone(), tiles })
-        })
-    }
-
-    /// Judges the samples `samples` of a neighbourhood; `None` for those on the octave's border, which the search does
-    /// not examine.
-    pub fn judge(&self, around: &Neighbourhood, samples: &[Sample]) -> Vec<Option<Judgement>> {
-        let monitor = Monitor::default();
-        self.with_search(&monitor, |search| {
-            samples.iter().map(|sample| self.judge_one(search, around, sample)).collect()
-        })
-    }
-
-    fn judge_one(&self, search: &Search<'_>, around: &Neighbourhood, sample: &Sample) -> Option<Judgement> {
-        let &Sample { octave, slope_index, x, y, .. } = sample;
-        let level_index = sample.level_index();
-        let own = &around.tiles[slope_index];
-        let sigma_d = &self.sigma_d[(octave - search.space.first_octave) as usize];
-        let thresholds = search.thresholds(sigma_d, slope_index);
-        let at_own = own_slope_verdict(&own.levels, (x, y, level_index), around.size, &thresholds)?;
-        let value = own.at(level_index, x, y);
-        let candidate = Candidate { x, y, level_index, value };
-        let sigma_d_min = sigma_d[level_index][slope_index];
-        let sigma_d = sigma_d_min * search.place_factor(octave, slope_index, x, y);
-        let others = OtherSlopes::of(search.params);
-        let beaten_by = self.beaten_by(search, around, slope_index, &candidate, others);
-        let refined = refine(own, (x, y), level_index, around.size, search.limits()).map(|_| ());
-        let rejected_by = match at_own {
-            Err(test) => Some(test),
-            Ok(_) if !search.passes_gate(&candidate, sigma_d) => Some(Test::NoiseGate),
-            Ok(_) if beaten_by.is_some() => Some(Test::SlopeExtremum),
-            Ok(_) => refined.err(),
-        };
-        // No thresholds: every fit passes.
-        let open = Limits { peak_threshold: -1.0, edge_threshold: f32::INFINITY };
-        let fit = fit(own, (x, y), level_index, around.size);
-        let settled = fit.filter(|fit| {
-            let tests = fit.tests(around.size, own.levels.len(), open);
-            tests.iter().all(|(test, passes)| *passes || matches!(test, Test::Edge | Test::InterpolatedContrast))
-        });
-        let would_be = settled.map(|fit| {
-            let refined = Refined::from(fit);
-            let d_around = d_around(search, around, slope_index, level_index, &refined);
-            let slope = refined_slope(&search.grid, others, slope_index, &d_around);
-            search.keypoint(octave, &candidate, &refined, (slope_index, slope), sigma_d)
-        });
-        Some(Judgement { value, rejected_by, sigma_d_min, sigma_d, beaten_by, fit, would_be })
-    }
-
-    /// The slope that beats a candidate by the joint rule; of several, that with the largest |D| of the candidate's
-    /// sign around it.
-    fn beaten_by(
-        &self,
-        search: &Search<'_>,
-        around: &Neighbourhood,
-        slope_index: usize,
-        candidate: &Candidate,
-        others: OtherSlopes,
-    ) -> Option<usize> {
-        let OtherSlopes::Beaten(neighbours) = others else {
-            return None;
-        };
-        let Candidate { x, y, level_index, value } = *candidate;
-        let (i, j) = search.grid.coordinates(slope_index);
-        let compared = |&other: &usize| {
-            let (ii, jj) = search.grid.coordinates(other);
-            other != slope_index && (neighbours == SlopeNeighbours::All || (i.abs_diff(ii) <= 1 && j.abs_diff(jj) <= 1))
-        };
-        // Of two slopes with the same D the earlier one stays.
-        let beats =
-            |other: &usize| !beats_all_27(value, &around.tiles[*other], x, y, level_index, *other > slope_index);
-        let strongest = |other: usize| strongest_around(&around.tiles[other], x, y, level_index, value.signum()).1;
-        (0..search.grid.len()).filter(compared).filter(beats).max_by(|&a, &b| strongest(a).total_cmp(&strongest(b)))
-    }
-}
-
-/// Largest sign·D among the 3×3×3 samples around and at (x, y, level index): its place, as (column, row, level index),
-/// and its value.
-pub fn strongest_around(
-    dog: &DogTile,
-    x: usize,
-    y: usize,
-    level_index: usize,
-    sign: f32,
-) -> ((usize, usize, usize), f32) {
-    let places = (level_index - 1..=level_index + 1)
-        .flat_map(|s| (y - 1..=y + 1).flat_map(move |v| (x - 1..=x + 1).map(move |u| (u, v, s))));
-    places
-        .map(|(u, v, s)| ((u, v, s), sign * dog.at(s, u, v)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .expect("there are 27 samples")
-}
-
-/// D of the refined sample at the slopes around slope `index`, 0 beyond the grid; the search uses it for the refinement
-/// over slope.
-fn d_around(
-    search: &Search<'_>,
-    around: &Neighbourhood,
-    index: usize,
-    level_index: usize,
-    refined: &Refined,
-) -> [[f32; 3]; 3] {
-    let (i, j) = search.grid.coordinates(index);
-    std::array::from_fn(|dj| {
-        std::array::from_fn(|di| {
-            let at = |at: usize, step: usize, count: usize| (at + step).checked_sub(1).filter(|&at| at < count);
-            match (at(i, di, search.grid.u.count), at(j, dj, search.grid.v.count)) {
-                (Some(i), Some(j)) => around.tiles[j * search.grid.u.count + i].at(level_index, refined.x, refined.y),
-                _ => 0.0,
-            }
-        })
-    })
+/// Result of a thread; its panic goes on here.
+fn join<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }

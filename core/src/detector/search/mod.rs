@@ -37,6 +37,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub(crate) struct Searched {
     /// Keypoints in order of octaves, and within them of tiles and slopes.
     pub(crate) keypoints: Vec<Keypoint>,
+    /// Values that the thresholds compared, for each keypoint.
+    pub(crate) evidence: Vec<Evidence>,
     /// First levels of each octave; none for the first octave, which is made from the frames. `None` where the slopes
     /// were searched in groups, which keep none.
     pub(crate) bases: Option<Vec<FirstLevels>>,
@@ -45,8 +47,22 @@ pub(crate) struct Searched {
 /// Part of a detection's time that the search takes, about; describing takes the rest.
 pub(crate) const SEARCH_PART: f32 = 0.7;
 
+/// Values of a keypoint that the search's thresholds compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Evidence {
+    /// D at the sample, fraction of full scale.
+    pub(crate) sample_value: f32,
+    /// Ratio of σ_D at its place to that at the place of least noise.
+    pub(crate) place_factor: f32,
+    /// See [`Refined::edge_quotient`].
+    pub(crate) edge_quotient: f64,
+}
+
+/// A keypoint, and the values that the thresholds compared.
+type Found = (Keypoint, Evidence);
+
 /// Keypoints by octave and tile.
-type ByTile = Vec<Vec<Vec<Keypoint>>>;
+type ByTile = Vec<Vec<Vec<Found>>>;
 
 impl Search<'_> {
     /// Searches all octaves, one of the `groups` of slopes after the other; together they own every slope of the grid.
@@ -65,7 +81,8 @@ impl Search<'_> {
             bases = self.group(octaves, group, (keeps, &mut found), tally, (done, share))?;
             done += share;
         }
-        Ok(Searched { keypoints: found.into_iter().flatten().flatten().collect(), bases })
+        let (keypoints, evidence) = found.into_iter().flatten().flatten().unzip();
+        Ok(Searched { keypoints, evidence, bases })
     }
 
     /// Searches all octaves for the keypoints of one group of slopes, and appends them to those `found` at the slopes
@@ -161,7 +178,7 @@ impl Search<'_> {
         wants_next: bool,
         tally: &mut Tally,
         progress: &(dyn Fn(f32) + Sync),
-    ) -> Result<(Vec<Vec<Keypoint>>, FirstLevels), Cancelled> {
+    ) -> Result<(Vec<Vec<Found>>, FirstLevels), Cancelled> {
         let size = octave_size(self.size_image, octave);
         let (columns, rows) = self.tile_cuts(size);
         let sigma_d: Vec<Vec<f32>> =
@@ -195,7 +212,7 @@ impl Search<'_> {
         }
         let finished = AtomicUsize::new(0);
         let steps = regions.len() * group.visited.len();
-        let results: Vec<(Vec<Keypoint>, Tally)> = regions
+        let results: Vec<(Vec<Found>, Tally)> = regions
             .par_iter()
             .zip(next_parts)
             .map(|(region, next)| {
@@ -240,7 +257,7 @@ impl Search<'_> {
         mut next: Vec<Vec<&mut [f32]>>,
         scratch: &mut TileScratch,
         slope_done: &dyn Fn(),
-    ) -> Result<(Vec<Keypoint>, Tally), Cancelled> {
+    ) -> Result<(Vec<Found>, Tally), Cancelled> {
         let held = region.widened(HELD, job.size);
         let inputs = job.filters.inputs(&held);
         let first = job.octave == self.space.first_octave;
@@ -329,7 +346,7 @@ impl Search<'_> {
         job: &Octave<'_>,
         window: &SlopeWindow,
         slope_index: usize,
-        keypoints: &mut Vec<Keypoint>,
+        keypoints: &mut Vec<Found>,
         tally: &mut Tally,
     ) {
         for undecided in window.undecided(slope_index) {
@@ -337,9 +354,12 @@ impl Search<'_> {
                 Err(test) => tally.reject(test, 1),
                 Ok(refined) => {
                     let candidate = &undecided.candidate;
-                    let sigma_d = self.sigma_d_at(job, slope_index, candidate);
+                    let place_factor = self.place_factor(job.octave, slope_index, candidate.x, candidate.y);
+                    let sigma_d = job.sigma_d[candidate.level_index][slope_index] * place_factor;
                     let slope = window.refined_slope(slope_index, undecided);
-                    keypoints.push(self.keypoint(job.octave, candidate, &refined, (slope_index, slope), sigma_d));
+                    let keypoint = self.keypoint(job.octave, candidate, &refined, (slope_index, slope), sigma_d);
+                    let (sample_value, edge_quotient) = (candidate.value, refined.edge_quotient);
+                    keypoints.push((keypoint, Evidence { sample_value, place_factor, edge_quotient }));
                 }
             }
         }
@@ -364,8 +384,9 @@ impl Search<'_> {
             slope_index,
             slope,
             value: refined.value,
-            snr: if sigma_d > 0.0 { refined.value.abs() / sigma_d } else { f32::INFINITY },
+            snr: f32::INFINITY,
         }
+        .with_noise(sigma_d)
     }
 
     /// See [`place_factor`], at one of the grid's slopes.

@@ -79,6 +79,11 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Octaves that are searched.
+    pub(crate) fn octave_range(&self) -> Range<i32> {
+        searched_octaves(self.params, self.size_image)
+    }
+
     /// Motion stack of one of the grid's slopes.
     pub(crate) fn stack(&self, slope_index: usize) -> SlopeStack<'_> {
         let (frames, offsets) = (self.frames, &self.offsets[slope_index]);
@@ -86,8 +91,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Owned inputs of a search.
-#[derive(Debug)]
+/// Owned inputs of a search. Cheap to clone: the frames and the noise model are shared.
+#[derive(Debug, Clone)]
 pub(crate) struct Inputs {
     /// Frames that take part, cleaned by the noise model.
     pub(crate) frames: Vec<Arc<Plane>>,

@@ -264,7 +264,8 @@ mod tests {
             let (tile, candidates) = window.slot_mut(made);
             fill(tile, value);
             candidates.push(Candidate { x: 1, y: 1, level_index: 1, value });
-            let here = Refined { x: 1, y: 1, x_refined: 1.0, y_refined: 1.0, level_refined: 1.0, value };
+            let here =
+                Refined { x: 1, y: 1, x_refined: 1.0, y_refined: 1.0, level_refined: 1.0, value, edge_quotient: 4.0 };
             window.compare(made, |_| true, |_, _| Ok(here), &mut tally);
             for index in window.decidable(made) {
                 for undecided in window.undecided(index) {
@@ -331,7 +332,15 @@ mod tests {
                 let (tile, candidates) = window.slot_mut(made);
                 fill(tile, 1.0);
                 candidates.push(Candidate { x: 1, y: 1, level_index: 1, value: 1.0 });
-                let here = Refined { x: 1, y: 1, x_refined: 1.0, y_refined: 1.0, level_refined: 1.0, value: 1.0 };
+                let here = Refined {
+                    x: 1,
+                    y: 1,
+                    x_refined: 1.0,
+                    y_refined: 1.0,
+                    level_refined: 1.0,
+                    value: 1.0,
+                    edge_quotient: 4.0,
+                };
                 window.compare(made, |_| true, |_, _| Ok(here), &mut Tally::default());
                 assert_eq!(window.decidable(made), made..made + 1);
                 assert_eq!(window.refined_slope(made, &window.undecided(made)[0]), grid.slope(made));

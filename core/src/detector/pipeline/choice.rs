@@ -1,0 +1,289 @@
+//! Choice of features among keypoints: of the keypoints on one blob the strongest, of features only coherent ones, and
+//! of these the strongest.
+//!
+//! Only what can be kept is computed. Where the number of features is limited, keypoints are taken from the strongest
+//! to the weakest, as many at a time as features are missing: each is compared with the others on its blob, localised,
+//! described and tested for its coherence, until there are enough features and the next keypoint is weaker than all of
+//! them. A feature has the strength of its keypoint, so the result is that of describing all keypoints and keeping the
+//! strongest features.
+
+use crate::detector::coherence::Along;
+use crate::detector::describe::Described;
+use crate::detector::describe::patch::{FramesOfOctaves, Motions};
+use crate::detector::distinct::{Blob, Deciding, Rule};
+use crate::detector::feature::{Feature, Keypoint, Tally, Test};
+use crate::detector::params::Distinct;
+use crate::detector::pipeline::left::{Known, Left};
+use crate::detector::search::setup::{Inputs, Search};
+use crate::monitor::Cancelled;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::MutexGuard;
+use std::time::Instant;
+
+/// Fate of a keypoint in the choice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Verdict {
+    /// It has at least one feature in the result.
+    Kept,
+    /// The stronger keypoint with this index stands for its blob.
+    CoveredBy(usize),
+    /// Its coherence, which is too low.
+    Incoherent(f32),
+    /// Its features are not among the strongest that are kept; it may not have been compared with others.
+    Cut,
+}
+
+/// Features that were chosen, strongest first, and the fates of the keypoints.
+#[derive(Debug, Clone)]
+pub(super) struct Choice {
+    /// Features, strongest first.
+    pub(super) found: Vec<Described>,
+    /// Fate of each keypoint.
+    pub(super) verdicts: Vec<Verdict>,
+    /// Keypoints that are known to stay among those on their blobs.
+    pub(super) distinct: Vec<usize>,
+    /// Time for the comparison of keypoints on one blob, seconds.
+    pub(super) distinct_secs: f32,
+}
+
+impl Choice {
+    /// Counts the fates.
+    pub(super) fn count(&self, tally: &mut Tally) {
+        for verdict in &self.verdicts {
+            match verdict {
+                Verdict::Kept => tally.kept += 1,
+                Verdict::CoveredBy(_) => tally.reject(Test::Duplicate, 1),
+                Verdict::Incoherent(_) => tally.reject(Test::Coherence, 1),
+                Verdict::Cut => tally.reject(Test::MaxFeatures, 1),
+            }
+        }
+    }
+}
+
+/// Smallest number of keypoints that are compared at a time.
+const FEWEST: usize = 256;
+
+/// Inputs of a choice.
+pub(super) struct Choosing<'a, 'f> {
+    pub(super) search: &'a Search<'a>,
+    pub(super) inputs: &'a Inputs,
+    /// Keypoints, in order of octaves.
+    pub(super) keypoints: &'a [Keypoint],
+    /// Their numbers among those that the search left; `None` for all of these.
+    pub(super) numbers: Option<&'a [u32]>,
+    /// Result of the search.
+    pub(super) left: &'a Left,
+    pub(super) frames: &'a FramesOfOctaves<'f>,
+}
+
+impl Choosing<'_, '_> {
+    /// Chooses at most `max_features` features, 0 for all.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once the search's monitor was cancelled.
+    pub(super) fn choose(&self, max_features: usize) -> Result<Choice, Cancelled> {
+        let max = if max_features == 0 { usize::MAX } else { max_features };
+        let keypoints = self.keypoints;
+        let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, &self.search.space)).collect();
+        let started = Instant::now();
+        let mut twins = self.rule().map(|rule| Deciding::new(&blobs, rule));
+        let mut distinct_secs = started.elapsed().as_secs_f32();
+        let mut order: Vec<usize> = (0..keypoints.len()).collect();
+        let strength = |index: &usize| keypoints[*index].strength();
+        if max < keypoints.len() {
+            order.par_sort_unstable_by(|a, b| strength(b).total_cmp(&strength(a)).then(a.cmp(b)));
+        }
+        let mut verdicts = vec![Verdict::Cut; keypoints.len()];
+        let (mut found, mut left): (Vec<Described>, &[usize]) = (Vec::new(), &order);
+        let mut done = 0.0;
+        loop {
+            // Keypoints as strong as the weakest feature may come before it by their place.
+            let weakest = found.get(max.saturating_sub(1)).map(Described::strength);
+            let missing = match weakest {
+                None => max - found.len(),
+                Some(weakest) => left.partition_point(|index| strength(index) >= weakest),
+            };
+            if left.is_empty() || missing == 0 {
+                break;
+            }
+            let mut distinct: Vec<usize> = Vec::new();
+            while distinct.len() < missing && !left.is_empty() {
+                let (next, after) = left.split_at((missing - distinct.len()).max(FEWEST).min(left.len()));
+                left = after;
+                let started = Instant::now();
+                if let Some(twins) = &mut twins {
+                    self.compare(twins, next)?;
+                }
+                distinct_secs += started.elapsed().as_secs_f32();
+                for &index in next {
+                    match twins.as_ref().and_then(|twins| twins.covered_by(index)) {
+                        Some(by) => verdicts[index] = Verdict::CoveredBy(by),
+                        None => distinct.push(index),
+                    }
+                }
+            }
+            // Where there are enough now, later turns are rare and short.
+            let until = if left.is_empty() { 1.0 } else { done + 0.8 * (1.0 - done) };
+            self.append(&mut found, (distinct, &mut verdicts), done..until)?;
+            done = until;
+            found.par_sort_by(in_order);
+            found.truncate(max);
+        }
+        if let Some(weakest) = found.get(max.saturating_sub(1)).map(Described::strength) {
+            // Of what was examined beyond, nothing is told: how far that went depends on the turns.
+            let weaker = verdicts.iter_mut().zip(keypoints).filter(|(_, keypoint)| keypoint.strength() < weakest);
+            weaker.for_each(|(verdict, _)| *verdict = Verdict::Cut);
+        }
+        found.iter().for_each(|one| verdicts[one.keypoint] = Verdict::Kept);
+        let distinct = twins.map(|twins| twins.stayed().collect()).unwrap_or_default();
+        Ok(Choice { found, verdicts, distinct, distinct_secs })
+    }
+
+    fn rule(&self) -> Option<Rule> {
+        match self.search.params.distinct {
+            Distinct::Off => None,
+            Distinct::Radius(radius) => Some(Rule { radius, scale_ratio: self.search.params.distinct_scale }),
+        }
+    }
+
+    /// Decides which of the keypoints `asked` show the blob of a stronger one.
+    fn compare(&self, twins: &mut Deciding<'_>, asked: &[usize]) -> Result<(), Cancelled> {
+        let search = self.search;
+        let motions = Motions {
+            frames: self.frames,
+            times: search.times,
+            size_image: search.size_image,
+            space: &search.space,
+            interpolation: search.params.interpolation,
+        };
+        let compare = |a: usize, b: usize| motions.are_two(&self.keypoints[a], &self.keypoints[b]);
+        let are_two = |a: usize, b: usize| {
+            let (stronger, snr) = (self.number(a) as u32, self.keypoints[b].snr);
+            let known = |known: MutexGuard<'_, Known>| {
+                known.twins.iter().find(|(by, with, _)| (*by, *with) == (stronger, snr)).map(|(_, _, two)| *two)
+            };
+            self.known(b).and_then(known).unwrap_or_else(|| {
+                let two = compare(a, b);
+                if let Some(mut known) = self.known(b) {
+                    known.twins.retain(|(_, with, _)| *with == snr);
+                    known.twins.push((stronger, snr, two));
+                }
+                two
+            })
+        };
+        self.frames.make(self.keypoints.iter());
+        twins.decide(asked, are_two, search.monitor)
+    }
+
+    /// Appends the features of the keypoints `chosen` that are coherent; the others' fates are written to `verdicts`.
+    /// `part` is the part of the progress that this takes.
+    fn append(
+        &self,
+        found: &mut Vec<Described>,
+        (mut chosen, verdicts): (Vec<usize>, &mut [Verdict]),
+        part: Range<f32>,
+    ) -> Result<(), Cancelled> {
+        let search = self.search;
+        chosen.sort_unstable();
+        let mut new: Vec<Described> = Vec::new();
+        chosen.retain(|&index| {
+            let known = self.known(index);
+            let described = known.as_ref().and_then(|known| known.described.as_deref());
+            new.extend(described.into_iter().flatten().map(|one| {
+                let feature = Feature { snr: self.keypoints[index].snr, ..one.feature };
+                Described { feature, keypoint: index, ..one.clone() }
+            }));
+            described.is_none()
+        });
+        let keypoints: Vec<Keypoint> = chosen.iter().map(|&index| self.keypoints[index]).collect();
+        let (octaves, levels) = (self.inputs.octaves(), (self.left.bases.as_deref(), &self.left.groups[..]));
+        let first = new.len();
+        new.extend(search.describe(&octaves, &keypoints, levels, self.frames, part)?);
+        new[first..].iter_mut().for_each(|one| one.keypoint = chosen[one.keypoint]);
+        for same in new[first..].chunk_by(|a, b| a.keypoint == b.keypoint) {
+            if let Some(mut known) = self.known(same[0].keypoint) {
+                known.described = Some(same.into());
+            }
+        }
+        let min = search.params.used_coherence();
+        if min > 0.0 {
+            self.frames.make(self.keypoints.iter());
+            let along = Along { frames: self.frames, inputs: self.inputs, gate_factor: search.gate_factor };
+            for (index, coherence) in self.incoherent(&along, &new, min)? {
+                verdicts[index] = Verdict::Incoherent(coherence);
+            }
+        }
+        found.extend(new.into_iter().filter(|one| !matches!(verdicts[one.keypoint], Verdict::Incoherent(_))));
+        Ok(())
+    }
+
+    /// Keypoints of `found` whose coherence is known and below `min`, with their coherence. Features of one keypoint,
+    /// which follow one another, have the same.
+    fn incoherent(&self, along: &Along<'_, '_>, found: &[Described], min: f32) -> Result<Vec<(usize, f32)>, Cancelled> {
+        let of_keypoints: Vec<&Described> =
+            found.chunk_by(|a, b| a.keypoint == b.keypoint).map(|same| &same[0]).collect();
+        let low = |one: &&Described| {
+            let known = self.known(one.keypoint).and_then(|known| known.coherence);
+            let coherence = match known {
+                Some((gate, coherence)) if gate == along.gate_factor => coherence,
+                _ => along.evenness(&one.feature, self.search.monitor)?.coherence,
+            };
+            if let Some(mut known) = self.known(one.keypoint) {
+                known.coherence = Some((along.gate_factor, coherence));
+            }
+            Ok(coherence.filter(|coherence| *coherence < min).map(|coherence| (one.keypoint, coherence)))
+        };
+        let low: Vec<Option<(usize, f32)>> = of_keypoints.par_iter().map(low).collect::<Result<_, Cancelled>>()?;
+        Ok(low.into_iter().flatten().collect())
+    }
+}
+
+impl Choosing<'_, '_> {
+    /// Number of keypoint `index` among those that the search left.
+    fn number(&self, index: usize) -> usize {
+        self.numbers.map_or(index, |numbers| numbers[index] as usize)
+    }
+
+    /// What is known about keypoint `index`, if anything is kept.
+    fn known(&self, index: usize) -> Option<MutexGuard<'_, Known>> {
+        self.left.known(self.number(index))
+    }
+
+    /// Marks the features at the limit of the slopes.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once the search's monitor was cancelled.
+    pub(super) fn mark(&self, found: &mut [Described]) -> Result<(), Cancelled> {
+        let limit = self.search.limit(self.frames);
+        found.par_iter_mut().try_for_each(|one| {
+            let snr = one.feature.snr;
+            let known = self.known(one.keypoint).and_then(|known| known.at_limit).filter(|(with, _)| *with == snr);
+            one.feature.at_slope_limit = match known {
+                Some((_, at_limit)) => at_limit,
+                None => limit.is_at_limit(&one.feature)?,
+            };
+            if let Some(mut known) = self.known(one.keypoint) {
+                known.at_limit = Some((snr, one.feature.at_slope_limit));
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Order of features: the strongest first, then by place and sample. Features of one keypoint are equal, and so stay in
+/// the order of their orientations.
+fn in_order(one: &Described, other: &Described) -> std::cmp::Ordering {
+    let (a, b) = (&one.feature, &other.feature);
+    let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));
+    let by_sample = || (a.octave, a.level, a.slope_index).cmp(&(b.octave, b.level, b.slope_index));
+    let by_keypoint = || one.keypoint.cmp(&other.keypoint);
+    b.strength().total_cmp(&a.strength()).then_with(by_place).then_with(by_sample).then_with(by_keypoint)
+}
+
+impl Described {
+    /// Strength of the feature: that of its keypoint.
+    fn strength(&self) -> f32 {
+        self.feature.strength()
+    }
+}
