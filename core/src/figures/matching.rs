@@ -41,7 +41,9 @@ impl MatchingInTheDark {
             light: Light::Snr(size.pick(0.35, 0.6)),
             ..TrajectoryParams::default()
         };
-        Self { way, bursts: [3, 4], slopes: SlopeGrid::line(-3.0..=3.0, 13), matching: MatchParams::default() }
+        // As the paper matches.
+        let matching = MatchParams { guided: false, ..MatchParams::default() };
+        Self { way, bursts: [3, 4], slopes: SlopeGrid::line(-3.0..=3.0, 13), matching }
     }
 }
 

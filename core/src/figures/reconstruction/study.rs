@@ -48,7 +48,8 @@ impl Study {
             detector: DetectorParams::default(),
             slopes_1d: SlopeGrid::line(-3.0..=3.0, 13),
             slopes_2d: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7),
-            matching: MatchParams::default(),
+            // As the paper matches.
+            matching: MatchParams { guided: false, ..MatchParams::default() },
         }
     }
 
