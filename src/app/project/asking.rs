@@ -185,7 +185,7 @@ mod tests {
                 change(&mut bench.model);
                 bench.model.ask(&bench.engine, true);
                 while bench.model.slots.a.detecting.is_pending() {
-                    bench.model.take_answers(&bench.engine);
+                    let _ = bench.model.take_answers(&bench.engine);
                 }
             }
             (asks, bench.model.features().len(), bench.model.features_are_current(Side::A))

@@ -59,10 +59,10 @@ pub(crate) struct Evidence {
 }
 
 /// A keypoint, and the values that the thresholds compared.
-type Found = (Keypoint, Evidence);
+type FoundKeypoint = (Keypoint, Evidence);
 
 /// Keypoints by octave and tile.
-type ByTile = Vec<Vec<Vec<Found>>>;
+type ByTile = Vec<Vec<Vec<FoundKeypoint>>>;
 
 impl Search<'_> {
     /// Searches all octaves, one of the `groups` of slopes after the other; together they own every slope of the grid.
@@ -178,7 +178,7 @@ impl Search<'_> {
         wants_next: bool,
         tally: &mut Tally,
         progress: &(dyn Fn(f32) + Sync),
-    ) -> Result<(Vec<Vec<Found>>, FirstLevels), Cancelled> {
+    ) -> Result<(Vec<Vec<FoundKeypoint>>, FirstLevels), Cancelled> {
         let size = octave_size(self.size_image, octave);
         let (columns, rows) = self.tile_cuts(size);
         let sigma_d: Vec<Vec<f32>> =
@@ -212,7 +212,7 @@ impl Search<'_> {
         }
         let finished = AtomicUsize::new(0);
         let steps = regions.len() * group.visited.len();
-        let results: Vec<(Vec<Found>, Tally)> = regions
+        let results: Vec<(Vec<FoundKeypoint>, Tally)> = regions
             .par_iter()
             .zip(next_parts)
             .map(|(region, next)| {
@@ -257,7 +257,7 @@ impl Search<'_> {
         mut next: Vec<Vec<&mut [f32]>>,
         scratch: &mut TileScratch,
         slope_done: &dyn Fn(),
-    ) -> Result<(Vec<Found>, Tally), Cancelled> {
+    ) -> Result<(Vec<FoundKeypoint>, Tally), Cancelled> {
         let held = region.widened(HELD, job.size);
         let inputs = job.filters.inputs(&held);
         let first = job.octave == self.space.first_octave;
@@ -346,7 +346,7 @@ impl Search<'_> {
         job: &Octave<'_>,
         window: &SlopeWindow,
         slope_index: usize,
-        keypoints: &mut Vec<Found>,
+        keypoints: &mut Vec<FoundKeypoint>,
         tally: &mut Tally,
     ) {
         for undecided in window.undecided(slope_index) {
