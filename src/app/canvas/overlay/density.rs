@@ -159,7 +159,7 @@ mod tests {
 
     fn flags(features: &[Feature], corner: egui::Pos2, zoom: f32) -> Vec<bool> {
         let (transform, rect) = view(corner, zoom);
-        drawn(features, None, transform, rect, |_| false).flags
+        drawn(features, |_| Some(Group::Own), transform, rect, |_| false).flags
     }
 
     #[test]
