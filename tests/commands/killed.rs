@@ -178,6 +178,29 @@ fn resumed(home: &Path, more: &[&str]) -> Vec<bool> {
 }
 
 #[test]
+fn colmap_keeps_faint_features_unless_told_otherwise() {
+    let home = tempfile::tempdir().expect("a folder");
+    nights(home.path());
+    fs::write(home.path().join("mine.toml"), "levels = 4\n").expect("written");
+    let gate = |out: &str, more: &[&str]| {
+        let arguments = ["colmap", "nights", "--slopes-u", "-1:1:3", "--octaves", "2", "--json", "--out", out];
+        let json: serde_json::Value =
+            serde_json::from_str(&run_well(home.path(), &[&arguments, more].concat())).expect("JSON");
+        let features = json["images"].as_array().expect("images").iter().map(|image| image["features"].as_u64());
+        let text = json.to_string();
+        let word = ["matching", "auto"].into_iter().find(|word| text.contains(&format!("\"noise_gate\":\"{word}\"")));
+        (word, features.map(|count| count.expect("a number")).sum::<u64>())
+    };
+    let (of_command, kept) = gate("rec", &[]);
+    let (as_told, fewer) = gate("rec2", &["--noise-gate", "auto"]);
+    assert_eq!((of_command, as_told), (Some("matching"), Some("auto")));
+    assert!(kept > fewer, "{kept} {fewer}");
+    assert_eq!(gate("rec3", &["--params", "mine.toml"]).0, Some("auto"), "a parameter file has the usual defaults");
+    let help = run_well(home.path(), &["colmap", "--help"]);
+    assert!(help.contains("[default of this command: matching]"), "{help}");
+}
+
+#[test]
 fn features_are_kept_for_frames_of_the_same_content() {
     let home = tempfile::tempdir().expect("a folder");
     nights(home.path());

@@ -354,15 +354,18 @@ fn sentence(
             rank_name(best.feature),
             preferred.map_or_else(|| "another".to_owned(), rank_name)
         ),
-        Lost::Geometry if pair.result.matches.iter().all(|m| m.a != index) => {
-            let other = pair.result.matches.iter().find(|m| m.b == best.feature);
-            let other = other.map_or_else(|| "another feature".to_owned(), |m| rank_name(m.a));
-            format!("geometry: its match, {}, goes with {other} of this picture along it", rank_name(best.feature))
-        }
-        Lost::Geometry => {
-            let error =
-                best.error_px.map_or_else(String::new, |error| format!(": {error:.1} px from the place it expects"));
-            format!("geometry: its match, {}, does not fit{error}", rank_name(best.feature))
-        }
+        Lost::Geometry => match pair.result.matches.iter().find(|m| m.a == index) {
+            Some(matched) => {
+                let error = pair.model().map(|model| model.error_px(pair.place_a(index), pair.place_b(matched.b)));
+                let error =
+                    error.map_or_else(String::new, |error| format!(": {error:.1} px from the place it expects"));
+                format!("geometry: its match, {}, does not fit{error}", rank_name(matched.b))
+            }
+            None => {
+                let other = pair.result.matches.iter().find(|m| m.b == best.feature);
+                let other = other.map_or_else(|| "another feature".to_owned(), |m| rank_name(m.a));
+                format!("geometry: its match, {}, goes with {other} of this picture along it", rank_name(best.feature))
+            }
+        },
     }
 }
