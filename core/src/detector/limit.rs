@@ -8,7 +8,7 @@
 //!
 //! Noise moves that comparison. D at two slopes has the correlation 1 − loss between them, where *loss* is the part of
 //! its response that a blob of this scale loses over that difference ([`response_loss`]), so their difference has the
-//! standard deviation σ_D·√(2·loss). A feature is at the limit if the rise exceeds [`RISE_SIGMAS`] of these. A feature
+//! standard deviation σ_D·√(2·loss). A feature is at the limit if the rise exceeds `RISE_SIGMAS` of these. A feature
 //! of noise alone, chosen because it is strong at its slope, is weaker beyond: it does not rise so far by chance.
 
 use crate::detector::describe::patch::{FramesOfOctaves, point_response};

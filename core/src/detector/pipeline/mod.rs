@@ -1,7 +1,7 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
 //! The inputs give the frames that take part and their noise; the [search](crate::detector::search) goes through
-//! octaves, tiles and slopes and finds keypoints. Then features are [chosen](choice): of the keypoints on one blob the
+//! octaves, tiles and slopes and finds keypoints. Then features are chosen: of the keypoints on one blob the
 //! strongest stays; those that stay are localised and described, tested for their
 //! [coherence](crate::detector::coherence) if requested, and ranked. The data for explaining the detection is gathered
 //! in a [`Trail`], which judges single samples ([`Judgement`]).
