@@ -7,7 +7,7 @@
 
 use crate::detector::{Descriptor, Detection, Slope};
 use crate::matching::putative::{Nearest, nearest_two};
-use crate::matching::{GUIDED_BAND, GUIDED_RATIO, MatchParams, MatchResult, MatchSide, TwoViewModel, nearest_along};
+use crate::matching::{GUIDED_RATIO, MatchParams, MatchResult, MatchSide, TwoViewModel, nearest_along};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 use std::sync::Arc;
@@ -275,8 +275,7 @@ fn along_geometry(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     };
     let places: Vec<[f64; 2]> = (0..pair.b.features.len()).map(|other| pair.place_b(other)).collect();
     let to = MatchSide { places: &places, descriptors: &pair.b.descriptors };
-    let closer = MatchParams { max_error_px: GUIDED_BAND * pair.params.max_error_px, ..pair.params.clone() };
-    match nearest_along((pair.place_a(index), pair.a.descriptors[index]), to, model, &closer) {
+    match nearest_along((pair.place_a(index), pair.a.descriptors[index]), to, model, pair.params) {
         None => "; along the geometry there is none".to_owned(),
         Some((feature, ratio)) if ratio > GUIDED_RATIO.max(pair.params.ratio) => format!(
             "; along the geometry {} is nearest, {ratio:.2} times the distance to the next; at most {GUIDED_RATIO:.2} is allowed",

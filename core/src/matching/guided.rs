@@ -18,9 +18,14 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Maximum ratio within the band, where [`MatchParams::ratio`] is lower.
 pub const GUIDED_RATIO: f32 = 0.9;
 
-/// Max error of guided matches, in [`MatchParams::max_error_px`], which is for the sure ones: half of it gives fewer
-/// wrong matches and better poses (docs/MEASUREMENTS.md).
-pub const GUIDED_BAND: f32 = 0.5;
+/// Max error of guided matches, as a part of that of the sure ones: half of it gives fewer wrong matches and better poses
+/// (docs/MEASUREMENTS.md).
+const GUIDED_ERROR: f32 = 0.5;
+
+/// The parameters of guided matching after sure matches with `params`: a smaller [`MatchParams::max_error_px`].
+pub(super) fn guided_params(params: &MatchParams) -> MatchParams {
+    MatchParams { max_error_px: GUIDED_ERROR * params.max_error_px, ..params.clone() }
+}
 
 /// Nearest feature within the band.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,8 +90,9 @@ pub fn guided_matches(
     Ok(matches)
 }
 
-/// The feature of `to` that is nearest to one feature of the other image within its band, A to B, and the ratio of its
-/// distance to that of the next one there; `None` where the band of [`MatchParams::max_error_px`] holds none.
+/// For a feature of A at `place` (u, v), pixels, the nearest feature of `to`, those of B, that guided matching after sure
+/// matches with `params` compares it with: its index, and the ratio (0 … 1) of its distance to that of the next one at
+/// another place there. `None` where there is none.
 pub fn nearest_along(
     (place, descriptor): ([f64; 2], Descriptor),
     to: MatchSide<'_>,
@@ -94,7 +100,8 @@ pub fn nearest_along(
     params: &MatchParams,
 ) -> Option<(usize, f32)> {
     let from = MatchSide { places: &[place], descriptors: &[descriptor] };
-    let band = model.band_in_b(from.places, to.places, f64::from(params.max_error_px));
+    let max_error_px = f64::from(guided_params(params).max_error_px);
+    let band = model.band_in_b(from.places, to.places, max_error_px);
     let nearest = nearest_in_band(from, to, &band, &Monitor::default()).ok()?;
     nearest[0].map(|nearest| (nearest.index, nearest.ratio()))
 }

@@ -26,7 +26,7 @@ pub mod putative;
 
 pub use camera::{Camera, CameraModel};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
-pub use guided::{GUIDED_BAND, GUIDED_RATIO, guided_matches, nearest_along};
+pub use guided::{GUIDED_RATIO, guided_matches, nearest_along};
 pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};
 
@@ -109,7 +109,7 @@ pub fn match_features(
     };
     let mut verification = verified(&matches, params)?;
     if let Some(model) = verification.as_ref().and_then(|v| v.model.as_ref()).filter(|_| params.guided) {
-        let closer = MatchParams { max_error_px: GUIDED_BAND * params.max_error_px, ..params.clone() };
+        let closer = guided::guided_params(params);
         let guided = guided::with_others(guided_matches(a, b, model, &closer, monitor)?, &matches);
         let refitted = verified(&guided, &closer)?;
         let inliers = |v: &Option<Verification>| v.as_ref().map_or(0, Verification::inlier_count);

@@ -179,7 +179,7 @@ pub mod doc {
         "Max error",
         "px",
         "inlier",
-        "Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric transfer error.",
+        "Max error of an inlier, of a guided one half of it: the Sampson distance from epipolar geometry, or a homography's symmetric transfer error.",
         "Raise it to keep less exact matches, and more wrong ones that fit by chance.",
         Param::<MatchParams>::new("PX", Stage::Matching, |p| Field::F32(&mut p.max_error_px))
             .within((Excluded(0.0), Unbounded), "give more than 0 pixels (4 is usual)")

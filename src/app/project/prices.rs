@@ -24,7 +24,7 @@ pub struct Prices {
     pub wanted: Wanted<PriceRequest>,
 }
 
-/// What is known of the price of a change.
+/// Price of a change, as far as it is counted: in features that come and go, or seconds of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KnownPrice {
     /// The number of features with it.
@@ -103,7 +103,7 @@ impl Model {
         self.offered_changes().into_iter().find_map(is_missing)
     }
 
-    /// What is known of the price of a change to the detection of `side`.
+    /// Price of a change to the detection of `side`, as far as it is counted.
     pub fn price_of(&self, side: Side, change: &ParamChange, sample: Option<Sample>) -> KnownPrice {
         let Some(request) = self.price_request(side, change, sample) else { return KnownPrice::Unknown };
         if let Some(known) = self.prices.known.iter().find(|known| known.request.is_same(&request)) {

@@ -245,7 +245,7 @@ impl Choosing<'_, '_> {
         self.numbers.map_or(index, |numbers| numbers[index] as usize)
     }
 
-    /// What is known about keypoint `index`, if anything is kept.
+    /// Later values of keypoint `index`, locked; `None` where nothing is kept.
     fn known(&self, index: usize) -> Option<MutexGuard<'_, Known>> {
         self.left.known(self.number(index))
     }

@@ -30,7 +30,7 @@ pub fn follows(params: &DetectorParams, searched: &DetectorParams) -> bool {
         && gate_factor(params) >= gate_factor(searched)
 }
 
-/// What is known about a keypoint, besides the search's result.
+/// Values of one keypoint that were computed after the search; each is missing until it was needed.
 #[derive(Debug, Default)]
 pub(super) struct Known {
     /// Its features.
@@ -59,7 +59,7 @@ pub(super) struct Left {
     pub(super) tally: Tally,
     /// The gate's factor and σ_D of the search; none where nothing is kept for later judgements.
     gate: Option<(f32, SigmaD)>,
-    /// What is known about each keypoint; empty where nothing is kept for later judgements.
+    /// Later values of each keypoint, in the order of `keypoints`; empty where nothing is kept for later judgements.
     pub(super) known: Vec<Mutex<Known>>,
     /// Frames at the resolution of each octave, computed on first use.
     pub(super) means: Vec<OnceLock<Vec<Plane>>>,
@@ -138,13 +138,13 @@ impl Left {
         Some(Passing { keypoints, numbers, tally })
     }
 
-    /// What is known about keypoint `number`, if anything is kept.
+    /// Later values of keypoint `number`, locked; `None` where nothing is kept.
     pub(super) fn known(&self, number: usize) -> Option<MutexGuard<'_, Known>> {
         // Each change is one whole value, so the data are valid even if the lock is poisoned.
         self.known.get(number).map(|known| known.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Bytes of the keypoints and of what is known about them, about.
+    /// Approximate bytes of the keypoints and of their later values.
     pub(super) fn bytes(&self) -> usize {
         let known = |number: usize| {
             let known = self.known(number)?;
