@@ -12,6 +12,14 @@
 #   make bench         times the stages of the detector
 #   make fuzz          reads damaged input; CASES=1000000 for a night of it
 #
+# For Python (3.10 or newer with venv; what it needs is installed into target/python, from the package index):
+#
+#   make wheel         builds the wheel with the detector, the commands and the window
+#   make test-python   installs it, and tests it with its types and notebooks
+#   make notebooks     runs the notebooks and keeps what they show
+#   make keywords      writes the keywords of the functions from the program's own table
+#   make dist          wheel, .deb and portable .tar.gz in target/dist; `make try-dist` starts each in a bare system
+#
 # On Debian-like systems both first install the system packages that are missing, and say which. Elsewhere they install nothing:
 # a desktop's usual libraries are enough for the window, and Vulkan (Mesa's lavapipe will do) for the tests of it.
 
@@ -25,7 +33,12 @@ PACKAGES_WINDOW = xvfb libxcursor1 libxi6 libxkbcommon-x11-0
 # Damaged inputs that each test of `make fuzz` gets.
 CASES ?= 20000
 
-.PHONY: run test check test-core test-window pictures bench fuzz packages
+# The tools of Python, and where the wheel and the packages go.
+PYTHON ?= python3
+VENV = target/python
+DIST = target/dist
+
+.PHONY: run test check test-core test-window pictures bench fuzz packages wheel test-python notebooks keywords dist try-dist
 
 run: packages
 	$(CARGO) run --release
@@ -54,6 +67,43 @@ fuzz:
 	PROPTEST_CASES=$(CASES) $(CARGO) test -p burstscope-core --test files -- parsers fuzz
 	PROPTEST_CASES=$(CASES) $(CARGO) test -p burstscope-core --lib -- no_header_panics damaged_records
 	PROPTEST_CASES=$(CASES) $(CARGO) test --test commands lessons_and_sessions
+
+wheel: $(VENV)/made
+	rm -f $(DIST)/burstscope-*.whl
+	. $(VENV)/bin/activate && maturin build --release --locked --strip --manifest-path python/Cargo.toml --out $(DIST)
+	@ls -l $(DIST)/*.whl
+
+# The tests are of the wheel that users install, and of no other files.
+$(VENV)/installed: wheel
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check --no-deps --force-reinstall $(DIST)/burstscope-*.whl
+	@touch $@
+
+test-python: $(VENV)/installed
+	cd python && ../$(VENV)/bin/mypy
+	cd python/tests && MYPYPATH= ../../$(VENV)/bin/stubtest burstscope --mypy-config-file ../pyproject.toml --allowlist stubtest.txt
+	$(VENV)/bin/pytest python
+
+notebooks: $(VENV)/installed
+	$(VENV)/bin/python python/tools/run_notebooks.py
+
+keywords: $(VENV)/installed
+	BURSTSCOPE_UPDATE_DOCS=1 $(VENV)/bin/python python/tools/write_keywords.py
+
+$(VENV)/made: python/requirements.txt
+	@$(PYTHON) -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 10))' || { \
+		echo "Python: 3.10 or newer with venv is needed, but $(PYTHON) has no such; on Debian-like systems: apt-get install python3-venv; or set PYTHON="; \
+		exit 1; \
+	}
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check --requirement python/requirements.txt
+	@touch $@
+
+dist: wheel
+	$(CARGO) build --release --locked
+	packaging/dist.sh $(DIST)
+
+try-dist:
+	packaging/try.sh $(DIST)
 
 packages:
 	@if ! command -v apt-get >/dev/null 2>&1 || ! command -v dpkg-query >/dev/null 2>&1; then \

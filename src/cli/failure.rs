@@ -16,7 +16,6 @@ use crate::requests::SourceError;
 use crate::synth::{SynthError, WriteBurstError};
 use std::borrow::Cow;
 use std::io::{ErrorKind, Result, Write};
-use std::process::ExitCode;
 
 /// Exit code of an interrupted command.
 pub const INTERRUPTED: u8 = 130;
@@ -46,12 +45,12 @@ impl Failure {
     }
 
     /// Exit code of the failure.
-    pub fn exit_code(&self) -> ExitCode {
-        ExitCode::from(match self {
+    pub fn exit_code(&self) -> u8 {
+        match self {
             Self::Failed(_) | Self::Reported => 1,
             Self::Usage(_) => 2,
             Self::Interrupted => INTERRUPTED,
-        })
+        }
     }
 
     /// Prints the failure on the standard error.

@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::param_args::{Given, option};
 use crate::dataset::camera::read_camera;
 use crate::matching::params::doc;
-use crate::matching::{Camera, Geometry, MatchParams};
+use crate::matching::{Camera, MatchParams};
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use std::path::Path;
 
@@ -58,21 +58,16 @@ impl MatchingArgs {
     /// # Errors
     /// When a parameter makes no sense.
     pub fn params(&self) -> Result<MatchParams, Failure> {
-        let mut params = MatchParams { camera: self.camera.clone(), ..MatchParams::default() };
-        if params.camera.is_some() {
-            params.geometry = Geometry::Essential;
-        }
-        for (record, text) in self.given.iter() {
-            let unreadable = |problem| Failure::usage(format!("--{}: {problem}", record.name));
-            record.read(&mut params, text).map_err(unreadable)?;
-        }
-        params.validate()?;
-        Ok(params)
+        let given = self.given.iter().map(|(record, text)| (*record, text.as_str()));
+        Ok(MatchParams::of_texts(self.camera.clone(), given)?)
     }
 }
 
 /// Reads a camera from words, or from a file whose name ends in `.toml`.
-fn parse_camera(text: &str) -> Result<Camera, String> {
+///
+/// # Errors
+/// The fault, and what would be right.
+pub fn parse_camera(text: &str) -> Result<Camera, String> {
     if text.to_lowercase().ends_with(".toml") {
         return read_camera(Path::new(text)).map_err(|e| format!("{}; {}", e.problem, e.remedy));
     }
@@ -82,6 +77,7 @@ fn parse_camera(text: &str) -> Result<Camera, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matching::Geometry;
     use clap::{CommandFactory, Parser};
 
     #[derive(Parser)]

@@ -43,11 +43,13 @@ pub mod synth;
 mod window;
 
 pub use failure::Failure;
+pub use report::burst_document;
 
 use crate::burst::{DecodeWorker, serve_decoding};
 use crate::plane::memory;
 use clap::Parser;
 use commands::{Cli, Command};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -56,29 +58,49 @@ pub const DECODE_WORKER: &str = "--decode-worker";
 
 /// Runs the command that the program's arguments name, and returns its exit code.
 pub fn run() -> ExitCode {
-    let mut arguments = std::env::args_os().skip(1);
-    if arguments.next().is_some_and(|first| first == DECODE_WORKER) {
-        return arguments.next().map_or(ExitCode::from(2), |path| serve_decoding(Path::new(&path)));
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let worker = this_program().map(|program| DecodeWorker { program, arguments: vec![DECODE_WORKER.into()] });
+    ExitCode::from(run_in(&arguments, worker, Host::Program))
+}
+
+/// Process in which a command runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Host {
+    /// The program itself, which may start itself anew.
+    Program,
+    /// A program that holds this one as a library.
+    Other,
+}
+
+/// Runs the command that `arguments` name, after the program's own name, in the process `host`; files are decoded by
+/// `worker`. Returns the exit code.
+pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) -> u8 {
+    if arguments.get(1).is_some_and(|first| first == DECODE_WORKER) {
+        return arguments.get(2).map_or(2, |path| serve_decoding(Path::new(path)));
     }
-    if let Some(program) = this_program() {
-        DecodeWorker { program, arguments: vec![DECODE_WORKER.into()] }.install();
+    if let Some(worker) = worker {
+        worker.install();
     }
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are "errors" of clap that go to the standard output with code 0; wrong use is 2.
             let code = if error.use_stderr() { 2 } else { 0 };
             // A closed pipe is no reason to complain about a help page.
             let _ = error.print();
-            return ExitCode::from(code);
+            return code;
         }
     };
     #[cfg(all(feature = "app", target_os = "linux"))]
-    quiet::without_display(&cli);
+    if host == Host::Program {
+        quiet::without_display(&cli);
+    }
+    #[cfg(not(all(feature = "app", target_os = "linux")))]
+    let _ = host;
     signals::survive_file_size_limit();
     let result = memory::refusable(|| done(&cli)).unwrap_or_else(|refused| Err(Failure::Failed(refused.into())));
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => {
             failure.print();
             failure.exit_code()

@@ -1,11 +1,13 @@
 //! Reports of `detect` about each burst, as JSON and as a summary for people.
 
+use crate::baseline::Searched;
 use crate::burst::{Burst, Encoding, Note};
 use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::{
-    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test,
+    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test, explain,
 };
+use crate::files::path_text;
 use crate::inspect::spectrum::SlopeJudgement;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -78,6 +80,27 @@ pub(super) struct BurstReport {
     slopes_judged: Option<SlopeJudgement>,
     /// Advice where there are no or few features; `None` (null) otherwise.
     advice: Option<AdviceReport>,
+}
+
+/// The part of the document of `detect` about one burst, for features that are not written to files: without `files`,
+/// the judgement of the slopes and the times of opening and writing.
+///
+/// # Errors
+/// When a number cannot be put into JSON.
+pub fn burst_document(burst: &Burst, searched: &Searched) -> serde_json::Result<serde_json::Value> {
+    let Searched { detection, params, finding, slopes_secs } = searched;
+    let inputs = burst.sources.iter().map(|path| path_text(path)).collect();
+    let report = BurstReport::new(&burst.name, inputs, burst, detection, BTreeMap::new(), [0.0, *slopes_secs, 0.0])
+        .with_slopes(finding.clone())
+        .with_advice(explain(detection, params, burst.size()));
+    let mut document = serde_json::to_value(report)?;
+    if let Some(fields) = document.as_object_mut() {
+        fields.remove("files");
+        if let Some(times) = fields.get_mut("times").and_then(serde_json::Value::as_object_mut) {
+            times.retain(|name, _| name != "open_secs" && name != "write_secs");
+        }
+    }
+    Ok(document)
 }
 
 /// Description of a problem, and the one option to change.

@@ -5,8 +5,8 @@
 
 use super::failure::Failure;
 use super::param_args::{Given, option};
-use crate::detector::params::{AUTO, Field, Param, doc};
-use crate::detector::{DetectorParams, SearchParams, Slope, SlopeChoice, SlopeGrid};
+use crate::detector::params::{AUTO, Param, doc};
+use crate::detector::{DetectorParams, SearchParams};
 use crate::files::{MAX_SETTINGS_BYTES, explained, read_text};
 use anyhow::Context;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
@@ -77,7 +77,11 @@ impl ParamsFileArg {
     }
 }
 
-fn read_params(path: &Path) -> Result<SearchParams, Failure> {
+/// Parameters in the file at `path`.
+///
+/// # Errors
+/// As [`ParamsFileArg::read`].
+pub fn read_params(path: &Path) -> Result<SearchParams, Failure> {
     let text = read_text(path, MAX_SETTINGS_BYTES)
         .with_context(|| format!("cannot read the parameter file {}", path.display()))
         .map_err(Failure::Failed)?;
@@ -90,9 +94,7 @@ fn read_params(path: &Path) -> Result<SearchParams, Failure> {
 impl SearchArgs {
     /// Parameters, checked, with the choice of slopes.
     ///
-    /// Slopes are found from each burst unless ranges are given here or in the file; a direction alone restricts the
-    /// search to a line in that direction. An axis of slopes that is missing is the file's, or 0 where the file has no
-    /// ranges.
+    /// The given options replace the values of the file: see [`SearchParams::with_texts`].
     ///
     /// # Errors
     /// When the parameter file cannot be read or makes no sense, or a combination of options makes no sense.
@@ -105,25 +107,8 @@ impl SearchArgs {
     /// # Errors
     /// As [`Self::params`].
     pub fn params_over(&self, defaults: SearchParams) -> Result<SearchParams, Failure> {
-        let mut params = self.file.read_or(defaults)?;
-        if self.gives(&doc::SLOPES) {
-            params.slopes = SlopeChoice::AUTO;
-        } else if (self.gives(&doc::SLOPES_U) || self.gives(&doc::SLOPES_V)) && params.slopes.is_auto() {
-            params.detector.slopes = SlopeGrid::single(Slope::default());
-            params.slopes = SlopeChoice::Given;
-        }
-        for (record, text) in self.given.iter().filter(|(record, _)| *record != doc::SLOPES) {
-            let unreadable = |problem| Failure::usage(format!("--{}: {problem}", record.name));
-            match &mut params.slopes {
-                SlopeChoice::Auto { direction_deg } if *record == doc::SLOPE_DIRECTION => {
-                    let degrees = direction_deg.insert(0.0);
-                    Field::F32(degrees).read(text).map_err(unreadable)?;
-                }
-                _ => record.read(&mut params.detector, text).map_err(unreadable)?,
-            }
-        }
-        params.validate()?;
-        Ok(params)
+        let given = self.given.iter().map(|(record, text)| (*record, text.as_str()));
+        Ok(self.file.read_or(defaults)?.with_texts(given)?)
     }
 
     /// Whether the option of a parameter is given.

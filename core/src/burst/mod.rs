@@ -2,8 +2,10 @@
 //!
 //! All code that knows file formats is in this module; the detector sees only the frames. [`find_bursts`] lists the
 //! bursts that an input names, [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens
-//! one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack.
+//! one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack. [`Burst::from_arrays`] makes one of
+//! arrays in memory.
 
+mod arrays;
 mod decode;
 mod error;
 mod notes;
@@ -11,6 +13,7 @@ mod open;
 mod options;
 mod source;
 
+pub use arrays::{ArrayFrame, Arrays};
 pub use decode::{DecodeWorker, LUMA_WEIGHTS, serve_decoding};
 pub use error::OpenError;
 pub use notes::{Note, Remark, RemarkKind};

@@ -51,72 +51,95 @@ impl Burst {
     pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
-        let mut raw = read(inputs, options, monitor, &|frames| Ticker::new(monitor, frames))?;
-        let remarks = Remark::of(&mut raw.frames);
-        let levels = Levels::of(&raw.frames, options.full_scale, options.black_level)?;
-        let calibration = calibration(&raw, levels, options, monitor)?;
-        let integer = raw.frames.iter().all(|f| !matches!(f.scale, FileScale::Data { integer: false, .. }));
-        let suggested_full_scale = suggested_full_scale(&raw.frames, options);
-        let encoding =
-            if raw.frames.iter().any(|f| f.encoding == Encoding::Srgb) { Encoding::Srgb } else { Encoding::Linear };
-        let binning = raw.frames[0].binning;
-        let frames = raw.frames.into_par_iter().map(|frame| {
-            monitor.check()?;
-            Ok(Arc::new(calibration.apply(frame, levels)))
-        });
-        let frames = frames.collect::<Result<Vec<_>, OpenError>>()?;
-        if !options.is_plain() {
-            check_overflow(&frames, &raw.origins)?;
-        }
-        Ok(Self {
-            name: raw.name,
-            frames,
-            frame_names: raw.frame_names,
-            full_scale: levels.full_scale,
-            quantisation_step: if integer { 1.0 / (levels.full_scale - levels.black) } else { 0.0 },
-            encoding,
-            binning,
-            suggested_full_scale,
-            remarks,
-            sources: inputs.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect(),
-        })
+        let raw = read(inputs, options, monitor, &|frames| Ticker::new(monitor, frames))?;
+        let measured =
+            |path: &Option<PathBuf>| path.as_ref().map(|path| Measured::read(path, options, monitor)).transpose();
+        let measured = [measured(&options.bias)?, measured(&options.flat)?];
+        let sources = inputs.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect();
+        calibrated(raw, measured, sources, options, monitor)
     }
 }
 
-/// Bias and gain from the files that the options name, in the burst's unit.
-fn calibration(
-    burst: &RawBurst,
-    levels: Levels,
+/// Converts decoded frames to fractions of full scale, with the bias and the flat frame where they were measured.
+pub(super) fn calibrated(
+    mut raw: RawBurst,
+    measured: [Option<Measured>; 2],
+    sources: Vec<PathBuf>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<Calibration, OpenError> {
-    let mean = |path: &Path, kind| -> Result<_, OpenError> {
+) -> Result<Burst, OpenError> {
+    let remarks = Remark::of(&mut raw.frames);
+    let levels = Levels::of(&raw.frames, options.full_scale, options.black_level)?;
+    let is_plain = options.is_plain() && measured.iter().all(Option::is_none);
+    let calibration = calibration(&raw, levels, measured)?;
+    let integer = raw.frames.iter().all(|f| !matches!(f.scale, FileScale::Data { integer: false, .. }));
+    let suggested_full_scale = suggested_full_scale(&raw.frames, options);
+    let encoding =
+        if raw.frames.iter().any(|f| f.encoding == Encoding::Srgb) { Encoding::Srgb } else { Encoding::Linear };
+    let binning = raw.frames[0].binning;
+    let frames = raw.frames.into_par_iter().map(|frame| {
+        monitor.check()?;
+        Ok(Arc::new(calibration.apply(frame, levels)))
+    });
+    let frames = frames.collect::<Result<Vec<_>, OpenError>>()?;
+    if !is_plain {
+        check_overflow(&frames, &raw.origins)?;
+    }
+    Ok(Burst {
+        name: raw.name,
+        frames,
+        frame_names: raw.frame_names,
+        full_scale: levels.full_scale,
+        quantisation_step: if integer { 1.0 / (levels.full_scale - levels.black) } else { 0.0 },
+        encoding,
+        binning,
+        suggested_full_scale,
+        remarks,
+        sources,
+    })
+}
+
+/// Decoded frames of a calibration, and where they come from.
+pub(super) struct Measured {
+    pub frames: Vec<RawFrame>,
+    pub path: PathBuf,
+}
+
+impl Measured {
+    /// Decodes the frames at `path`.
+    fn read(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
         // Quiet, because its progress would begin again after the burst's own.
-        let frames = read(&[path.to_path_buf()], options, monitor, &|_| Ticker::quiet(monitor))?;
-        Ok((mean_in_unit_of(&burst.frames, levels, &frames.frames, kind, path)?, frames.frames[0].scale))
-    };
-    let bias = match &options.bias {
-        Some(path) => {
-            let (bias, scale) = mean(path, "bias")?;
-            check_bias(&bias, scale, &burst.frames, path)?;
+        let frames = read(&[path.to_path_buf()], options, monitor, &|_| Ticker::quiet(monitor))?.frames;
+        Ok(Self { frames, path: path.to_owned() })
+    }
+}
+
+/// Bias and gain from the measured bias and flat frame, in the burst's unit.
+fn calibration(burst: &RawBurst, levels: Levels, measured: [Option<Measured>; 2]) -> Result<Calibration, OpenError> {
+    let mean = |of: &Measured, kind| mean_in_unit_of(&burst.frames, levels, &of.frames, kind, &of.path);
+    let [bias, flat] = measured;
+    let bias = match &bias {
+        Some(of) => {
+            let bias = mean(of, "bias")?;
+            check_bias(&bias, of.frames[0].scale, &burst.frames, &of.path)?;
             Some(bias)
         }
         None => None,
     };
-    let gain = match &options.flat {
-        Some(path) => Some(gain(mean(path, "flat")?.0, bias.as_ref(), levels.black, path)?),
+    let gain = match &flat {
+        Some(of) => Some(gain(mean(of, "flat")?, bias.as_ref(), levels.black, &of.path)?),
         None => None,
     };
     Ok(Calibration { bias, gain })
 }
 
 /// Decoded frames, before calibration.
-struct RawBurst {
-    name: String,
-    frames: Vec<RawFrame>,
-    frame_names: Vec<String>,
+pub(super) struct RawBurst {
+    pub name: String,
+    pub frames: Vec<RawFrame>,
+    pub frame_names: Vec<String>,
     /// File of each frame, and the frame's index in it.
-    origins: Vec<(PathBuf, usize)>,
+    pub origins: Vec<(PathBuf, usize)>,
 }
 
 /// Decodes the burst that `inputs` name. `ticker` makes the counter for a number of frames.

@@ -5,7 +5,7 @@
 
 use super::camera::Camera;
 use crate::detector::ParamError;
-use crate::detector::params::{TextValue, words};
+use crate::detector::params::{Param, TextValue, words};
 use serde::{Deserialize, Serialize};
 
 /// Geometry of the two views against which the matches are verified.
@@ -95,6 +95,24 @@ impl TextValue for Option<Camera> {
 const MAX_ITERATION_COUNT: f64 = 10_000_000.0;
 
 impl MatchParams {
+    /// Parameters for a `camera`, where it is known, with the `given` values, as typed on the command line; checked. With
+    /// a camera and no geometry, matches are verified by the essential matrix.
+    ///
+    /// # Errors
+    /// The first value that cannot be read, or the first parameter that makes no sense.
+    pub fn of_texts<'a>(
+        camera: Option<Camera>,
+        given: impl IntoIterator<Item = (Param<Self>, &'a str)>,
+    ) -> Result<Self, ParamError> {
+        let geometry = if camera.is_some() { Geometry::Essential } else { Geometry::default() };
+        let mut params = Self { geometry, camera, ..Self::default() };
+        for (record, text) in given {
+            record.set(&mut params, text)?;
+        }
+        params.validate()?;
+        Ok(params)
+    }
+
     /// Checks the parameters.
     ///
     /// # Errors

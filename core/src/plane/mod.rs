@@ -6,24 +6,30 @@
 pub mod blur;
 pub mod display;
 pub mod memory;
+mod pixels;
 pub mod sample;
 pub mod statistics;
 pub mod tile;
 pub mod vectors;
+
+pub use pixels::PixelOwner;
+
+use pixels::Pixels;
+use std::sync::Arc;
 
 /// A float image, row-major, without padding between rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
     width: usize,
     height: usize,
-    data: Vec<f32>,
+    data: Pixels,
 }
 
 impl Plane {
     /// A plane of zeros of `width × height` pixels. Either may be 0. Unwinds as [`memory::NoMemory`] where the system
     /// refuses the memory, as all constructors of planes do.
     pub fn zeros(width: usize, height: usize) -> Self {
-        Self { width, height, data: memory::zeroed(width.saturating_mul(height)) }
+        Self { width, height, data: Pixels::Own(memory::zeroed(width.saturating_mul(height))) }
     }
 
     /// Takes `data` as the pixels, row by row.
@@ -32,7 +38,16 @@ impl Plane {
     /// When `data.len() != width * height`: a mistake of the caller, not of any input.
     pub fn from_vec(width: usize, height: usize, data: Vec<f32>) -> Self {
         assert_eq!(data.len(), width * height, "a plane's data must have width × height values");
-        Self { width, height, data }
+        Self { width, height, data: Pixels::Own(data) }
+    }
+
+    /// Shows the pixels of `owner`, row by row, without a copy.
+    ///
+    /// # Panics
+    /// When `owner` does not have `width × height` pixels: a mistake of the caller, not of any input.
+    pub fn from_shared(width: usize, height: usize, owner: Arc<dyn PixelOwner>) -> Self {
+        assert_eq!(owner.pixels().len(), width * height, "a plane's data must have width × height values");
+        Self { width, height, data: Pixels::Shared(owner) }
     }
 
     /// The plane whose value at column `u`, row `v` is `f(u, v)`.
@@ -43,7 +58,7 @@ impl Plane {
                 data.push(f(u, v));
             }
         }
-        Self { width, height, data }
+        Self { width, height, data: Pixels::Own(data) }
     }
 
     /// Number of columns.
@@ -63,17 +78,17 @@ impl Plane {
 
     /// All pixels, row by row.
     pub fn data(&self) -> &[f32] {
-        &self.data
+        self.data.get()
     }
 
     /// All pixels, row by row, mutable.
     pub fn data_mut(&mut self) -> &mut [f32] {
-        &mut self.data
+        self.data.get_mut()
     }
 
     /// Turns the plane into its pixels, row by row.
     pub fn into_vec(self) -> Vec<f32> {
-        self.data
+        self.data.into_vec()
     }
 
     /// Row `v`, `width` values.
@@ -81,7 +96,7 @@ impl Plane {
     /// # Panics
     /// When `v >= height`.
     pub fn row(&self, v: usize) -> &[f32] {
-        &self.data[v * self.width..(v + 1) * self.width]
+        &self.data()[v * self.width..(v + 1) * self.width]
     }
 
     /// Row `v`, mutable.
@@ -89,7 +104,8 @@ impl Plane {
     /// # Panics
     /// When `v >= height`.
     pub fn row_mut(&mut self, v: usize) -> &mut [f32] {
-        &mut self.data[v * self.width..(v + 1) * self.width]
+        let width = self.width;
+        &mut self.data_mut()[v * width..(v + 1) * width]
     }
 
     /// The value at column `u`, row `v`.
@@ -98,12 +114,12 @@ impl Plane {
     /// When the pixel is outside.
     pub fn at(&self, u: usize, v: usize) -> f32 {
         assert!(u < self.width && v < self.height, "({u}, {v}) is outside {}×{}", self.width, self.height);
-        self.data[v * self.width + u]
+        self.data()[v * self.width + u]
     }
 
     /// The value at column `u`, row `v`, or `None` outside.
     pub fn get(&self, u: i64, v: i64) -> Option<f32> {
         let (u, v) = (usize::try_from(u).ok()?, usize::try_from(v).ok()?);
-        (u < self.width && v < self.height).then(|| self.data[v * self.width + u])
+        (u < self.width && v < self.height).then(|| self.data()[v * self.width + u])
     }
 }

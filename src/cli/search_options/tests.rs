@@ -1,7 +1,7 @@
 //! Tests that every parameter is an option, and that every option sets its parameter.
 
 use super::*;
-use crate::detector::{FrameRange, SlopeAxis};
+use crate::detector::{FrameRange, SlopeAxis, SlopeChoice};
 use clap::{CommandFactory, Parser};
 
 #[derive(Parser)]

@@ -14,7 +14,7 @@ use crate::monitor::Monitor;
 use std::ffi::OsString;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr, Command, ExitCode, ExitStatus, Stdio};
+use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::Thread;
@@ -267,14 +267,14 @@ impl Drop for Over<'_> {
 
 /// Decodes the file `path` as the request on standard input says, and writes it to standard output: the main function
 /// of a program started as a [`DecodeWorker`](super::DecodeWorker). The process limits its own memory and time, and
-/// ends when its input does.
-pub fn serve_decoding(path: &Path) -> ExitCode {
+/// ends when its input does. Returns the exit code.
+pub fn serve_decoding(path: &Path) -> u8 {
     // A panic becomes an error about the file, which is sent; its message is dropped.
     std::panic::set_hook(Box::new(|_| {}));
     match serve(path) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         // There was no request, or the answer could not be sent.
-        Err(_) => ExitCode::FAILURE,
+        Err(_) => 1,
     }
 }
 

@@ -330,16 +330,22 @@ fn frame_from_data(
     values: Vec<f32>,
     integer: bool,
 ) -> Result<RawFrame, OpenError> {
+    frame_of_plane(path, frame, Plane::from_vec(size.0, size.1, values), integer)
+}
+
+/// Makes a frame of a plane in file units. Fails at the first value that is not finite.
+pub(super) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame, OpenError> {
+    let values = plane.data();
     // The bits of magnitudes are ordered as the magnitudes, with infinity and NaN above all; integers are compared many
     // at a time.
     let largest = values.iter().fold(0, |largest, v| (v.to_bits() & 0x7fff_ffff).max(largest));
     let largest = f32::from_bits(largest);
     if !largest.is_finite() {
         let index = values.iter().position(|v| !v.is_finite()).expect("the largest one is not finite");
-        let (u, v) = (index % size.0, index / size.0);
+        let (u, v) = (index % plane.width(), index / plane.width());
         return Err(OpenError::NotFinite { path: path.into(), frame, u, v, value: values[index] });
     }
-    Ok(RawFrame::linear(Plane::from_vec(size.0, size.1, values), FileScale::Data { integer, largest }))
+    Ok(RawFrame::linear(plane, FileScale::Data { integer, largest }))
 }
 
 /// Counter of finished frames, for use from any thread.

@@ -338,6 +338,27 @@ impl<P> Param<P> {
         (self.field)(params).read(text)
     }
 
+    /// Sets the value in `params` to what `text` says, as an option of the command line does.
+    ///
+    /// # Errors
+    /// The fault in `text`, with a remedy. The value is checked only for whether it can be read.
+    pub fn set(&self, params: &mut P, text: &str) -> Result<(), ParamError> {
+        self.set_field((self.field)(params), text)
+    }
+
+    /// Sets a value of this parameter that is held elsewhere.
+    pub(super) fn set_field(&self, field: Field<'_>, text: &str) -> Result<(), ParamError> {
+        let remedy = match (field.words(), self.bounds) {
+            (Some(words), _) => {
+                let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+                format!("give one of {}", words.join(", "))
+            }
+            (None, Some(bounds)) => bounds.remedy.to_owned(),
+            (None, None) => format!("give {}", self.placeholder),
+        };
+        field.read(text).map_err(|problem| ParamError { parameter: self.doc.name, problem, remedy })
+    }
+
     /// Checks the value in `params` by itself.
     ///
     /// # Errors

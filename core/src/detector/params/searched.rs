@@ -4,7 +4,8 @@
 //! [`DetectorParams`] gives the slopes. [`SearchParams`] may instead request slopes found from each burst;
 //! [`crate::detector::slopes::resolve`] then converts the one into the other, burst by burst, before the detection.
 
-use super::{DetectorParams, ParamError};
+use super::{DetectorParams, Field, Param, ParamError, doc};
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::{Table, Value};
 
@@ -71,12 +72,57 @@ impl SearchParams {
             && !degrees.is_finite()
         {
             return Err(ParamError {
-                parameter: super::doc::SLOPE_DIRECTION.name,
+                parameter: doc::SLOPE_DIRECTION.name,
                 problem: "it is not finite".into(),
                 remedy: "give degrees".into(),
             });
         }
         self.detector.validate()
+    }
+
+    /// These parameters with the `given` values in place of their own, as typed on the command line; checked.
+    ///
+    /// Slopes are found from each burst unless ranges are given here or in these parameters; a direction alone restricts
+    /// the search to a line in that direction. An axis of slopes that is missing is that of these parameters, or 0 where
+    /// they have no ranges.
+    ///
+    /// # Errors
+    /// The first value that cannot be read, or the first parameter that makes no sense.
+    pub fn with_texts<'a>(
+        self,
+        given: impl IntoIterator<Item = (Param<DetectorParams>, &'a str)>,
+    ) -> Result<Self, ParamError> {
+        let mut params = self;
+        let (slopes, others): (Vec<_>, Vec<_>) = given.into_iter().partition(|(record, _)| *record == doc::SLOPES);
+        let ranges = others.iter().find(|(record, _)| *record == doc::SLOPES_U || *record == doc::SLOPES_V);
+        let error = |problem: String, remedy: &str| ParamError {
+            parameter: doc::SLOPES.name,
+            problem,
+            remedy: remedy.to_owned(),
+        };
+        for (_, text) in slopes {
+            if text != AUTO {
+                return Err(error(format!("'{text}' is not known"), "give auto, or the ranges slopes-u and slopes-v"));
+            }
+            if let Some((range, _)) = ranges {
+                return Err(error(format!("auto and {} are both given", range.name), "give one of them"));
+            }
+            params.slopes = SlopeChoice::AUTO;
+        }
+        if ranges.is_some() && params.slopes.is_auto() {
+            params.detector.slopes = SlopeGrid::single(Slope::default());
+            params.slopes = SlopeChoice::Given;
+        }
+        for (record, text) in others {
+            match &mut params.slopes {
+                SlopeChoice::Auto { direction_deg } if record == doc::SLOPE_DIRECTION => {
+                    record.set_field(Field::F32(direction_deg.insert(0.0)), text)?;
+                }
+                _ => record.set(&mut params.detector, text)?,
+            }
+        }
+        params.validate()?;
+        Ok(params)
     }
 
     /// Reads a parameter file.

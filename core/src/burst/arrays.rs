@@ -1,0 +1,197 @@
+//! Bursts of arrays in memory, calibrated as files of the same type are.
+
+use super::Burst;
+use super::decode::{FileScale, RawFrame, frame_of_plane};
+use super::error::OpenError;
+use super::open::{Measured, RawBurst, calibrated};
+use super::options::OpenOptions;
+use crate::monitor::{Monitor, Stage};
+use crate::plane::Plane;
+use std::path::{Path, PathBuf};
+
+/// Frame in memory, before calibration.
+#[derive(Debug, Clone)]
+pub enum ArrayFrame {
+    /// Integers of 8 or 16 bit, as fractions of their type's largest value.
+    Integers {
+        /// The fractions.
+        plane: Plane,
+        /// Largest value of the type: 255 or 65535.
+        range: f32,
+    },
+    /// Floats in any unit.
+    Floats(Plane),
+}
+
+impl ArrayFrame {
+    /// Frame of 8-bit integers, row by row.
+    ///
+    /// # Panics
+    /// When there are not `width × height` values: a mistake of the caller.
+    pub fn of_u8(width: usize, height: usize, values: impl ExactSizeIterator<Item = u8>) -> Self {
+        Self::integers(width, height, f32::from(u8::MAX), values.map(f32::from))
+    }
+
+    /// Frame of 16-bit integers, row by row.
+    ///
+    /// # Panics
+    /// As [`Self::of_u8`].
+    pub fn of_u16(width: usize, height: usize, values: impl ExactSizeIterator<Item = u16>) -> Self {
+        Self::integers(width, height, f32::from(u16::MAX), values.map(f32::from))
+    }
+
+    fn integers(width: usize, height: usize, range: f32, values: impl ExactSizeIterator<Item = f32>) -> Self {
+        let mut pixels = crate::plane::memory::with_capacity(values.len());
+        pixels.extend(values.map(|value| value / range));
+        Self::Integers { plane: Plane::from_vec(width, height, pixels), range }
+    }
+
+    fn plane(&self) -> &Plane {
+        match self {
+            Self::Integers { plane, .. } | Self::Floats(plane) => plane,
+        }
+    }
+
+    /// The frame `t` of the array named `path` in error messages.
+    fn decoded(self, path: &Path, t: usize) -> Result<RawFrame, OpenError> {
+        match self {
+            Self::Integers { plane, range } => Ok(RawFrame::linear(plane, FileScale::Range(range))),
+            Self::Floats(plane) => frame_of_plane(path, t, plane, false),
+        }
+    }
+}
+
+/// Arrays of which a burst is made; all frames of each are of one type.
+#[derive(Debug, Clone, Default)]
+pub struct Arrays {
+    /// Frames of the burst, in time order.
+    pub frames: Vec<ArrayFrame>,
+    /// Bias frames, which are averaged; empty for none.
+    pub bias: Vec<ArrayFrame>,
+    /// Flat frames, which are averaged; empty for none.
+    pub flat: Vec<ArrayFrame>,
+}
+
+impl Burst {
+    /// Makes a burst of arrays. Values, bias and flat frame are converted as those of files of the same type are
+    /// ([`Burst::open_with`]), so that a `.npy` file of the same array gives the same bits; in error messages the arrays
+    /// are named `frames`, `bias` and `flat`. Floats that need no conversion are not copied. Of the options, those about
+    /// levels and limits count.
+    ///
+    /// # Errors
+    /// See [`OpenError`].
+    pub fn from_arrays(
+        name: impl Into<String>,
+        arrays: Arrays,
+        options: &OpenOptions,
+        monitor: &Monitor,
+    ) -> Result<Self, OpenError> {
+        monitor.check()?;
+        monitor.report(Stage::Open, 0.0);
+        let frames = decoded("frames", arrays.frames, options)?.ok_or(OpenError::NothingGiven)?;
+        let calibration = [decoded("bias", arrays.bias, options)?, decoded("flat", arrays.flat, options)?];
+        let count = frames.frames.len();
+        let raw = RawBurst {
+            name: name.into(),
+            frame_names: (0..count).map(|t| format!("frame {t}")).collect(),
+            origins: (0..count).map(|t| (frames.path.clone(), t)).collect(),
+            frames: frames.frames,
+        };
+        calibrated(raw, calibration, Vec::new(), options, monitor)
+    }
+}
+
+/// Frames of an array, checked; `None` for an empty one.
+fn decoded(name: &str, frames: Vec<ArrayFrame>, options: &OpenOptions) -> Result<Option<Measured>, OpenError> {
+    let path = PathBuf::from(name);
+    let Some(first) = frames.first() else { return Ok(None) };
+    let (width, height) = first.plane().size();
+    options.limits.check_burst(&path, frames.len() as u64, width as u64, height as u64)?;
+    let frames = frames.into_iter().enumerate().map(|(t, frame)| {
+        let size = frame.plane().size();
+        if size == (width, height) {
+            frame.decoded(&path, t)
+        } else {
+            Err(OpenError::DifferentSizes {
+                first: path.clone(),
+                first_size: (width, height),
+                path: PathBuf::from(format!("{name} (frame {t})")),
+                size,
+            })
+        }
+    });
+    Ok(Some(Measured { frames: frames.collect::<Result<_, _>>()?, path }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::PixelOwner;
+    use std::sync::Arc;
+
+    fn values() -> Vec<u16> {
+        (0..3 * 20 * 16).map(|k| ((k * 7919) % 4096) as u16).collect()
+    }
+
+    fn of_u16(values: &[u16]) -> Arrays {
+        let frames = values.chunks(320).map(|frame| ArrayFrame::of_u16(20, 16, frame.iter().copied())).collect();
+        Arrays { frames, ..Arrays::default() }
+    }
+
+    fn pixels(burst: &Burst) -> Vec<u32> {
+        burst.frames.iter().flat_map(|frame| frame.data().iter().map(|x| x.to_bits())).collect()
+    }
+
+    #[test]
+    fn an_array_gives_the_bits_of_its_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        let values = values();
+        let stack = ndarray::Array3::from_shape_vec((3, 16, 20), values.clone()).expect("the shape");
+        let bias = ndarray::Array2::<u16>::from_elem((16, 20), 40);
+        let flat = ndarray::Array2::<u16>::from_shape_fn((16, 20), |(v, u)| (3000 + 10 * v + u) as u16);
+        ndarray_npy::write_npy(path("frames.npy"), &stack).expect("written");
+        ndarray_npy::write_npy(path("bias.npy"), &bias).expect("written");
+        ndarray_npy::write_npy(path("flat.npy"), &flat).expect("written");
+        let plain = OpenOptions { full_scale: Some(4095.0), ..OpenOptions::default() };
+        let files = OpenOptions { bias: Some(path("bias.npy")), flat: Some(path("flat.npy")), ..plain.clone() };
+        let one = |array: &ndarray::Array2<u16>| vec![ArrayFrame::of_u16(20, 16, array.iter().copied())];
+        let arrays = Arrays { bias: one(&bias), flat: one(&flat), ..of_u16(&values) };
+        let monitor = Monitor::default();
+        let opened = Burst::open_with(&[path("frames.npy")], &files, &monitor).expect("opened");
+        let made = Burst::from_arrays("made", arrays, &plain, &monitor).expect("made");
+        assert_eq!(pixels(&made), pixels(&opened));
+        assert_eq!((made.full_scale, made.quantisation_step), (opened.full_scale, opened.quantisation_step));
+        let suggested = Burst::from_arrays("made", of_u16(&values), &OpenOptions::default(), &monitor).expect("made");
+        assert_eq!(suggested.suggested_full_scale, Some(4095.0));
+    }
+
+    #[test]
+    fn floats_in_fractions_of_full_scale_are_not_copied() {
+        struct Owner(Vec<f32>);
+        impl PixelOwner for Owner {
+            fn pixels(&self) -> &[f32] {
+                &self.0
+            }
+        }
+        let owner: Arc<dyn PixelOwner> = Arc::new(Owner(vec![0.25; 320]));
+        let frame = || ArrayFrame::Floats(Plane::from_shared(20, 16, owner.clone()));
+        let arrays = Arrays { frames: vec![frame(), frame()], ..Arrays::default() };
+        let burst = Burst::from_arrays("shared", arrays, &OpenOptions::default(), &Monitor::default()).expect("made");
+        assert!(burst.frames.iter().all(|plane| std::ptr::eq(plane.data(), owner.pixels())));
+    }
+
+    #[test]
+    fn faults_name_the_array() {
+        let plane = |width, value| ArrayFrame::Floats(Plane::from_vec(width, 16, vec![value; width * 16]));
+        let error = |arrays| {
+            let made = Burst::from_arrays("bad", arrays, &OpenOptions::default(), &Monitor::default());
+            made.expect_err("refused").to_string()
+        };
+        let with = |frames| Arrays { frames, ..Arrays::default() };
+        assert!(error(with(vec![plane(20, 0.5), plane(20, f32::NAN)])).contains("frames"));
+        assert!(error(with(vec![plane(20, 0.5), plane(21, 0.5)])).contains("frames (frame 1)"));
+        assert!(error(Arrays { flat: vec![plane(20, 0.0)], ..with(vec![plane(20, 0.5)]) }).contains("flat"));
+        assert!(error(Arrays::default()).contains("nothing to open"));
+    }
+}

@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# Installs each package of the folder that is named in a bare system of its own and starts it there; `make try-dist` calls it.
+# Needs root and debootstrap. The system is Debian's smallest, with Python for the wheel.
+set -euo pipefail
+out=$(realpath "${1:?name the folder with the packages}")
+
+if [ "$(id -u)" != 0 ]; then
+    echo "try: a system can be made by root only; run it as root" >&2
+    exit 1
+fi
+if ! command -v debootstrap >/dev/null; then
+    apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends debootstrap >/dev/null
+fi
+base=$(mktemp -d)
+trap 'rm -rf "$base"' EXIT
+suite=$(. /etc/os-release && echo "${VERSION_CODENAME:-stable}")
+echo "== a bare $suite"
+debootstrap --variant=minbase --include=python3,python3-venv "$suite" "$base/bare" >"$base/log" 2>&1 || {
+    tail -20 "$base/log" >&2
+    exit 1
+}
+echo "   $(du -sh "$base/bare" | cut -f1)"
+
+fresh() {
+    rm -rf "$base/root"
+    cp -a "$base/bare" "$base/root"
+    mkdir -p "$base/root/packages"
+    cp "$out"/burstscope* "$base/root/packages/"
+}
+
+# Without a display, a driver or a network: the version, and the features of the demo burst.
+start() {
+    chroot "$base/root" /usr/bin/env -i HOME=/root PATH=/usr/bin:/bin:"$2" sh -euc "
+        cd /tmp
+        burstscope --version
+        burstscope detect demo --slopes-u -3:3:7 --out found --quiet
+        test -s found/demo.csv
+        rm -r found"
+    echo "   $1: started, features found"
+}
+
+for package in "$out"/burstscope-*.tar.gz; do
+    echo "== $(basename "$package"), $(stat -c %s "$package") bytes"
+    fresh
+    chroot "$base/root" sh -euc "tar -xzf /packages/$(basename "$package") -C /opt && /opt/burstscope-*/install.sh /usr/local >/dev/null"
+    start "portable package" /usr/local/bin
+done
+
+for package in "$out"/burstscope_*.deb; do
+    echo "== $(basename "$package"), $(stat -c %s "$package") bytes"
+    fresh
+    chroot "$base/root" dpkg --install "/packages/$(basename "$package")" >/dev/null
+    start "Debian package" /usr/bin
+    chroot "$base/root" dpkg --remove burstscope >/dev/null
+done
+
+for package in "$out"/burstscope-*.whl; do
+    echo "== $(basename "$package"), $(stat -c %s "$package") bytes"
+    fresh
+    # numpy comes as a wheel beside it, for the Python of the bare system, which has no network.
+    python=$(chroot "$base/root" python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+    "${PYTHON:-python3}" -m pip download --quiet --disable-pip-version-check --only-binary :all: --python-version "$python" \
+        --dest "$base/root/packages" numpy
+    chroot "$base/root" sh -euc "
+        python3 -m venv /opt/venv
+        /opt/venv/bin/pip install --quiet --no-index --find-links /packages /packages/$(basename "$package")"
+    start "wheel" /opt/venv/bin
+    chroot "$base/root" /opt/venv/bin/python -c "
+import burstscope as bs
+found = bs.detect(bs.open('demo'), slopes_u=(-3, 3, 7))
+assert len(found) > 100 and found.descriptors.shape == (len(found), 128)
+print('   module: %d features' % len(found))"
+done
+echo "all packages start in a bare system"

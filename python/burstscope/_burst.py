@@ -1,0 +1,285 @@
+"""Bursts: frames of one size, in time order."""
+
+from __future__ import annotations
+
+import builtins
+import html
+import os
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from burstscope import _burstscope
+from burstscope._image import Image, data_uri, reduced, stretched
+from burstscope._progress import Progress, shown
+from burstscope._values import paths as path_texts
+
+_NATIVE = (np.dtype(np.uint8), np.dtype(np.uint16), np.dtype(np.float32))
+# Largest deviation of a frame's time from even spacing, as a part of the interval.
+_UNEVEN = 0.01
+
+
+def _frames(name: str, values: Any) -> list[NDArray[Any]]:
+    """The frames of an array [N, H, W], or of a sequence of arrays [H, W], contiguous, of a type that is taken."""
+    if isinstance(values, (list, tuple)):
+        arrays = [np.asarray(frame) for frame in values]
+    else:
+        array = np.asarray(values)
+        if array.ndim == 2 and name != "frames":
+            array = array[None]
+        if array.ndim != 3:
+            colour = array.ndim == 4 and array.shape[-1] in (3, 4)
+            hint = "; make one channel of the colours first, such as their mean" if colour else ""
+            raise ValueError(f"{name}: an array of shape {array.shape}; give [frames, rows, columns]{hint}")
+        arrays = builtins.list(array)
+    return [_frame(name, frame) for frame in arrays]
+
+
+def _frame(name: str, frame: NDArray[Any]) -> NDArray[Any]:
+    if frame.ndim != 2:
+        raise ValueError(f"{name}: a frame of shape {frame.shape}; give [rows, columns]")
+    kind = frame.dtype.newbyteorder("=")
+    if kind in (np.dtype(np.float64), np.dtype(np.float16)):
+        kind = np.dtype(np.float32)
+    if kind not in _NATIVE:
+        raise TypeError(f"{name}: values of type {frame.dtype}; give uint8, uint16 or float32")
+    return np.require(frame, kind, ["C", "A"])
+
+
+class Burst:
+    """Frames of one size, in time order, as float32 fractions of full scale.
+
+    Parameters
+    ----------
+    frames : array [N, H, W], or a sequence of arrays [H, W]
+        uint8 and uint16 are divided by 255 and 65535. float32 in [0, 1] is taken as it is and **not copied** where it is
+        contiguous: do not write into the array while the burst is in use. Floats in other units are divided by their
+        largest magnitude. float64 and float16 are converted to float32.
+    times : sequence of N numbers, optional
+        When the frames were taken, in any unit, evenly spaced. Then `frame_interval` and `Detection.velocity` are known.
+        Slopes are per frame in any case: frames at uneven times are refused.
+    bias : array [H, W] or [N, H, W], optional
+        Bias frame or frames, which are averaged: subtracted, in the frames' unit.
+    flat : array [H, W] or [N, H, W], optional
+        Flat frame or frames, which are averaged: the frames are divided by them (less the bias, over their mean).
+    full_scale : float, optional
+        Value that becomes 1, such as 4095 for 12 bits in uint16.
+    black_level : float, optional
+        Value that becomes 0, where there is no bias.
+    name : str
+        Name for display and for files.
+
+    Raises
+    ------
+    ValueError
+        Arrays of other shapes, values that are not finite, a bias or flat that does not fit, uneven times.
+    TypeError
+        Values of other types.
+
+    Examples
+    --------
+    >>> import numpy as np, burstscope as bs
+    >>> burst = bs.Burst(np.zeros((5, 48, 64), np.uint8))
+    >>> burst.shape
+    (5, 48, 64)
+    """
+
+    def __init__(
+        self,
+        frames: Union[ArrayLike, Sequence[ArrayLike]],
+        *,
+        times: Sequence[float] | NDArray[Any] | None = None,
+        bias: ArrayLike | None = None,
+        flat: ArrayLike | None = None,
+        full_scale: float | None = None,
+        black_level: float | None = None,
+        name: str = "burst",
+    ) -> None:
+        arrays = _frames("frames", frames)
+        self._times = None if times is None else _even(times, len(arrays))
+        self._raw = _burstscope.RawBurst.of_arrays(
+            name,
+            arrays,
+            [] if bias is None else _frames("bias", bias),
+            [] if flat is None else _frames("flat", flat),
+            full_scale,
+            black_level,
+        )
+        self._inspections: dict[Any, Any] = {}
+
+    @classmethod
+    def _of(cls, raw: _burstscope.RawBurst) -> Burst:
+        burst = cls.__new__(cls)
+        burst._raw, burst._times, burst._inspections = raw, None, {}
+        return burst
+
+    @property
+    def name(self) -> str:
+        """Name of the folder or file, or the given one."""
+        return self._raw.name
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """(N, H, W): frames, rows, columns."""
+        return self._raw.shape
+
+    @property
+    def frame_names(self) -> list[str]:
+        """Name of each frame."""
+        return self._raw.frame_names
+
+    @property
+    def frames(self) -> NDArray[np.float32]:
+        """All frames as a new array [N, H, W], fractions of full scale."""
+        return np.stack([self._raw.frame(t) for t in range(len(self))])
+
+    @property
+    def times(self) -> NDArray[np.float64] | None:
+        """When the frames were taken, where it was given."""
+        return None if self._times is None else self._times.copy()
+
+    @property
+    def frame_interval(self) -> float | None:
+        """Time from frame to frame, in the unit of `times`."""
+        if self._times is None or len(self) < 2:
+            return None
+        return float(self._times[-1] - self._times[0]) / (len(self) - 1)
+
+    @property
+    def full_scale(self) -> float:
+        """Value of the files or arrays that became 1."""
+        return self._raw.full_scale
+
+    @property
+    def quantisation_step(self) -> float:
+        """Smallest difference that the source can hold, fraction of full scale; 0 for floats."""
+        return self._raw.quantisation_step
+
+    @property
+    def encoding(self) -> str:
+        """Relation of the values to light: ``linear`` or ``srgb``."""
+        return self._raw.encoding
+
+    @property
+    def binning(self) -> int:
+        """Sensor pixels along a side of one pixel: 2 for raw frames, whose colours are binned."""
+        return self._raw.binning
+
+    @property
+    def notes(self) -> list[str]:
+        """Remarks on how the values were read."""
+        return self._raw.notes
+
+    @property
+    def sources(self) -> list[str]:
+        """Files or folders that it was opened from."""
+        return [os.fspath(path) for path in self._raw.sources]
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, t: int) -> Image:
+        """Frame t as an image [H, W]; negative numbers count from the end."""
+        index = t + len(self) if t < 0 else t
+        if not 0 <= index < len(self):
+            raise IndexError(f"there is no frame {t}: the burst has {len(self)}")
+        return Image.of(self._raw.frame(index))
+
+    def __iter__(self) -> Iterator[Image]:
+        return (self[t] for t in range(len(self)))
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        if copy is False:
+            raise ValueError("the frames lie apart in memory, so an array of all of them is a copy")
+        return np.asarray(self.frames, dtype)
+
+    def __repr__(self) -> str:
+        frames, rows, columns = self.shape
+        return f"<Burst {self.name!r}: {frames} frames of {columns}×{rows} (columns × rows)>"
+
+    def _repr_html_(self) -> str:
+        count, rows, columns = self.shape
+        middle = reduced(np.asarray(self[count // 2]))
+        width = min(columns, middle.shape[1], 480)
+        lines = [
+            f"<b>{html.escape(self.name)}</b>: {count} frames of {columns}×{rows}, frame {count // 2} below, stretched",
+            *(html.escape(note) for note in self.notes),
+        ]
+        return f'<img src="{data_uri(middle, limits=stretched(middle))}" width="{width}"><br>' + "<br>".join(lines)
+
+
+def _even(times: Any, count: int) -> NDArray[np.float64]:
+    values = np.asarray(times, np.float64)
+    if values.shape != (count,) or not np.isfinite(values).all():
+        raise ValueError(f"times: {values.shape} values for {count} frames; give one finite number a frame")
+    if count > 1:
+        steps = np.diff(values)
+        if (steps <= 0).any():
+            raise ValueError("times: they do not rise from frame to frame; give the frames in time order")
+        interval = (values[-1] - values[0]) / (count - 1)
+        away = float(np.abs(values - (values[0] + interval * np.arange(count))).max() / interval)
+        if away > _UNEVEN:
+            raise ValueError(
+                f"times: uneven by up to {away:.2f} of the interval; a slope is a motion per frame, so the frames must be "
+                "evenly spaced: leave out those that are not, or cut the sequence where frames are missing"
+            )
+    return values
+
+
+def open(
+    *paths: str | os.PathLike[str],
+    bias: str | os.PathLike[str] | None = None,
+    flat: str | os.PathLike[str] | None = None,
+    full_scale: float | None = None,
+    black_level: float | None = None,
+    linearise: bool = False,
+    accept_damaged: bool = False,
+    raw_colour: Literal["luma", "green", "red", "blue"] = "luma",
+    progress: Progress = None,
+) -> Burst:
+    """Opens a burst from files, as the window and the commands do.
+
+    Parameters
+    ----------
+    *paths : path
+        A folder of frames (in natural order), several image files (in the order given), a multi-page TIFF, raw files
+        (DNG and others), a ``.npy`` stack [N, H, W], or the name of a built-in burst: ``demo``, ``demo-later``.
+    bias, flat : path, optional
+        Bias and flat frame, or stacks or folders of them, which are averaged.
+    full_scale : float, optional
+        Value in the files that becomes 1, such as 4095 for 12 bits in 16-bit files.
+    black_level : float, optional
+        Value in the files that becomes 0.
+    linearise : bool
+        Undo the sRGB encoding of 8 and 16-bit pictures, so that values are proportional to light.
+    accept_damaged : bool
+        Take damaged JPEG frames as far as they can be decoded; `Burst.notes` name them.
+    raw_colour : {"luma", "green", "red", "blue"}
+        What is taken of the 2×2 colours of raw frames.
+    progress : callable, False or None
+        See `burstscope.detect`.
+
+    Returns
+    -------
+    Burst
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such file or folder.
+    ValueError
+        Files that are no burst: of several sizes, damaged, of several bursts. The message says what would be right.
+    """
+    calibration = {
+        "bias": bias,
+        "flat": flat,
+        "full_scale": full_scale,
+        "black_level": black_level,
+        "linearise": linearise,
+        "accept_damaged": accept_damaged,
+        "raw_colour": raw_colour,
+    }
+    with shown(progress) as tell:
+        return Burst._of(_burstscope.RawBurst.open(path_texts(paths), calibration, tell))

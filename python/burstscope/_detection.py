@@ -1,0 +1,300 @@
+"""Features of a burst."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from burstscope import _burstscope, _drawing
+from burstscope._keywords import DetectorKeywords
+from burstscope._progress import Progress, shown
+from burstscope._values import texts
+
+if TYPE_CHECKING:
+    import cv2
+    import pycolmap
+    from typing_extensions import Unpack
+
+    from burstscope._burst import Burst
+
+
+class Detection:
+    """Features of a burst, strongest first, as arrays of one row a feature.
+
+    Made by `detect`. ``len(d)`` is their number. The arrays are made once and cannot be written to.
+    """
+
+    def __init__(self, burst: Burst, raw: _burstscope.RawDetection) -> None:
+        self._burst, self._raw = burst, raw
+
+    @property
+    def burst(self) -> Burst:
+        """The burst that was searched."""
+        return self._burst
+
+    @cached_property
+    def xy(self) -> NDArray[np.float32]:
+        """Places at mid-burst [n, 2]: column and row, pixels; the centre of the first pixel is (0, 0)."""
+        return _fixed(self._raw.xy())
+
+    @cached_property
+    def sigma(self) -> NDArray[np.float32]:
+        """Scales σ [n], pixels."""
+        return _fixed(self._raw.sigma())
+
+    @cached_property
+    def angle(self) -> NDArray[np.float32]:
+        """Orientations [n], radians from +u towards +v (clockwise on the screen), in (-π, π]."""
+        return _fixed(self._raw.angle())
+
+    @cached_property
+    def slope(self) -> NDArray[np.float32]:
+        """Apparent motions [n, 2], pixels per frame to the right and down, refined between the slopes searched."""
+        return _fixed(self._raw.slope())
+
+    @cached_property
+    def response(self) -> NDArray[np.float32]:
+        """Interpolated DoG values [n] with their sign, fraction of full scale; bright blobs are negative."""
+        return _fixed(self._raw.response())
+
+    @cached_property
+    def snr(self) -> NDArray[np.float32]:
+        """|response| over the standard deviation of its noise [n]; infinite for a burst without noise."""
+        return _fixed(self._raw.snr())
+
+    @cached_property
+    def octave(self) -> NDArray[np.int32]:
+        """Octaves in which they were found [n]; -1 is the doubled image."""
+        return _fixed(self._raw.octave())
+
+    @cached_property
+    def level(self) -> NDArray[np.int32]:
+        """Levels in the octaves [n]."""
+        return _fixed(self._raw.level())
+
+    @cached_property
+    def slope_index(self) -> NDArray[np.int64]:
+        """Row of `slopes` at which each was found [n]."""
+        return _fixed(self._raw.slope_index())
+
+    @cached_property
+    def at_slope_limit(self) -> NDArray[np.bool_]:
+        """Whether the motion lies beyond the slopes that were searched [n]."""
+        return _fixed(self._raw.at_slope_limit())
+
+    @cached_property
+    def descriptors(self) -> NDArray[np.uint8]:
+        """Descriptors [n, 128], uint8, in the order of COLMAP (UBC); compared by Euclidean distance."""
+        return _fixed(self._raw.descriptors())
+
+    @cached_property
+    def slopes(self) -> NDArray[np.float32]:
+        """Slopes that were searched [k, 2], pixels per frame."""
+        return _fixed(self._raw.slopes())
+
+    @cached_property
+    def strength(self) -> NDArray[np.float32]:
+        """|response|·√snr [n], by which they are ordered; |response| without noise."""
+        return _fixed(np.abs(self.response) * np.where(np.isfinite(self.snr), np.sqrt(self.snr), np.float32(1)))
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Apparent motions [n, 2] in pixels per unit of the burst's `times`.
+
+        Raises
+        ------
+        ValueError
+            The burst has no times.
+        """
+        interval = self._burst.frame_interval
+        if interval is None:
+            raise ValueError("the burst has no times; give them: Burst(frames, times=...)")
+        return self.slope / interval
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """What ``burstscope detect --json`` says of the burst: noise, tally of rejected samples, slopes, times, advice."""
+        document: dict[str, Any] = json.loads(self._raw.document())
+        return document
+
+    @property
+    def tally(self) -> dict[str, Any]:
+        """Numbers of samples that were examined, kept, and rejected by each test."""
+        tally: dict[str, Any] = self.report["tally"]
+        return tally
+
+    @property
+    def advice(self) -> str | None:
+        """Why there are few features and the one keyword to change, where there are few."""
+        advice = self.report["advice"]
+        return None if advice is None else str(advice["message"])
+
+    @property
+    def params(self) -> str:
+        """The parameters with the slopes that were searched, as a parameter file (TOML)."""
+        return self._raw.params_toml()
+
+    def __len__(self) -> int:
+        return len(self._raw)
+
+    def __repr__(self) -> str:
+        rejected = self.tally["samples"] - self.tally["kept"]
+        return (
+            f"<Detection: {len(self)} features of {self._burst.name!r} at {len(self.slopes)} slopes, "
+            f"{rejected} samples rejected>"
+        )
+
+    def _repr_html_(self) -> str:
+        return _drawing.detection(self)
+
+    def save(self, path: str | os.PathLike[str], format: Literal["csv", "colmap", "npz", None] = None) -> Path:
+        """Writes the features to a file, as ``burstscope detect --format``.
+
+        Parameters
+        ----------
+        path : path
+            The file; a file of Burstscope's that is there is replaced.
+        format : {"csv", "colmap", "npz"}, optional
+            By default what the name ends in: ``.csv``, ``.txt`` (COLMAP's importer) or ``.npz``.
+
+        Returns
+        -------
+        pathlib.Path
+        """
+        target = Path(path)
+        kind = format or {".csv": "csv", ".txt": "colmap", ".npz": "npz"}.get(target.suffix.lower())
+        if kind is None:
+            raise ValueError(f"{target}: name the file .csv, .txt or .npz, or give format")
+        self._raw.write(target, kind)
+        return target
+
+    def to_cv2(self) -> tuple[list[cv2.KeyPoint], NDArray[np.float32]]:
+        """OpenCV's keypoints and descriptors, as ``detectAndCompute`` returns them.
+
+        The size of a keypoint is 2σ, its angle degrees clockwise in [0, 360), its response the strength, its octave that
+        of the search; ``class_id`` is the row of the feature. Descriptors are float32 [n, 128], for ``cv2.NORM_L2``.
+
+        Raises
+        ------
+        ImportError
+            OpenCV (``opencv-python``) is not installed.
+        """
+        import cv2
+
+        degrees = np.degrees(self.angle.astype(np.float64)) % 360.0
+        rows = zip(self.xy.tolist(), self.sigma.tolist(), degrees.tolist(), self.strength.tolist(), self.octave.tolist())
+        keypoints = [
+            cv2.KeyPoint(x, y, 2 * sigma, angle, strength, octave, index)
+            for index, ((x, y), sigma, angle, strength, octave) in enumerate(rows)
+        ]
+        return keypoints, self.descriptors.astype(np.float32)
+
+    def to_colmap(self) -> NDArray[np.float32]:
+        """COLMAP's keypoints [n, 4]: x, y, scale, orientation; the centre of the first pixel is (0.5, 0.5)."""
+        half = np.float32(0.5)
+        return np.column_stack([self.xy + half, self.sigma, self.angle]).astype(np.float32)
+
+    def write_colmap(self, database: Union[str, os.PathLike[str], pycolmap.Database], image_id: int) -> None:
+        """Writes keypoints and descriptors of an image into a database of COLMAP.
+
+        Parameters
+        ----------
+        database : pycolmap.Database, or path
+            An open database, or the path of one that is there, which is opened by pycolmap and closed again.
+        image_id : int
+            The image, which is in the database and has no features there yet.
+
+        Raises
+        ------
+        ImportError
+            pycolmap is not installed.
+        ValueError
+            There is no such image, or it has features already.
+        FileNotFoundError
+            There is no such database.
+        """
+        import pycolmap
+
+        if isinstance(database, (str, os.PathLike)):
+            path = Path(database)
+            if not path.is_file():
+                raise FileNotFoundError(f"there is no such database; make it first: {path}")
+            with pycolmap.Database.open(path) as opened:
+                self.write_colmap(opened, image_id)
+            return
+        if not database.exists_image(image_id):
+            raise ValueError(f"image_id: the database has no image {image_id}; write the image first")
+        if database.exists_keypoints(image_id) or database.exists_descriptors(image_id):
+            raise ValueError(f"image_id: image {image_id} has features already; clear them first")
+        database.write_keypoints(image_id, self.to_colmap())
+        kind = pycolmap.FeatureExtractorType.SIFT
+        database.write_descriptors(image_id, pycolmap.FeatureDescriptors(type=kind, data=self.descriptors))
+
+
+def _fixed(array: Any) -> Any:
+    array.flags.writeable = False
+    return array
+
+
+def strongest_slope(found: Detection) -> tuple[float, float]:
+    """The searched slope at which most features were found; (0, 0) without features."""
+    if len(found) == 0:
+        return 0.0, 0.0
+    index = int(np.bincount(found.slope_index).argmax())
+    u, v = (float(x) for x in found.slopes[index])
+    return (u, v) if math.isfinite(u) and math.isfinite(v) else (0.0, 0.0)
+
+
+def detect(
+    burst: Burst,
+    *,
+    params: str | os.PathLike[str] | None = None,
+    progress: Progress = None,
+    **keywords: Unpack[DetectorKeywords],
+) -> Detection:
+    """Finds the burst features of a burst; the same bits as ``burstscope detect`` gives.
+
+    Parameters
+    ----------
+    burst : Burst
+        The frames.
+    params : path, optional
+        A parameter file (TOML), as the window saves it; keywords override it.
+    progress : callable, False or None
+        ``None`` shows progress on a terminal and in a notebook, ``False`` nowhere; a function gets the name of the stage
+        and the finished fraction (0 to 1), and cancels the work by raising an exception.
+    **keywords
+        The parameters, below. Ranges of slopes are (min, max, count) or "MIN:MAX:COUNT", frames (a, b), a slice or
+        "A..B".
+
+    Returns
+    -------
+    Detection
+        Features, strongest first.
+
+    Raises
+    ------
+    ValueError
+        A parameter that makes no sense, alone or for this burst; the message says what would be right.
+    TypeError
+        A keyword that does not exist.
+    KeyboardInterrupt
+        Ctrl-C.
+    """
+    with shown(progress) as tell:
+        file = None if params is None else Path(params)
+        return Detection(burst, _burstscope.detect(burst._raw, file, texts(keywords), tell))
+
+
+def _with_keywords(function: Any, keywords: Any) -> None:
+    function.__doc__ = f"{function.__doc__}\n{keywords.__doc__}"
+
+
+_with_keywords(detect, DetectorKeywords)

@@ -1,0 +1,203 @@
+//! Bursts: opened from files, made of arrays, and their frames as arrays.
+
+use crate::lent::LentArray;
+use crate::work::run;
+use burstscope::burst::{ArrayFrame, Arrays, Burst, OpenOptions, RawColour};
+use burstscope::cli::Failure;
+use burstscope::plane::Plane;
+use burstscope::requests::BurstSource;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Frames of one size, calibrated, in time order.
+#[pyclass(frozen, module = "burstscope._burstscope")]
+pub(crate) struct RawBurst {
+    pub(crate) burst: Burst,
+}
+
+/// Relations of a burst's values to files, as the commands' options name them.
+#[derive(FromPyObject)]
+pub(crate) struct Calibration {
+    #[pyo3(item)]
+    bias: Option<PathBuf>,
+    #[pyo3(item)]
+    flat: Option<PathBuf>,
+    #[pyo3(item)]
+    full_scale: Option<f32>,
+    #[pyo3(item)]
+    black_level: Option<f32>,
+    #[pyo3(item)]
+    linearise: bool,
+    #[pyo3(item)]
+    accept_damaged: bool,
+    #[pyo3(item)]
+    raw_colour: String,
+}
+
+impl Calibration {
+    fn options(self) -> PyResult<OpenOptions> {
+        let raw_colour: RawColour = serde_json::from_value(self.raw_colour.clone().into()).map_err(|_| {
+            PyValueError::new_err(format!("raw_colour: '{}'; give luma, green, red or blue", self.raw_colour))
+        })?;
+        Ok(OpenOptions {
+            bias: self.bias,
+            flat: self.flat,
+            full_scale: self.full_scale,
+            black_level: self.black_level,
+            linearise: self.linearise,
+            accept_damaged: self.accept_damaged,
+            raw_colour,
+            ..OpenOptions::default()
+        })
+    }
+}
+
+#[pymethods]
+impl RawBurst {
+    /// Opens a burst.
+    #[staticmethod]
+    fn open(
+        py: Python<'_>,
+        paths: Vec<PathBuf>,
+        calibration: Calibration,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let options = calibration.options()?;
+        let built_in = match &paths[..] {
+            [one] => one.to_str().and_then(BurstSource::named),
+            _ => None,
+        };
+        if built_in.is_some() && !options.is_plain() {
+            return Err(PyValueError::new_err("built-in bursts need no calibration; leave its keywords out"));
+        }
+        let source = built_in.unwrap_or(BurstSource::Paths(paths));
+        run(py, progress, move |monitor| source.burst(&options, monitor).map_err(Failure::from))
+            .map(|burst| Self { burst })
+    }
+
+    /// Makes a burst of arrays [H, W], one a frame.
+    #[staticmethod]
+    fn of_arrays(
+        py: Python<'_>,
+        name: String,
+        frames: Vec<Bound<'_, PyAny>>,
+        bias: Vec<Bound<'_, PyAny>>,
+        flat: Vec<Bound<'_, PyAny>>,
+        full_scale: Option<f32>,
+        black_level: Option<f32>,
+    ) -> PyResult<Self> {
+        let all = |arrays: &[Bound<'_, PyAny>]| arrays.iter().map(array_frame).collect::<PyResult<Vec<_>>>();
+        let arrays = Arrays { frames: all(&frames)?, bias: all(&bias)?, flat: all(&flat)? };
+        let options = OpenOptions { full_scale, black_level, ..OpenOptions::default() };
+        run(py, None, move |monitor| Burst::from_arrays(name, arrays, &options, monitor).map_err(Failure::from))
+            .map(|burst| Self { burst })
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.burst.name
+    }
+
+    #[getter]
+    fn frame_names(&self) -> Vec<String> {
+        self.burst.frame_names.clone()
+    }
+
+    /// (frames, rows, columns).
+    #[getter]
+    fn shape(&self) -> (usize, usize, usize) {
+        let (width, height) = self.burst.size();
+        (self.burst.len(), height, width)
+    }
+
+    #[getter]
+    fn full_scale(&self) -> f32 {
+        self.burst.full_scale
+    }
+
+    #[getter]
+    fn quantisation_step(&self) -> f32 {
+        self.burst.quantisation_step
+    }
+
+    #[getter]
+    fn encoding(&self) -> String {
+        serde_json::to_value(self.burst.encoding).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+    }
+
+    #[getter]
+    fn binning(&self) -> usize {
+        self.burst.binning
+    }
+
+    #[getter]
+    fn suggested_full_scale(&self) -> Option<f32> {
+        self.burst.suggested_full_scale
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.burst.notes().into_iter().map(|note| note.text).collect()
+    }
+
+    #[getter]
+    fn sources(&self) -> Vec<PathBuf> {
+        self.burst.sources.clone()
+    }
+
+    /// Frame `t` as a new array.
+    fn frame<'py>(&self, py: Python<'py>, t: usize) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let frame = self.burst.frames.get(t).ok_or_else(|| {
+            PyIndexError::new_err(format!("there is no frame {t}: the burst has {}", self.burst.len()))
+        })?;
+        array_of(py, Plane::clone(frame))
+    }
+
+    /// Addresses of the frames' pixels in memory.
+    fn addresses(&self) -> Vec<usize> {
+        self.burst.frames.iter().map(|frame| frame.data().as_ptr() as usize).collect()
+    }
+}
+
+/// The frame of an array [H, W] of uint8, uint16 or float32.
+fn array_frame(array: &Bound<'_, PyAny>) -> PyResult<ArrayFrame> {
+    macro_rules! integers {
+        ($type:ty, $make:ident) => {
+            if let Ok(array) = array.cast::<PyArray2<$type>>() {
+                let (height, width) = (array.shape()[0], array.shape()[1]);
+                let readonly = array.readonly();
+                let values = readonly.as_slice().map_err(|_| not_contiguous())?;
+                return Ok(ArrayFrame::$make(width, height, values.iter().copied()));
+            }
+        };
+    }
+    integers!(u8, of_u8);
+    integers!(u16, of_u16);
+    let array = array
+        .cast::<PyArray2<f32>>()
+        .map_err(|_| PyTypeError::new_err("a frame is an array [rows, columns] of uint8, uint16 or float32"))?;
+    let (height, width) = (array.shape()[0], array.shape()[1]);
+    let lent = LentArray::of(array).ok_or_else(not_contiguous)?;
+    Ok(ArrayFrame::Floats(Plane::from_shared(width, height, Arc::new(lent))))
+}
+
+fn not_contiguous() -> PyErr {
+    PyValueError::new_err("the array is not contiguous; give numpy.ascontiguousarray of it")
+}
+
+/// The plane as an array [H, W].
+pub(crate) fn array_of(py: Python<'_>, plane: Plane) -> PyResult<Bound<'_, PyArray2<f32>>> {
+    let (width, height) = plane.size();
+    PyArray1::from_vec(py, plane.into_vec()).reshape([height, width])
+}
+
+/// The plane of an array [H, W].
+pub(crate) fn plane_of(array: &Bound<'_, PyArray2<f32>>) -> PyResult<Plane> {
+    let (height, width) = (array.shape()[0], array.shape()[1]);
+    let readonly = array.readonly();
+    let values = readonly.as_slice().map_err(|_| not_contiguous())?;
+    Ok(Plane::from_vec(width, height, values.to_vec()))
+}

@@ -1,0 +1,36 @@
+//! The commands and the window in Python's process, and the synthetic bursts that commands make.
+
+use crate::burst::RawBurst;
+use crate::work::run;
+use burstscope::burst::DecodeWorker;
+use burstscope::cli::{self, Host};
+use pyo3::prelude::*;
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Sets the command that decodes files for this process: `program` with `arguments` and the path of a file.
+#[pyfunction]
+pub(crate) fn install_decode_worker(program: PathBuf, arguments: Vec<OsString>) -> bool {
+    DecodeWorker { program, arguments }.install()
+}
+
+/// Runs a command, or opens the window: `arguments` are the program's name and what follows it. Returns the exit code.
+#[pyfunction]
+pub(crate) fn run_command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| cli::run_in(&arguments, None, Host::Other))
+}
+
+/// Makes the burst of `synth` with these arguments; with its truth (JSON).
+#[pyfunction]
+pub(crate) fn synthesise(
+    py: Python<'_>,
+    arguments: Vec<String>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(RawBurst, String)> {
+    let (burst, truth) = run(py, progress, move |monitor| {
+        let (burst, truth) = cli::synth::made(&arguments, monitor)?;
+        let truth = serde_json::to_string(&truth).map_err(|error| cli::Failure::Failed(error.into()))?;
+        Ok((burst, truth))
+    })?;
+    Ok((RawBurst { burst }, truth))
+}

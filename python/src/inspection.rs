@@ -1,0 +1,101 @@
+//! Explanations: the slopes that a burst needs, the fate of a place, and the noise.
+
+use crate::burst::RawBurst;
+use crate::parameters::{Given, search_params};
+use crate::work::run;
+use burstscope::Burst;
+use burstscope::cli::Failure;
+use burstscope::inspect::figure::{probe_svg, spectrum_svg};
+use burstscope::inspect::price::price;
+use burstscope::inspect::probe::{ProbeError, Wanted};
+use burstscope::inspect::report::{probe_text, spectrum_text};
+use burstscope::inspect::spectrum::spectrum;
+use burstscope::inspect::{ProbeCache, ProbeOptions, probe};
+use pyo3::prelude::*;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// A search with all that questions about it need.
+#[pyclass(frozen, module = "burstscope._burstscope")]
+pub(crate) struct RawInspection {
+    burst: Burst,
+    cache: ProbeCache,
+}
+
+/// An answer as numbers (JSON), as text and as a figure (SVG).
+type Answer = (String, String, String);
+
+#[pymethods]
+impl RawInspection {
+    /// The spectrum of the slopes.
+    fn slopes(&self, py: Python<'_>, progress: Option<Py<PyAny>>) -> PyResult<Answer> {
+        run(py, progress, |monitor| {
+            let answer = spectrum(&self.cache, monitor)?;
+            let document = json!({
+                "params": self.cache.asked,
+                "most_features_at": answer.most_features(),
+                "spectrum": answer,
+            });
+            let name = &self.burst.name;
+            Ok((document.to_string(), spectrum_text(&answer, name), spectrum_svg(&answer, name)))
+        })
+    }
+
+    /// The fate of a place, or of a feature; with `priced`, the number of features that its remedy would give.
+    fn probe(
+        &self,
+        py: Python<'_>,
+        at: Option<(f32, f32)>,
+        feature: Option<usize>,
+        priced: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Answer> {
+        run(py, progress, |monitor| {
+            let (width, height) = self.burst.size();
+            let inside = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
+            if let Some((u, v)) = at.filter(|&(u, v)| !(inside(u, width) && inside(v, height))) {
+                return Err(ProbeError::Outside { u, v, width, height }.into());
+            }
+            let wanted = feature.map_or(Wanted::Best, Wanted::Feature);
+            let options = ProbeOptions { wanted, ..ProbeOptions::default() };
+            let place = at.map_or([0.0; 2], |(u, v)| [u, v]);
+            let answer = probe(&self.cache, place, &options, monitor)?;
+            let remedy = answer.subject_fate().and_then(|fate| Some((fate.of_sample(), &fate.remedy.as_ref()?.change)));
+            let price = match remedy.filter(|_| priced) {
+                Some((sample, change)) => Some(price(&self.cache, &self.burst, change, Some(sample), monitor)?),
+                None => None,
+            };
+            let document = json!({
+                "params": self.cache.asked,
+                "slope_grid": self.cache.params().used_slopes(),
+                "noise_gate_factor": self.cache.detection().noise_gate_factor,
+                "features": self.cache.detection().features.len(),
+                "probe": answer,
+                "price": price,
+            });
+            let name = &self.burst.name;
+            Ok((document.to_string(), probe_text(&answer, name), probe_svg(&answer, name)))
+        })
+    }
+
+    /// The noise model of the search, as `detect --json` has it.
+    fn noise(&self) -> PyResult<String> {
+        let noise = &self.cache.detection().noise;
+        serde_json::to_string(&**noise).map_err(|error| crate::failure::raised(&Failure::Failed(error.into())))
+    }
+}
+
+/// Searches a burst, and keeps what questions need.
+#[pyfunction]
+pub(crate) fn inspect(
+    py: Python<'_>,
+    burst: &RawBurst,
+    file: Option<PathBuf>,
+    given: Given,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<RawInspection> {
+    let params = search_params(file.as_deref(), &given)?;
+    let burst = burst.burst.clone();
+    let cache = run(py, progress, |monitor| Ok(ProbeCache::new(&burst, &params, monitor)?))?;
+    Ok(RawInspection { burst, cache })
+}

@@ -1,0 +1,129 @@
+"""Bursts of arrays and of files: values, memory and faults."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import burstscope as bs
+
+
+def noise(shape: tuple[int, ...] = (4, 40, 56)) -> np.ndarray[tuple[int, ...], np.dtype[np.float32]]:
+    return np.random.default_rng(7).random(shape, np.float32)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32, np.float64, ">u2", ">f4"])
+def test_an_array_gives_the_values_of_its_file(kind: str, tmp_path: Path) -> None:
+    dtype = np.dtype(kind)
+    values = noise() if dtype.kind == "f" else noise() * np.iinfo(dtype).max
+    array = values.astype(dtype)
+    np.save(tmp_path / "a.npy", array)
+    burst, opened = bs.Burst(array), bs.open(tmp_path / "a.npy")
+    assert burst.frames.dtype == np.float32
+    np.testing.assert_array_equal(burst.frames, opened.frames)
+    np.testing.assert_array_equal(np.asarray(burst), opened.frames)
+    assert (burst.full_scale, burst.quantisation_step) == (opened.full_scale, opened.quantisation_step)
+    if dtype.kind == "u":
+        np.testing.assert_array_equal(burst.frames, (array.astype(np.float32) / np.float32(np.iinfo(dtype).max)))
+
+
+def test_contiguous_float_frames_are_not_copied_and_others_are() -> None:
+    array = noise()
+    burst = bs.Burst(array)
+    assert burst._raw.addresses() == [frame.ctypes.data for frame in array]
+    apart = [array[2].copy(), array[0].copy()]
+    assert bs.Burst(apart)._raw.addresses() == [frame.ctypes.data for frame in apart]
+    turned = array.transpose(0, 2, 1)
+    assert bs.Burst(turned)._raw.addresses()[0] != turned.ctypes.data
+    np.testing.assert_array_equal(bs.Burst(turned).frames, turned)
+    np.testing.assert_array_equal(bs.Burst(array[:, ::2, ::3]).frames, array[:, ::2, ::3])
+
+
+def test_the_array_lives_as_long_as_the_burst() -> None:
+    array = noise()
+    kept = array.copy()
+    gone = weakref.ref(array)
+    burst = bs.Burst(array)
+    del array
+    gc.collect()
+    assert gone() is not None
+    np.testing.assert_array_equal(burst.frames, kept)
+    found = bs.detect(burst, slopes_u=(0, 0, 1), slopes_v=(0, 0, 1), progress=False)
+    del burst, found
+    gc.collect()
+    assert gone() is None
+
+
+def test_calibration_is_that_of_files(tmp_path: Path) -> None:
+    frames = (noise() * 3000 + 500).astype(np.uint16)
+    bias = np.full((2, 40, 56), 60, np.uint16)
+    bias[1] += 8
+    flat = (2000 + 10 * np.arange(56)[None, :] * np.ones((40, 1))).astype(np.uint16)
+    for name, array in (("frames", frames), ("bias", bias), ("flat", flat)):
+        np.save(tmp_path / f"{name}.npy", array)
+    opened = bs.open(
+        tmp_path / "frames.npy", bias=tmp_path / "bias.npy", flat=tmp_path / "flat.npy", full_scale=4095
+    )
+    made = bs.Burst(frames, bias=bias, flat=flat, full_scale=4095)
+    np.testing.assert_array_equal(made.frames, opened.frames)
+    dark = bs.Burst(frames, black_level=64, full_scale=4095)
+    np.testing.assert_allclose(dark.frames, (frames.astype(float) - 64) / (4095 - 64), atol=1e-6)
+
+
+def test_frames_are_images_and_a_burst_is_a_sequence() -> None:
+    array = noise()
+    burst = bs.Burst(array, name="mine")
+    assert (len(burst), burst.shape, burst.name) == (4, (4, 40, 56), "mine")
+    np.testing.assert_array_equal(burst[-1], array[-1])
+    assert [frame.shape for frame in burst] == [(40, 56)] * 4
+    with pytest.raises(IndexError, match="no frame 4"):
+        burst[4]
+    assert "4 frames of 56×40" in repr(burst)
+
+
+def test_times_are_even_or_refused() -> None:
+    burst = bs.Burst(noise(), times=[10.0, 10.1, 10.2, 10.3])
+    assert burst.frame_interval == pytest.approx(0.1)
+    assert bs.Burst(noise()).times is None
+    for times, words in (
+        ([0, 1, 2, 4], "evenly spaced"),
+        ([0, 2, 1, 3], "time order"),
+        ([0, 1, 2], "one finite number a frame"),
+        ([0, 1, 2, np.nan], "one finite number a frame"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            bs.Burst(noise(), times=times)
+
+
+def test_faults_say_what_would_be_right(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="check the spelling"):
+        bs.open(tmp_path / "gone")
+    with pytest.raises(ValueError, match="no .*picture|holds no|no frames|nothing"):
+        bs.open(tmp_path)
+    (tmp_path / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"\0" * 40)
+    with pytest.raises(ValueError, match="broken.png"):
+        bs.open(tmp_path / "broken.png")
+    with pytest.raises(ValueError, match="luma, green, red or blue"):
+        bs.open("demo", raw_colour="mauve")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="built-in bursts need no calibration"):
+        bs.open("demo", full_scale=3)
+    with pytest.raises(ValueError, match=r"give \[frames, rows, columns\]"):
+        bs.Burst(np.zeros((40, 56), np.uint8))
+    with pytest.raises(ValueError, match="one channel of the colours"):
+        bs.Burst(np.zeros((4, 40, 56, 3), np.uint8))
+    with pytest.raises(TypeError, match="give uint8, uint16 or float32"):
+        bs.Burst(np.zeros((4, 40, 56), np.int64))
+    with pytest.raises(ValueError, match="crop them alike"):
+        bs.Burst([np.zeros((40, 56), np.uint8), np.zeros((40, 57), np.uint8)])
+    with pytest.raises(ValueError, match="frame"):
+        bs.Burst(np.full((2, 40, 56), np.nan, np.float32))
+    with pytest.raises(ValueError, match="nothing to open"):
+        bs.Burst(np.zeros((0, 40, 56), np.uint8))
+    with pytest.raises(ValueError, match="there is no light in it"):
+        bs.Burst(noise(), flat=np.zeros((40, 56), np.float32))
+    with pytest.raises(ValueError, match="full scale"):
+        bs.Burst(noise(), full_scale=-1)
