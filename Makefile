@@ -37,6 +37,8 @@ CASES ?= 20000
 PYTHON ?= python3
 VENV = target/python
 DIST = target/dist
+# Profile of the wheel: release, or dev for a quick build.
+PROFILE ?= release
 
 .PHONY: run test check test-core test-window pictures bench fuzz packages wheel test-python notebooks keywords dist try-dist
 
@@ -70,7 +72,7 @@ fuzz:
 
 wheel: $(VENV)/made
 	rm -f $(DIST)/burstscope-*.whl
-	. $(VENV)/bin/activate && maturin build --release --locked --strip --manifest-path python/Cargo.toml --out $(DIST)
+	$(VENV)/bin/maturin build --profile $(PROFILE) --locked --strip --interpreter $(VENV)/bin/python --manifest-path python/Cargo.toml --out $(DIST)
 	@ls -l $(DIST)/*.whl
 
 # The tests are of the wheel that users install, and of no other files.

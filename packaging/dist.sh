@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
-# Makes the portable .tar.gz and the .deb of the program in target/release, in the folder that is named; `make dist` calls it.
+# Makes the portable .tar.gz and the .deb, in the folder that is named, of the program in target/release or in the place that PROGRAM names;
+# `make dist` calls it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 out=$(realpath -m "${1:?name the folder for the packages}")
 version=$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"/\1/p' Cargo.toml)
 triple=$(rustc -vV | sed -n 's/^host: //p')
+program=${PROGRAM:-target/release/burstscope}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$out"
@@ -13,7 +15,7 @@ mkdir -p "$out"
 # The portable package: one folder that runs from anywhere.
 name=burstscope-$version-$triple
 mkdir "$work/$name"
-install -m 755 target/release/burstscope "$work/$name/"
+install -m 755 "$program" "$work/$name/"
 strip "$work/$name/burstscope"
 install -m 644 assets/burstscope.desktop assets/icon.svg README.md LICENSE-APACHE LICENSE-MIT "$work/$name/"
 install -m 755 packaging/install.sh "$work/$name/"

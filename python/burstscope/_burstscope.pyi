@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 __version__: Final[str]
 REVISION: Final[int]
 DECODE_WORKER: Final[str]
-__file__: str
 
 _Path = str | os.PathLike[str]
 _Given = Sequence[tuple[str, str]]

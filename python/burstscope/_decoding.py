@@ -18,7 +18,7 @@ sys.exit(module.run_command(["burstscope", *sys.argv[2:]]))
 
 def install() -> None:
     """Lets raw files and large pictures be decoded in a process of their own."""
-    module = _burstscope.__file__
-    if sys.executable and module:
+    module = str(_burstscope.__file__)
+    if sys.executable:
         arguments = ["-I", "-S", "-c", _PROGRAM, module, _burstscope.DECODE_WORKER]
         _burstscope.install_decode_worker(sys.executable, arguments)

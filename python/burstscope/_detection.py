@@ -7,7 +7,7 @@ import math
 import os
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from burstscope import _burstscope, _drawing
 from burstscope._keywords import DetectorKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import texts
+from burstscope._values import documented, texts
 
 if TYPE_CHECKING:
     import cv2
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from burstscope._burst import Burst
+
+
+Array = TypeVar("Array", bound=NDArray[Any])
 
 
 class Detection:
@@ -102,7 +105,9 @@ class Detection:
     @cached_property
     def strength(self) -> NDArray[np.float32]:
         """|response|·√snr [n], by which they are ordered; |response| without noise."""
-        return _fixed(np.abs(self.response) * np.where(np.isfinite(self.snr), np.sqrt(self.snr), np.float32(1)))
+        weight = np.where(np.isfinite(self.snr), np.sqrt(self.snr), np.float32(1))
+        strength: NDArray[np.float32] = np.abs(self.response) * weight
+        return _fixed(strength)
 
     @property
     def velocity(self) -> NDArray[np.float64]:
@@ -116,12 +121,14 @@ class Detection:
         interval = self._burst.frame_interval
         if interval is None:
             raise ValueError("the burst has no times; give them: Burst(frames, times=...)")
-        return self.slope / interval
+        return self.slope.astype(np.float64) / interval
 
     @cached_property
     def report(self) -> dict[str, Any]:
         """What ``burstscope detect --json`` says of the burst: noise, tally of rejected samples, slopes, times, advice."""
         document: dict[str, Any] = json.loads(self._raw.document())
+        for name in ("open_secs", "write_secs"):
+            document["times"].pop(name, None)
         return document
 
     @property
@@ -238,7 +245,7 @@ class Detection:
         database.write_descriptors(image_id, pycolmap.FeatureDescriptors(type=kind, data=self.descriptors))
 
 
-def _fixed(array: Any) -> Any:
+def _fixed(array: Array) -> Array:
     array.flags.writeable = False
     return array
 
@@ -252,6 +259,7 @@ def strongest_slope(found: Detection) -> tuple[float, float]:
     return (u, v) if math.isfinite(u) and math.isfinite(v) else (0.0, 0.0)
 
 
+@documented(DetectorKeywords)
 def detect(
     burst: Burst,
     *,
@@ -291,10 +299,3 @@ def detect(
     with shown(progress) as tell:
         file = None if params is None else Path(params)
         return Detection(burst, _burstscope.detect(burst._raw, file, texts(keywords), tell))
-
-
-def _with_keywords(function: Any, keywords: Any) -> None:
-    function.__doc__ = f"{function.__doc__}\n{keywords.__doc__}"
-
-
-_with_keywords(detect, DetectorKeywords)

@@ -70,7 +70,9 @@ class Slopes(_Answer):
         return [advice["sentence"] for advice in self.data["spectrum"]["advice"]]
 
     def __repr__(self) -> str:
-        return f"<Slopes: most features at {self.most_features_at}, {len(self.advice)} pieces of advice>"
+        at = self.most_features_at
+        most = "no features" if at is None else f"most features at ({at[0]:.2f}, {at[1]:.2f}) px/frame"
+        return f"<Slopes: {most}, {len(self.advice)} pieces of advice>"
 
 
 class Probe(_Answer):

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from burstscope import _burstscope, _drawing
-from burstscope._detection import Detection, _fixed, _with_keywords
+from burstscope._detection import Detection, _fixed
 from burstscope._keywords import MatchKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import texts
+from burstscope._values import documented, texts
 
 if TYPE_CHECKING:
     import pycolmap
@@ -154,12 +154,13 @@ def _camera_text(camera: Any) -> str:
     if isinstance(camera, str):
         return camera
     if isinstance(camera, os.PathLike):
-        return os.fspath(camera)
+        return str(os.fspath(camera))
     model = getattr(camera.model, "name", camera.model)
     values = [model, camera.width, camera.height, *(repr(float(x)) for x in camera.params)]
     return ",".join(str(value) for value in values)
 
 
+@documented(MatchKeywords)
 def match(
     a: Detection,
     b: Detection,
@@ -193,6 +194,3 @@ def match(
     with shown(progress) as tell:
         text = None if camera is None else _camera_text(camera)
         return Matches(a, b, _burstscope.match_features(a._raw, b._raw, text, texts(keywords), tell))
-
-
-_with_keywords(match, MatchKeywords)

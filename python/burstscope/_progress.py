@@ -55,9 +55,9 @@ class _NotebookBar(_Line):
 
     def end(self) -> None:
         if self.handle is not None:
-            from IPython.display import clear_output
+            from IPython.display import HTML
 
-            clear_output()
+            self.handle.update(HTML(""))
 
 
 def _in_notebook() -> bool:

@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
 
 Given = list[tuple[str, str]]
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def documented(keywords: Any) -> Callable[[Function], Function]:
+    """Appends the documentation of the keywords to that of a function."""
+
+    def with_keywords(function: Function) -> Function:
+        function.__doc__ = f"{function.__doc__}\n{keywords.__doc__}"
+        return function
+
+    return with_keywords
 
 
 def text(value: Any) -> str:
@@ -16,7 +27,7 @@ def text(value: Any) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, os.PathLike):
-        return os.fspath(value)
+        return str(os.fspath(value))
     if isinstance(value, tuple):
         return ":".join(text(part) for part in value)
     if isinstance(value, (slice, range)):

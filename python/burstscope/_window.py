@@ -7,10 +7,15 @@ import sys
 
 from burstscope._command import main
 
-if __name__ == "__main__":
+
+def run() -> int:
+    """Runs the window that the arguments name, after the folder with what was handed over; returns the exit code."""
     folder = sys.argv.pop(1)
     try:
-        code = main()
+        return main()
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    raise SystemExit(code)
+
+
+if __name__ == "__main__":
+    raise SystemExit(run())

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from burstscope._command import command
-from burstscope._detection import _with_keywords
 from burstscope._keywords import (
     EvaluateAccuracyKeywords,
     EvaluateChartKeywords,
@@ -17,7 +16,7 @@ from burstscope._keywords import (
     EvaluateNoiseKeywords,
     EvaluatePosesKeywords,
 )
-from burstscope._values import paths
+from burstscope._values import documented, paths
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -60,6 +59,7 @@ def _study(*arguments: str, keywords: Any, plots: bool) -> Report:
         return Report(data, plot.read_text(encoding="utf-8") if plot.exists() else None)
 
 
+@documented(EvaluateChartKeywords)
 def chart(**keywords: Unpack[EvaluateChartKeywords]) -> Report:
     """Methods compared on charts in the dark, with their ROC: ``burstscope evaluate chart``.
 
@@ -71,37 +71,31 @@ def chart(**keywords: Unpack[EvaluateChartKeywords]) -> Report:
     return _study("chart", keywords=keywords, plots=True)
 
 
+@documented(EvaluateFramesKeywords)
 def frames(*inputs: str | os.PathLike[str], **keywords: Unpack[EvaluateFramesKeywords]) -> Report:
     """The effect of the number of frames, on charts or on a burst: ``burstscope evaluate frames``."""
     return _study("frames", *paths(inputs), keywords=keywords, plots=True)
 
 
+@documented(EvaluateAccuracyKeywords)
 def accuracy(**keywords: Unpack[EvaluateAccuracyKeywords]) -> Report:
     """Errors of place, scale and slope on charts: ``burstscope evaluate accuracy``."""
     return _study("accuracy", keywords=keywords, plots=False)
 
 
+@documented(EvaluateNoiseKeywords)
 def noise(**keywords: Unpack[EvaluateNoiseKeywords]) -> Report:
     """False features on pure noise: ``burstscope evaluate noise``."""
     return _study("noise", keywords=keywords, plots=False)
 
 
+@documented(EvaluateMatchesKeywords)
 def matches(*inputs: str | os.PathLike[str], **keywords: Unpack[EvaluateMatchesKeywords]) -> Report:
     """Matches of methods on pairs of bursts: ``burstscope evaluate matches``."""
     return _study("matches", *paths(inputs), keywords=keywords, plots=False)
 
 
+@documented(EvaluatePosesKeywords)
 def poses(**keywords: Unpack[EvaluatePosesKeywords]) -> Report:
     """Camera poses against true ones: ``burstscope evaluate poses``."""
     return _study("poses", keywords=keywords, plots=False)
-
-
-for _function, _keywords in (
-    (chart, EvaluateChartKeywords),
-    (frames, EvaluateFramesKeywords),
-    (accuracy, EvaluateAccuracyKeywords),
-    (noise, EvaluateNoiseKeywords),
-    (matches, EvaluateMatchesKeywords),
-    (poses, EvaluatePosesKeywords),
-):
-    _with_keywords(_function, _keywords)

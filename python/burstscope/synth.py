@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from burstscope import _burstscope
 from burstscope._burst import Burst
 from burstscope._command import command
-from burstscope._detection import _with_keywords
 from burstscope._keywords import ChartKeywords, NoisyKeywords, SceneKeywords, TrajectoryKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import options, paths
+from burstscope._values import documented, options, paths
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -35,6 +34,7 @@ def _made(kind: str, keywords: Any, progress: Progress) -> Synthetic:
     return Synthetic(Burst._of(burst), json.loads(truth))
 
 
+@documented(ChartKeywords)
 def chart(*, progress: Progress = None, **keywords: Unpack[ChartKeywords]) -> Synthetic:
     """Discs on an even background, each with its own slope, as ``burstscope synth chart``.
 
@@ -51,6 +51,7 @@ def chart(*, progress: Progress = None, **keywords: Unpack[ChartKeywords]) -> Sy
     return _made("chart", keywords, progress)
 
 
+@documented(SceneKeywords)
 def scene(*, progress: Progress = None, **keywords: Unpack[SceneKeywords]) -> Synthetic:
     """Textured layers at several depths, each with its own slope, as ``burstscope synth scene``.
 
@@ -62,6 +63,7 @@ def scene(*, progress: Progress = None, **keywords: Unpack[SceneKeywords]) -> Sy
     return _made("scene", keywords, progress)
 
 
+@documented(TrajectoryKeywords)
 def trajectory(out: str | os.PathLike[str], **keywords: Unpack[TrajectoryKeywords]) -> dict[str, Any]:
     """Bursts along a camera's way past textured planes, with its poses, as ``burstscope synth trajectory``.
 
@@ -79,6 +81,7 @@ def trajectory(out: str | os.PathLike[str], **keywords: Unpack[TrajectoryKeyword
     return truth
 
 
+@documented(NoisyKeywords)
 def noisy(
     *inputs: str | os.PathLike[str], out: str | os.PathLike[str], **keywords: Unpack[NoisyKeywords]
 ) -> dict[str, Any]:
@@ -98,12 +101,3 @@ def noisy(
     """
     truth: dict[str, Any] = command("synth", "noisy", *paths(inputs), out=Path(out), **keywords)["truth"]
     return truth
-
-
-for _function, _keywords in (
-    (chart, ChartKeywords),
-    (scene, SceneKeywords),
-    (trajectory, TrajectoryKeywords),
-    (noisy, NoisyKeywords),
-):
-    _with_keywords(_function, _keywords)

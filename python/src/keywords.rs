@@ -11,6 +11,7 @@ use clap::{Arg, ArgAction, Command, CommandFactory};
 use pyo3::prelude::*;
 use std::any::TypeId;
 use std::fmt::Write;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 const HEAD: &str = r#""""Keywords of the functions, with their types: made from the program's table of parameters and its options.
@@ -141,18 +142,21 @@ fn options(command: &Command) -> impl Iterator<Item = (&str, String, String)> {
 
 fn of_option(name: &str, arg: &Arg) -> String {
     // Parameters have one type everywhere.
-    if let Some(record) = doc::ALL.iter().find(|record| record.name == name) {
+    let value_name = arg.get_value_names().and_then(|names| names.first()).map_or("", |name| name.as_str());
+    if let Some(record) = doc::ALL.iter().find(|record| record.name == name && record.placeholder == value_name) {
         return of_record(record);
     }
-    if let Some(record) = matching_doc::ALL.iter().find(|record| record.name == name) {
+    if let Some(record) = matching_doc::ALL.iter().find(|record| record.name == name && record.placeholder == value_name) {
         return if *record == matching_doc::CAMERA { "str".to_owned() } else { of_match_record(record) };
     }
     if matches!(arg.get_action(), ArgAction::SetTrue) {
         return "bool".to_owned();
     }
-    let is_range = arg.get_value_names().is_some_and(|names| names.iter().any(|name| name.as_str() == "MIN:MAX"));
-    if is_range {
-        return "Union[str, tuple[float, float]]".to_owned();
+    match value_name {
+        "MIN:MAX" => return "Union[str, tuple[float, float]]".to_owned(),
+        // Such as 8G or 50%.
+        "SIZE" => return "str".to_owned(),
+        _ => {}
     }
     let possible: Vec<_> = arg.get_possible_values();
     let kind = arg.get_value_parser().type_id();
@@ -161,7 +165,7 @@ fn of_option(name: &str, arg: &Arg) -> String {
         words(possible.iter().map(|value| value.get_name()))
     } else if of(&[TypeId::of::<f64>(), TypeId::of::<f32>()]) {
         "float".to_owned()
-    } else if of(&[TypeId::of::<usize>(), TypeId::of::<u64>(), TypeId::of::<u32>(), TypeId::of::<i32>()]) {
+    } else if of(&[TypeId::of::<usize>(), TypeId::of::<u64>(), TypeId::of::<u32>(), TypeId::of::<NonZeroUsize>()]) {
         "int".to_owned()
     } else if of(&[TypeId::of::<PathBuf>()]) {
         "Path".to_owned()

@@ -53,7 +53,7 @@ def test_a_probe_is_that_of_the_command(stack_file: Path, tmp_path: Path, run: R
         ({"at": (1, 1), "feature": 1}, "either a place"),
     ):
         with pytest.raises(ValueError, match=words):
-            bs.probe(burst, slopes_u=(-1, 1, 5), **wrong)  # type: ignore[arg-type]
+            bs.probe(burst, slopes_u=(-1, 1, 5), **wrong)
 
 
 def test_one_search_answers_several_questions(chart: bs.Burst) -> None:

@@ -17,6 +17,9 @@ def run(path: Path) -> None:
         NotebookClient(notebook, timeout=900, kernel_name="python3", resources={"metadata": {"path": folder}}).execute()
     for cell in notebook.cells:
         cell.metadata.pop("execution", None)
+        # A bar of progress that has gone leaves an empty output.
+        if cell.cell_type == "code":
+            cell.outputs = [output for output in cell.outputs if output.get("data", {}).get("text/html") != ""]
     notebook.metadata.pop("language_info", None)
     nbformat.write(notebook, path)
     print(f"{path.name}: {path.stat().st_size / 1000:.0f} kB")

@@ -62,6 +62,8 @@ pub(super) struct BurstReport {
     #[serde(skip)]
     notes: Vec<Note>,
     pub features: usize,
+    /// Files that were written, by format; absent where none was.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     files: BTreeMap<String, String>,
     frame_noise: f32,
     #[serde(serialize_with = "shared")]
@@ -82,25 +84,18 @@ pub(super) struct BurstReport {
     advice: Option<AdviceReport>,
 }
 
-/// The part of the document of `detect` about one burst, for features that are not written to files: without `files`,
-/// the judgement of the slopes and the times of opening and writing.
+/// The part of the document of `detect` about one burst (JSON), for features that are not written to files: without
+/// `files` and the judgement of the slopes, and with 0 for the times of opening and writing.
 ///
 /// # Errors
 /// When a number cannot be put into JSON.
-pub fn burst_document(burst: &Burst, searched: &Searched) -> serde_json::Result<serde_json::Value> {
+pub fn burst_document(burst: &Burst, searched: &Searched) -> serde_json::Result<String> {
     let Searched { detection, params, finding, slopes_secs } = searched;
     let inputs = burst.sources.iter().map(|path| path_text(path)).collect();
     let report = BurstReport::new(&burst.name, inputs, burst, detection, BTreeMap::new(), [0.0, *slopes_secs, 0.0])
         .with_slopes(finding.clone())
         .with_advice(explain(detection, params, burst.size()));
-    let mut document = serde_json::to_value(report)?;
-    if let Some(fields) = document.as_object_mut() {
-        fields.remove("files");
-        if let Some(times) = fields.get_mut("times").and_then(serde_json::Value::as_object_mut) {
-            times.retain(|name, _| name != "open_secs" && name != "write_secs");
-        }
-    }
-    Ok(document)
+    serde_json::to_string(&report)
 }
 
 /// Description of a problem, and the one option to change.

@@ -87,6 +87,7 @@ fn every_dependency_is_used() {
         ("Cargo.toml", "dev-dependencies", &["src", "tests", "benches", "core/tests"]),
         ("core/Cargo.toml", "dependencies", &["core/src"]),
         ("core/Cargo.toml", "dev-dependencies", &["core/src", "core/tests"]),
+        ("python/Cargo.toml", "dependencies", &["python/src"]),
     ] {
         let manifest = manifest(package);
         let text = text_of(folders);
