@@ -217,7 +217,7 @@ class ChartKeywords(TypedDict, total=False):
         Least distance between two discs at mid-burst, pixels [default: 6]
     contrast : float
         Intensity of the discs over that of the background [default: 1.2]
-    frames : Frames
+    frames : int
         Number of frames [default: 10]
     motion : ['1d', '2d']
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
@@ -234,7 +234,7 @@ class ChartKeywords(TypedDict, total=False):
         Seed: the same seed makes the same burst on every machine [default: 1]
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
-    memory : int
+    memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
         enough [default: 75%]
@@ -247,7 +247,7 @@ class ChartKeywords(TypedDict, total=False):
     radius_law: Literal["uniform", "log"]
     gap: float
     contrast: float
-    frames: Frames
+    frames: int
     motion: Literal["1d", "2d"]
     max_slope: float
     snr: float
@@ -255,7 +255,7 @@ class ChartKeywords(TypedDict, total=False):
     bits: int
     seed: int
     threads: Union[str, float]
-    memory: int
+    memory: str
 
 
 class SceneKeywords(TypedDict, total=False):
@@ -269,7 +269,7 @@ class SceneKeywords(TypedDict, total=False):
         Rows [default: 480]
     layers : int
         Number of layers; the farthest fills the frame [default: 4]
-    frames : Frames
+    frames : int
         Number of frames [default: 10]
     motion : ['1d', '2d']
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
@@ -286,7 +286,7 @@ class SceneKeywords(TypedDict, total=False):
         Seed: the same seed makes the same burst on every machine [default: 1]
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
-    memory : int
+    memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
         enough [default: 75%]
@@ -295,7 +295,7 @@ class SceneKeywords(TypedDict, total=False):
     width: int
     height: int
     layers: int
-    frames: Frames
+    frames: int
     motion: Literal["1d", "2d"]
     max_slope: float
     snr: float
@@ -303,7 +303,7 @@ class SceneKeywords(TypedDict, total=False):
     bits: int
     seed: int
     threads: Union[str, float]
-    memory: int
+    memory: str
 
 
 class TrajectoryKeywords(TypedDict, total=False):
@@ -317,7 +317,7 @@ class TrajectoryKeywords(TypedDict, total=False):
         Rows [default: 480]
     bursts : int
         Number of bursts [default: 8]
-    frames : Frames
+    frames : int
         Number of frames of each burst [default: 10]
     planes : int
         Number of planes; the farthest fills the frame [default: 4]
@@ -339,7 +339,7 @@ class TrajectoryKeywords(TypedDict, total=False):
         Seed: the same seed makes the same scene, way and noise on every machine [default: 1]
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
-    memory : int
+    memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
         enough [default: 75%]
@@ -348,7 +348,7 @@ class TrajectoryKeywords(TypedDict, total=False):
     width: int
     height: int
     bursts: int
-    frames: Frames
+    frames: int
     planes: int
     motion: Literal["1d", "2d"]
     max_slope: float
@@ -358,7 +358,7 @@ class TrajectoryKeywords(TypedDict, total=False):
     bits: int
     seed: int
     threads: Union[str, float]
-    memory: int
+    memory: str
 
 
 class NoisyKeywords(TypedDict, total=False):
@@ -397,7 +397,7 @@ class NoisyKeywords(TypedDict, total=False):
         or blue [default: luma]
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
-    memory : int
+    memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
         enough [default: 75%]
@@ -415,7 +415,7 @@ class NoisyKeywords(TypedDict, total=False):
     accept_damaged: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
     threads: Union[str, float]
-    memory: int
+    memory: str
 
 
 class EvaluateChartKeywords(TypedDict, total=False):
@@ -529,7 +529,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
         [default: 2]
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
-    memory : int
+    memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
         enough [default: 75%]
@@ -576,7 +576,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
     describe_slope: Literal["refined", "grid"]
     describe_scales: int
     threads: Union[str, float]
-    memory: int
+    memory: str
 
 
 class EvaluateFramesKeywords(TypedDict, total=False):
@@ -711,7 +711,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         or blue [default: luma]
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
-    memory : int
+    memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
         enough [default: 75%]
@@ -766,7 +766,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     accept_damaged: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
     threads: Union[str, float]
-    memory: int
+    memory: str
 
 
 class EvaluateAccuracyKeywords(TypedDict, total=False):
@@ -875,7 +875,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
         [default: 2]
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
-    memory : int
+    memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
         enough [default: 75%]
@@ -920,7 +920,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     describe_slope: Literal["refined", "grid"]
     describe_scales: int
     threads: Union[str, float]
-    memory: int
+    memory: str
 
 
 class EvaluateNoiseKeywords(TypedDict, total=False):
@@ -1026,7 +1026,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
         [default: 2]
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
-    memory : int
+    memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
         enough [default: 75%]
@@ -1068,7 +1068,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     describe_slope: Literal["refined", "grid"]
     describe_scales: int
     threads: Union[str, float]
-    memory: int
+    memory: str
 
 
 class EvaluateMatchesKeywords(TypedDict, total=False):
@@ -1223,7 +1223,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         or blue [default: luma]
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
-    memory : int
+    memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
         enough [default: 75%]
@@ -1283,7 +1283,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     accept_damaged: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
     threads: Union[str, float]
-    memory: int
+    memory: str
 
 
 class EvaluatePosesKeywords(TypedDict, total=False):
@@ -1308,7 +1308,7 @@ class EvaluatePosesKeywords(TypedDict, total=False):
         Number of images that the reconstruction began with [default: the number of true poses]
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
-    memory : int
+    memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
         enough [default: 75%]
@@ -1321,4 +1321,4 @@ class EvaluatePosesKeywords(TypedDict, total=False):
     step: int
     images: int
     threads: Union[str, float]
-    memory: int
+    memory: str

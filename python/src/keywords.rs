@@ -146,7 +146,9 @@ fn of_option(name: &str, arg: &Arg) -> String {
     if let Some(record) = doc::ALL.iter().find(|record| record.name == name && record.placeholder == value_name) {
         return of_record(record);
     }
-    if let Some(record) = matching_doc::ALL.iter().find(|record| record.name == name && record.placeholder == value_name) {
+    if let Some(record) =
+        matching_doc::ALL.iter().find(|record| record.name == name && record.placeholder == value_name)
+    {
         return if *record == matching_doc::CAMERA { "str".to_owned() } else { of_match_record(record) };
     }
     if matches!(arg.get_action(), ArgAction::SetTrue) {
