@@ -80,7 +80,8 @@ fn folder_of_burst(model: &Model) -> Option<PathBuf> {
         | BurstSource::DemoLater
         | BurstSource::Example(_)
         | BurstSource::Chart(_)
-        | BurstSource::DarkCopy { .. } => None,
+        | BurstSource::DarkCopy { .. }
+        | BurstSource::Planted { .. } => None,
     }
 }
 

@@ -57,6 +57,7 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
                 model.open(Side::A, BurstSource::Chart(Box::new(chart)), engine);
             }
         }
+        A::OpenPlanted => model.open_planted(engine),
         A::OpenDarkCopy => {
             if let Some(burst) = &model.slots.a.burst {
                 let of = Box::new(burst.source.clone());

@@ -159,6 +159,12 @@ actions! {
     ShowNoise, View 1, "Show local noise", [SHIFT N], "Show σ of the noise in D at each place, at the slope, octave and level, as the noise gate uses it";
     ShowCoverage, View 1, "Show coverage", [SHIFT C], "Show the share of the frames that see each place, at the slope";
     ShowMotion, View 1, "Show winning slope", [SHIFT V], "Show the slope of the strongest response at each place, at the octave and level: a picture of the motion";
+    ShowMedian, View 1, "Show median", [], "Show the median of the frames, shifted by the slope";
+    ShowClippedMean, View 1, "Show clipped mean", [], "Show the mean of the frames, shifted by the slope, without values far from the median";
+    ShowMax, View 1, "Show maximum", [], "Show the largest value of the frames, shifted by the slope";
+    ShowMin, View 1, "Show minimum", [], "Show the smallest value of the frames, shifted by the slope";
+    ShowDeviation, View 1, "Show deviation", [], "Show the standard deviation of the frames, shifted by the slope";
+    ShowMeanMinusMedian, View 1, "Show mean minus median", [], "Show what is in some frames only, shifted by the slope: satellites, cars, lamps that switch, hot pixels";
     Fit, View 2, "Fit picture", [NONE F], "Show the whole picture";
     OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
     ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";
@@ -223,6 +229,7 @@ actions! {
     CancelStudy, Detect 4, "Cancel study", [], "Stop the Lab's study; the curves so far stay";
     KeepCurves, Detect 4, "Keep curves", [], "Keep the curves of this study beside those of the next ones";
     OpenChart, Detect 4, "Look at chart as burst", [], "Open the Lab's chart as a burst, with its truth";
+    OpenPlanted, Detect 4, "Probe planted thing", [], "Open the copy of the burst with the selected planted thing, and say what became of it";
     OpenDarkCopy, Detect 4, "Dark copy of A", [], "Open a copy of the burst with less light; the Lab sets its SNR";
     ExportCurvesCsv, Detect 4, "Export curves as CSV…", [], "Write one row for each point of the Lab's curves";
     ExportCurvesSvg, Detect 4, "Export curves as SVG…", [], "Write the Lab's plots as a figure";
@@ -312,6 +319,12 @@ pub fn shown_by(shown: Shown) -> ActionId {
         Shown::Noise => ActionId::ShowNoise,
         Shown::Coverage => ActionId::ShowCoverage,
         Shown::Motion => ActionId::ShowMotion,
+        Shown::Median => ActionId::ShowMedian,
+        Shown::ClippedMean => ActionId::ShowClippedMean,
+        Shown::Max => ActionId::ShowMax,
+        Shown::Min => ActionId::ShowMin,
+        Shown::Deviation => ActionId::ShowDeviation,
+        Shown::MeanMinusMedian => ActionId::ShowMeanMinusMedian,
     }
 }
 

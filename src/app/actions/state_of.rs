@@ -60,6 +60,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::CancelStudy => model.lab.wanted.is_pending(),
         A::KeepCurves => model.lab.current.is_some() && !model.lab.wanted.is_pending(),
         A::OpenDarkCopy => has_burst,
+        A::OpenPlanted => model.lab.selected_thing().is_some() && has_burst,
         A::OpenChart => model.lab.selected_chart().is_some(),
         A::ExportCurvesCsv | A::ExportCurvesSvg => !model.lab.shown_results().is_empty(),
         A::OpenGoldA => has_burst,
