@@ -8,6 +8,7 @@ use super::colmap::ColmapArgs;
 use super::evaluate_args::EvaluateArgs;
 use super::failure::{Failure, print};
 use super::figures::FiguresArgs;
+use super::film::FilmArgs;
 use super::match_bursts::MatchArgs;
 use super::probe::{ProbeArgs, SlopesArgs};
 use super::recover::RecoverArgs;
@@ -81,6 +82,8 @@ pub enum Command {
     Probe(ProbeArgs),
     /// Say what the search as it is set would find: things planted in the burst, and counted.
     Recover(RecoverArgs),
+    /// Write a sweep over slope, scale or frames as an animation.
+    Film(FilmArgs),
     /// Write a burst, its settings and what is asked of it into one file.
     Case(CaseArgs),
     /// Make a burst with exactly known truth (16-bit PNG frames and truth.json), or noisy copies of real frames.

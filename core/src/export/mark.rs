@@ -48,6 +48,8 @@ fn is_our_start(head: &[u8]) -> bool {
     } else if starts(b"PK\x03\x04") {
         // A local header of a ZIP archive has the file's name at byte 30.
         head.get(30..).is_some_and(|name| name.starts_with(b"features.npy") || name.starts_with(b"case.toml"))
+    } else if starts(b"GIF8") {
+        holds(ANY_SOFTWARE)
     } else if starts(b"<") {
         holds(ANY_SVG_COMMENT)
     } else {

@@ -12,6 +12,7 @@ mod colmap;
 mod csv;
 mod error;
 mod figure;
+pub mod film;
 mod format;
 mod kept;
 mod mark;
