@@ -121,6 +121,19 @@ impl Film {
         }
     }
 
+    /// Columns and rows of a picture.
+    pub fn size(&self) -> (u32, u32) {
+        let (columns, rows, _) = self.picture_size();
+        (columns, rows + SCALE_PX)
+    }
+
+    /// Columns and rows of the burst in a picture, and the number of its pixels for one of these.
+    fn picture_size(&self) -> (u32, u32, usize) {
+        let (width, height) = self.burst.burst.size();
+        let shrink = width.max(height).div_ceil(self.max_side_px.max(16)).max(1);
+        ((width / shrink).max(1) as u32, (height / shrink).max(1) as u32, shrink)
+    }
+
     /// The pictures of all steps.
     ///
     /// # Errors
@@ -159,9 +172,7 @@ impl Film {
 
     /// Draws one step: its pixels, its features, and the scale.
     fn picture(&self, plane: &Plane, step: &FilmStep, (index, count): (usize, usize), display: &Display) -> RgbaImage {
-        let (width, height) = self.burst.burst.size();
-        let shrink = width.max(height).div_ceil(self.max_side_px.max(16)).max(1);
-        let (columns, rows) = ((width / shrink).max(1) as u32, (height / shrink).max(1) as u32);
+        let (columns, rows, shrink) = self.picture_size();
         let pixels = to_rgba8(plane, display);
         let per_pixel = step.scale.map_or(1.0, |(octave, _)| 2f32.powi(-octave));
         let mut out = RgbaImage::from_pixel(columns, rows + SCALE_PX, BACKGROUND);

@@ -73,7 +73,14 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Match => in_pair && !model.pair.matching.is_pending() && model.wanted_matches().is_some(),
         A::ProbeExpected => in_pair && model.expected_place().is_some(),
         A::ResetMatching => model.pair.params != MatchParams::default(),
-        A::SaveSession | A::Fit | A::OneToOne | A::ZoomIn | A::ZoomOut => has_burst,
+        A::SaveSession
+        | A::SaveCase
+        | A::ExportFilmGif
+        | A::ExportFilmApng
+        | A::Fit
+        | A::OneToOne
+        | A::ZoomIn
+        | A::ZoomOut => has_burst,
         A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => active.found.is_some(),
         A::ExportMatches => model.pair.matches.is_some(),
         A::ExportMatchPicture => model.pair.matches.is_some() && model.picture_of(Side::B).is_some(),
