@@ -1,11 +1,11 @@
 //! Arguments that several commands share (how bursts are opened, cut and searched, what is printed and written over),
 //! and those of the plain commands: names, kinds and help texts. Checks of their combinations are elsewhere.
 
-use super::choices::{RAW_COLOURS, words};
+use super::choices::{COMBINES, RAW_COLOURS, words};
 use super::search_options::SearchArgs;
 use crate::burst::{OpenOptions, RawColour};
 use crate::detector::params::doc;
-use crate::detector::{FrameRange, Slope, memory};
+use crate::detector::{Combine, FrameRange, Slope, memory};
 use crate::export::ExportFormat;
 use clap::Args;
 use std::path::PathBuf;
@@ -78,7 +78,7 @@ JSON (--json):
 
 /// Write the motion-stack image at a slope, or its DoG response.
 ///
-/// The image is the mean of the frames shifted by the slope; with --octave and --level it is the DoG response of that
+/// The image is the mean of the frames shifted by the slope, or what --combine says; with --octave and --level it is the DoG response of that
 /// image, on the octave's pixels. Values are fractions of full scale, written as 32-bit float TIFF.
 #[derive(Debug, Args)]
 pub struct StackArgs {
@@ -94,6 +94,10 @@ pub struct StackArgs {
     /// Level of the DoG response within its octave.
     #[arg(long, value_name = "S", allow_hyphen_values = true, requires = "octave")]
     pub level: Option<i32>,
+    /// How the shifted frames are combined: mean (what the detector uses), median, clipped-mean, max, min, deviation, or
+    /// mean-minus-median, which shows what is in some frames only.
+    #[arg(long, value_name = "HOW", value_parser = words::<Combine>(COMBINES), default_value = "mean", conflicts_with = "octave")]
+    pub combine: Combine,
     /// The TIFF file to write.
     #[arg(long, short, value_name = "FILE.tiff")]
     pub out: PathBuf,

@@ -24,6 +24,13 @@ pub(super) const RAW_COLOURS: &[&str] = &["luma", "green", "red", "blue"];
 /// The words of [`crate::matching::CameraModel`].
 #[cfg(feature = "colmap")]
 pub(super) const CAMERA_MODELS: &[&str] = &["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "OPENCV"];
+/// The words of [`crate::detector::Combine`].
+pub(super) const COMBINES: &[&str] =
+    &["mean", "median", "clipped-mean", "max", "min", "deviation", "mean-minus-median"];
+/// The words of [`crate::inspect::recover::Shape`].
+pub(super) const SHAPES: &[&str] = &["disc", "blob"];
+/// The words of [`crate::inspect::recover::Contrast`].
+pub(super) const CONTRASTS: &[&str] = &["bright", "dark", "both"];
 /// The words of [`crate::evaluate::poses::Association`].
 pub(super) const ASSOCIATIONS: &[&str] = &["name", "time", "order"];
 /// The words of [`crate::app::project::cursor::ViewKind`].
@@ -40,6 +47,9 @@ mod tests {
     fn every_word_is_known_to_its_type() {
         assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));
         assert!(RAW_COLOURS.iter().all(|w| read_word::<crate::burst::RawColour>(w).is_ok()));
+        assert!(COMBINES.iter().all(|w| read_word::<crate::detector::Combine>(w).is_ok()));
+        assert!(SHAPES.iter().all(|w| read_word::<crate::inspect::recover::Shape>(w).is_ok()));
+        assert!(CONTRASTS.iter().all(|w| read_word::<crate::inspect::recover::Contrast>(w).is_ok()));
         assert!(ASSOCIATIONS.iter().all(|w| read_word::<Association>(w).is_ok()));
     }
 

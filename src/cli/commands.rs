@@ -2,13 +2,16 @@
 //! `completions` writes them for a shell.
 
 use super::args::{CalibrationArgs, DetectArgs, MergeArgs, SequenceArgs, StackArgs};
+use super::case::CaseArgs;
 #[cfg(feature = "colmap")]
 use super::colmap::ColmapArgs;
 use super::evaluate_args::EvaluateArgs;
 use super::failure::{Failure, print};
 use super::figures::FiguresArgs;
+use super::film::FilmArgs;
 use super::match_bursts::MatchArgs;
 use super::probe::{ProbeArgs, SlopesArgs};
+use super::recover::RecoverArgs;
 #[cfg(feature = "app")]
 use super::render::RenderArgs;
 use super::search_options::ParamsFileArg;
@@ -78,6 +81,12 @@ pub enum Command {
     Slopes(SlopesArgs),
     /// Say why there is a feature at a place, or why there is none.
     Probe(ProbeArgs),
+    /// Say what the search as it is set would find: things planted in the burst, and counted.
+    Recover(RecoverArgs),
+    /// Write a sweep over slope, scale or frames as an animation.
+    Film(FilmArgs),
+    /// Write a burst, its settings and what is asked of it into one file.
+    Case(CaseArgs),
     /// Make a burst with exactly known truth (16-bit PNG frames and truth.json), or noisy copies of real frames.
     Synth(SynthArgs),
     /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.

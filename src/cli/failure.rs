@@ -81,6 +81,8 @@ impl From<SourceError> for Failure {
         match error {
             SourceError::Open(error) => error.into(),
             SourceError::Synth(error) => error.into(),
+            SourceError::Plant(error) => error.into(),
+            error @ SourceError::Case(_) => Self::Failed(error.into()),
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::burst::{
     name_among_several,
 };
 use crate::detector::SearchParams;
+use crate::export::case::is_case;
 use crate::export::{OpenedFiles, OutputRules, Overwrite, make_file_names_unique};
 use crate::files::path_text;
 use crate::monitor::Monitor;
@@ -85,12 +86,18 @@ pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
     for argument in arguments {
         if let Some(input) = Input::built_in(argument) {
             inputs.push(input);
+        } else if is_case(argument) {
+            let name = path_text(Path::new(argument.file_stem().unwrap_or(argument.as_os_str())));
+            inputs.push(Input { name, source: Ok(BurstSource::Paths(vec![argument.clone()])) });
         } else if argument.is_dir() {
             inputs.extend(look(std::slice::from_ref(argument)));
         } else if !files_done {
             files_done = true;
-            let files: Vec<PathBuf> =
-                arguments.iter().filter(|a| Input::built_in(a).is_none() && !a.is_dir()).cloned().collect();
+            let files: Vec<PathBuf> = arguments
+                .iter()
+                .filter(|a| Input::built_in(a).is_none() && !a.is_dir() && !is_case(a))
+                .cloned()
+                .collect();
             inputs.extend(resolve_files(&files));
         }
     }

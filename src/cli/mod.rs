@@ -7,6 +7,7 @@
 //! Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
 pub mod args;
+pub mod case;
 pub mod charts_args;
 mod choices;
 #[cfg(feature = "colmap")]
@@ -22,6 +23,7 @@ pub mod evaluate_poses;
 mod evaluate_tables;
 mod failure;
 pub mod figures;
+pub mod film;
 mod inputs;
 pub mod match_bursts;
 pub mod matching_args;
@@ -31,10 +33,12 @@ mod param_args;
 pub mod probe;
 #[cfg(all(feature = "app", target_os = "linux"))]
 mod quiet;
+pub mod recover;
 #[cfg(feature = "app")]
 pub mod render;
 mod report;
 pub mod search_options;
+pub mod set_up;
 mod signals;
 mod stack;
 mod study;
@@ -126,6 +130,9 @@ fn done(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Match(args)) => match_bursts::run(args),
         Some(Command::Merge(args)) => stack::run_merge(args),
         Some(Command::Probe(args)) => probe::run(args),
+        Some(Command::Recover(args)) => recover::run(args),
+        Some(Command::Film(args)) => film::run(args),
+        Some(Command::Case(args)) => case::run(args),
         Some(Command::Slopes(args)) => probe::run_slopes(args),
         Some(Command::Stack(args)) => stack::run(args),
         Some(Command::Synth(args)) => synth::run(args),

@@ -5,6 +5,8 @@ use super::console::Console;
 use super::failure::Failure;
 use super::inputs;
 use super::inputs::{open_options, resolve_one};
+use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
+use crate::detector::SlopeChoice;
 use crate::export::{ExportError, write_whole};
 use crate::files::path_text;
 use crate::inspect::figure::{probe_svg, spectrum_svg};
@@ -116,7 +118,16 @@ pub(super) fn write_text(path: &Path, text: &str) -> Result<(), ExportError> {
 const SEARCH_SHARE: f32 = 0.8;
 
 pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
-    let params = args.run.search.params()?;
+    let mut params = args.run.search.params()?;
+    let set_up = args.set_up.set_up();
+    if args.inputs.is_empty() {
+        let set_up = set_up.ok_or_else(|| {
+            Failure::usage("slopes: name a burst, or give the set-up with --speed, --fps, --focal-px and --depth")
+        })?;
+        let console = Console::new(&args.run.output)?;
+        let slopes = SetUpArgs::slopes(&set_up, args.set_up.frame_count, &params.detector)?;
+        return say_slopes(&console, &set_up, &slopes);
+    }
     if let Some(path) = &args.plot {
         check_svg(path)?;
     }
@@ -127,10 +138,23 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
     inputs::check(&rules, args.plot.as_deref())?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
+    let mut asked = None;
+    if let Some(set_up) = &set_up {
+        let slopes = SetUpArgs::slopes(set_up, params.detector.used_frames(burst.len()).len(), &params.detector)?;
+        if params.slopes.is_auto() {
+            params.detector.slopes = slopes.grid;
+            params.slopes = SlopeChoice::Given;
+        }
+        asked = Some(slopes);
+    }
     let cache = ProbeCache::new(&burst, &params, &console.monitor.part(0.0, SEARCH_SHARE))?;
     let answer = spectrum(&cache, &console.monitor.part(SEARCH_SHARE, 1.0 - SEARCH_SHARE))?;
     console.monitor.check()?;
     let mut text = spectrum_text(&answer, &input.name);
+    let depths = set_up.as_ref().map(|set_up| depths(set_up, &answer));
+    if let (Some(set_up), Some(slopes), Some(depths)) = (&set_up, &asked, &depths) {
+        text += &format!("{}\n  {}\n{}", slopes.sentence(set_up), slopes.options(), depths_text(depths));
+    }
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
         rules.check(path)?;
@@ -147,6 +171,9 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
         "width": burst.size().0,
         "height": burst.size().1,
         "most_features_at": answer.most_features(),
+        "set_up": set_up,
+        "set_up_slopes": asked,
+        "depths": depths,
         "plot": args.plot.as_deref().map(path_text),
         "spectrum": answer,
     }))
@@ -161,12 +188,15 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
 #[derive(Debug, Args)]
 #[command(after_long_help = SLOPES_HELP)]
 pub struct SlopesArgs {
-    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
+    #[arg(value_name = "INPUT", help = INPUT_HELP)]
     #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// Draw the answer as a figure.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub set_up: SetUpArgs,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
@@ -180,8 +210,10 @@ Examples:
   burstscope slopes night/                                which slopes, and why
   burstscope slopes night/ --slopes-u -3:3:7              is this range right?
   burstscope slopes night/ --slopes-u -3:3:7 --plot slopes.svg
+  burstscope slopes --speed 0.5 --fps 30 --focal-px 1200 --depth 1:8 --turn-deg-s 3    from the set-up; with night/ also the depths of its slopes
 
 JSON (--json), beside version, params, name and inputs:
+  \"set_up\", \"set_up_slopes\": {\"nearest\", \"farthest\", \"grid\", \"step\"}, \"depths\": [{\"slope\", \"features\", \"depth_m\" or null}], with --speed
   \"most_features_at\": {\"u\", \"v\"} or null, not counting the ends of the range
   \"spectrum\": {\"grid\", \"frames\", \"features\", \"at_limit\", \"judgement\": {\"sentence\", \"advice\" or null}, \"finding\" (as slopes_found of detect), \"cost\": {\"slopes\", \"samples\", \"search_secs\"},
     \"bars\": [{\"at\": [i, j], \"slope\": {\"u\", \"v\"}, \"is_searched\", \"is_on_rim\", \"features\", \"at_limit\", \"evidence\" (0 … 1), \"coverage\" (0 … 1)}],
@@ -234,11 +266,12 @@ JSON (--json), beside version, params, name, inputs and what was searched:
       \"tests\": [{\"test\", \"outcome\": passes, fails, not-asked or unknown, \"value\", \"limit\", \"side\": at-least or at-most, \"unit\", \"rival\"}],
       \"first_failed\": test or null, \"features\": [index], \"verdict\", \"remedy\": {\"sentence\", \"change\": {\"parameter\", \"value\"}, \"then_fails\"}}],
     \"subject\", \"response\": {\"scales\", \"slopes\", \"snr\": [row], \"gate\", \"plane\"}, \"shares\": {\"frames\", \"coherence\", \"shape\", \"meaning\"},
+    \"outlook\": {\"factor\", \"frames_now\", \"frames\", \"frames_inside\", \"exposure\", \"shot_part\", \"speed\", \"sentence\"} or null,
     \"judged\": {\"verdict\": real, ghost, alias, duplicate or unclear, \"coherence\", \"why\"} or null,
     \"suspicions\": [{\"kind\", \"evidence\", \"number\", \"other\", \"change\"}]}
   \"price\": {\"now\", \"then\", \"own\": [now, then]} or null, with --price";
 
-fn parse_place(text: &str) -> Result<[f32; 2], String> {
+pub(super) fn parse_place(text: &str) -> Result<[f32; 2], String> {
     let bad = || format!("'{text}' is not U,V in pixels, such as 412,230.5");
     let (u, v) = text.split_once(',').ok_or_else(bad)?;
     let number = |s: &str| s.trim().parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(bad);

@@ -7,6 +7,7 @@ use super::failure::Failure;
 use super::param_args::{Given, option};
 use crate::detector::params::{AUTO, Param, doc};
 use crate::detector::{DetectorParams, SearchParams};
+use crate::export::case::{is_case, read_about};
 use crate::files::{MAX_SETTINGS_BYTES, explained, read_text};
 use anyhow::Context;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// The parameter file.
 #[derive(Debug, Clone, Default, Args)]
 pub struct ParamsFileArg {
-    /// Parameter file (TOML), as the window saves it.
+    /// Parameter file (TOML), as the window saves it, or a case, whose search is taken.
     #[arg(long, value_name = "FILE.toml")]
     pub params: Option<PathBuf>,
 }
@@ -77,11 +78,14 @@ impl ParamsFileArg {
     }
 }
 
-/// Parameters in the file at `path`.
+/// Parameters in the file at `path`; those of a case, if it is one.
 ///
 /// # Errors
 /// As [`ParamsFileArg::read`].
 pub fn read_params(path: &Path) -> Result<SearchParams, Failure> {
+    if is_case(path) {
+        return read_about(path).map(|case| case.search).map_err(|error| Failure::usage(error.to_string()));
+    }
     let text = read_text(path, MAX_SETTINGS_BYTES)
         .with_context(|| format!("cannot read the parameter file {}", path.display()))
         .map_err(Failure::Failed)?;

@@ -8,7 +8,7 @@ use super::inputs::{open_options, resolve_one};
 use crate::SlopeGrid;
 use crate::baseline::{merge_burst, prepare};
 use crate::detector::noise::frame_noise;
-use crate::detector::view::{dog_view, stack_view};
+use crate::detector::view::{combined_view, dog_view};
 use crate::detector::{DetectorParams, Method};
 use crate::export::write_tiff;
 use crate::files::path_text;
@@ -31,7 +31,7 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     let (burst, params) = prepare(&burst, &params, &console.monitor)?;
     let image = match (args.octave, args.level) {
         (Some(octave), Some(level)) => dog_view(&burst, &params, args.slope, octave, level, &console.monitor)?,
-        _ => stack_view(&burst, &params, args.slope, &console.monitor)?,
+        _ => combined_view(&burst, &params, args.slope, args.combine, &console.monitor)?,
     };
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
@@ -56,6 +56,7 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
         "command": "stack",
         "file": path_text(&args.out),
         "slope": args.slope,
+        "combine": args.combine,
         "octave": args.octave,
         "level": args.level,
         "width": width,

@@ -9,12 +9,14 @@ use super::inputs::{DEMO, Input};
 use super::opening::{Opening, what_to_open};
 use super::render::{Sources, drawn, sources_of};
 use super::report::unsigned_zero;
+use super::search_options::ParamsFileArg;
 use super::signals;
 use crate::app::{RenderOptions, Startup};
 use crate::baseline::search;
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::{Detection, SearchParams};
+use crate::export::case::is_case;
 use crate::export::{OutputRules, safe_file_name};
 use crate::teach::{Lesson, built_in, built_in_names, lessons_at};
 use std::fmt::Write;
@@ -25,7 +27,13 @@ use std::sync::Arc;
 const TABLE_ROWS: usize = 20;
 
 pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
-    let params = cli.params.read()?;
+    let params = match cli.inputs.as_slice() {
+        // A case has its own settings.
+        [case] if is_case(case) && cli.params.params.is_none() => {
+            ParamsFileArg { params: Some(case.clone()) }.read()?
+        }
+        _ => cli.params.read()?,
+    };
     let calibration = cli.calibration.options();
     if let Some(name) = &cli.lesson {
         return lesson(name, params);

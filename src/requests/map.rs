@@ -4,8 +4,8 @@ use super::error::JobError;
 use super::open::OpenBurst;
 use super::trail::TrailStore;
 use crate::baseline::prepare;
-use crate::detector::view::{coverage_view, gate_noise_map};
-use crate::detector::{DetectorParams, Slope, SlopeGrid};
+use crate::detector::view::{combined_view, coverage_view, gate_noise_map};
+use crate::detector::{Combine, DetectorParams, Slope, SlopeGrid};
 use crate::inspect::candidates::{WinningSlopes, winning_slopes};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
@@ -55,6 +55,18 @@ pub enum MapKind {
     /// The slope with the strongest response at each place, at the octave and level: a picture of the motion. Its
     /// values are that response, over its noise.
     Motion,
+    /// The median of the frames, shifted by the slope.
+    Median,
+    /// Their mean without outliers.
+    ClippedMean,
+    /// Their largest value.
+    Max,
+    /// Their smallest value.
+    Min,
+    /// Their standard deviation.
+    Deviation,
+    /// Their mean minus their median.
+    MeanMinusMedian,
 }
 
 /// Description of a kind of map.
@@ -74,11 +86,65 @@ pub struct AboutMap {
 
 impl MapKind {
     /// All kinds, in the order of menus.
-    pub const ALL: [Self; 3] = [Self::Noise, Self::Coverage, Self::Motion];
+    pub const ALL: [Self; 9] = [
+        Self::Noise,
+        Self::Coverage,
+        Self::Motion,
+        Self::Median,
+        Self::ClippedMean,
+        Self::Max,
+        Self::Min,
+        Self::Deviation,
+        Self::MeanMinusMedian,
+    ];
+
+    /// The way to combine the shifted frames that the map shows; `None` for other maps.
+    pub fn combine(self) -> Option<Combine> {
+        Some(match self {
+            Self::Noise | Self::Coverage | Self::Motion => return None,
+            Self::Median => Combine::Median,
+            Self::ClippedMean => Combine::ClippedMean,
+            Self::Max => Combine::Max,
+            Self::Min => Combine::Min,
+            Self::Deviation => Combine::Deviation,
+            Self::MeanMinusMedian => Combine::MeanMinusMedian,
+        })
+    }
 
     /// Description of the map.
     pub fn about(self) -> AboutMap {
+        let combined = |label, help, range| AboutMap { label, help, of_scale: false, of_slope: true, range };
         match self {
+            Self::Median => combined(
+                "Median of the frames",
+                "The median of the frames, shifted by the slope: what is in fewer than half of them is gone",
+                RangeClass::Intensity,
+            ),
+            Self::ClippedMean => combined(
+                "Clipped mean",
+                "The mean of the frames, shifted by the slope, without values far from the median",
+                RangeClass::Intensity,
+            ),
+            Self::Max => combined(
+                "Maximum",
+                "The largest value of the frames, shifted by the slope: what is bright in any of them",
+                RangeClass::Intensity,
+            ),
+            Self::Min => combined(
+                "Minimum",
+                "The smallest value of the frames, shifted by the slope: what is bright in all of them",
+                RangeClass::Intensity,
+            ),
+            Self::Deviation => combined(
+                "Deviation",
+                "The standard deviation of the frames, shifted by the slope: noise, and what changes",
+                RangeClass::Noise,
+            ),
+            Self::MeanMinusMedian => combined(
+                "Mean minus median",
+                "What is in some frames only stands out: satellites, cars, lamps that switch, hot pixels",
+                RangeClass::Difference,
+            ),
             Self::Noise => AboutMap {
                 label: "Local noise",
                 help: "σ of the noise in the DoG at the slope, octave and level, by place, as the noise gate takes it: \
@@ -120,9 +186,12 @@ impl MapKind {
             return Ok((winning.snr.clone(), Some(MotionMap::new(winning, params.used_slopes()))));
         }
         let (burst, params) = prepare(&open.burst, params, monitor)?;
+        if let Some(combine) = self.combine() {
+            return Ok((combined_view(&burst, &params, slope, combine, monitor)?, None));
+        }
         let plane = match self {
             Self::Coverage => coverage_view(&burst, &params, slope, monitor),
-            Self::Noise | Self::Motion => gate_noise_map(&burst, &params, slope, octave, level, monitor),
+            _ => gate_noise_map(&burst, &params, slope, octave, level, monitor),
         };
         Ok((plane?, None))
     }

@@ -15,6 +15,7 @@ mod detect;
 mod detect_line;
 mod error;
 mod explain;
+mod film;
 mod map;
 mod open;
 mod picture;
@@ -40,6 +41,7 @@ pub use explain::{
     ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest, ProbeQuestion, ProbeRequest,
     Probed, Traced,
 };
+pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Sweep};
 pub use map::{AboutMap, MapKind, MotionMap, RangeClass};
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;

@@ -84,11 +84,11 @@ impl PictureKind {
             Self::Map { map, octave, level, slope } => {
                 let about = map.about();
                 AboutPicture {
-                    stage: Some(Stage::Search),
+                    stage: Some(if map.combine().is_some() { Stage::Stack } else { Stage::Search }),
                     slope: about.of_slope.then_some(slope),
                     scale: about.of_scale.then_some((octave, level)),
                     range: about.range,
-                    is_slow: true,
+                    is_slow: map.combine().is_none(),
                 }
             }
         }

@@ -1,6 +1,9 @@
 //! Source of a burst, and how the burst is read or made from it: the same for the window and the commands.
 
 use crate::burst::{Burst, OpenError, OpenOptions, files_at};
+use crate::evaluate::EvaluateError;
+use crate::export::case::{CaseError, is_case, read_case};
+use crate::inspect::recover::RecoverStudy;
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::{
     ChartParams, Example, FrameLevels, NoisyParams, SynthError, demo_burst, later_demo_burst, synth_chart,
@@ -27,6 +30,15 @@ pub enum BurstSource {
         /// Light and noise of the copy.
         noise: NoisyParams,
     },
+    /// A copy of another burst with things planted in it.
+    Planted {
+        /// The burst that is copied.
+        of: Box<BurstSource>,
+        /// The study that plants them.
+        study: Box<RecoverStudy>,
+        /// Seed of the copy.
+        seed: u64,
+    },
     /// A folder of frames, image files, a multi-page TIFF, or a `.npy` stack.
     Paths(Vec<PathBuf>),
 }
@@ -40,6 +52,12 @@ pub enum SourceError {
     /// The burst cannot be made.
     #[error(transparent)]
     Synth(#[from] SynthError),
+    /// The case cannot be opened.
+    #[error("{0}")]
+    Case(String),
+    /// Nothing can be planted in it.
+    #[error(transparent)]
+    Plant(#[from] EvaluateError),
 }
 
 impl SourceError {
@@ -48,6 +66,17 @@ impl SourceError {
         match self {
             Self::Open(error) => error.is_cancelled(),
             Self::Synth(error) => matches!(error, SynthError::Cancelled(_)),
+            Self::Case(_) => false,
+            Self::Plant(error) => matches!(error, EvaluateError::Cancelled(_)),
+        }
+    }
+}
+
+impl From<CaseError> for SourceError {
+    fn from(error: CaseError) -> Self {
+        match error {
+            CaseError::Cancelled(cancelled) => cancelled.into(),
+            error => Self::Case(error.to_string()),
         }
     }
 }
@@ -70,7 +99,7 @@ impl BurstSource {
             Self::Demo => Some("demo"),
             Self::DemoLater => Some("demo-later"),
             Self::Example(example) => Some(example.name()),
-            Self::Chart(_) | Self::DarkCopy { .. } | Self::Paths(_) => None,
+            Self::Chart(_) | Self::DarkCopy { .. } | Self::Planted { .. } | Self::Paths(_) => None,
         }
     }
 
@@ -87,6 +116,7 @@ impl BurstSource {
             Self::Example(example) => example.label().to_owned(),
             Self::Chart(chart) => format!("Chart, SNR {}, seed {}", chart.snr, chart.seed),
             Self::DarkCopy { of, noise } => format!("{}, dark copy at SNR {}", of.label(), noise.snr),
+            Self::Planted { of, seed, .. } => format!("{} with things planted, {seed}", of.label()),
             Self::Paths(paths) => match paths.as_slice() {
                 [] => "nothing".to_owned(),
                 [one] => one.file_name().unwrap_or(one.as_os_str()).to_string_lossy().into_owned(),
@@ -102,7 +132,7 @@ impl BurstSource {
     pub fn paths(&self) -> &[PathBuf] {
         match self {
             Self::Paths(paths) => paths,
-            Self::DarkCopy { of, .. } => of.paths(),
+            Self::DarkCopy { of, .. } | Self::Planted { of, .. } => of.paths(),
             Self::Demo | Self::DemoLater | Self::Example(_) | Self::Chart(_) => &[],
         }
     }
@@ -137,7 +167,15 @@ impl BurstSource {
                 let copy = noise.exposure(&levels)?.capture(&clear, noise.seed, 0, monitor)?;
                 Burst { name: self.label(), sources: Vec::new(), ..copy }
             }
-            Self::Paths(paths) => Burst::open_with(paths, options, monitor)?,
+            Self::Planted { of, study, seed } => {
+                let whole = of.burst(options, &monitor.part(0.0, 0.3))?;
+                let (copy, _) = study.planted_copy(&whole, *seed, &monitor.part(0.3, 0.7))?;
+                Burst { name: self.label(), ..copy }
+            }
+            Self::Paths(paths) => match paths.as_slice() {
+                [path] if is_case(path) => read_case(path, &options.limits, monitor)?.1,
+                paths => Burst::open_with(paths, options, monitor)?,
+            },
         };
         monitor.check()?;
         Ok(burst)

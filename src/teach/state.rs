@@ -40,12 +40,37 @@ pub enum Shown {
     Coverage,
     /// The winning slope.
     Motion,
+    /// The median of the shifted frames.
+    Median,
+    /// The mean of the shifted frames without outliers.
+    ClippedMean,
+    /// The largest value of the shifted frames.
+    Max,
+    /// The smallest value of the shifted frames.
+    Min,
+    /// The standard deviation of the shifted frames.
+    Deviation,
+    /// The mean of the shifted frames minus their median.
+    MeanMinusMedian,
 }
 
 impl Shown {
     /// All of them, in the order of menus.
-    pub const ALL: [Self; 7] =
-        [Self::Frame, Self::Stack, Self::Dog, Self::Merge, Self::Noise, Self::Coverage, Self::Motion];
+    pub const ALL: [Self; 13] = [
+        Self::Frame,
+        Self::Stack,
+        Self::Dog,
+        Self::Merge,
+        Self::Noise,
+        Self::Coverage,
+        Self::Motion,
+        Self::Median,
+        Self::ClippedMean,
+        Self::Max,
+        Self::Min,
+        Self::Deviation,
+        Self::MeanMinusMedian,
+    ];
 
     /// Name in the glossary's file.
     pub fn word(self) -> &'static str {
@@ -57,6 +82,12 @@ impl Shown {
             Self::Noise => "noise",
             Self::Coverage => "coverage",
             Self::Motion => "motion",
+            Self::Median => "median",
+            Self::ClippedMean => "clipped_mean",
+            Self::Max => "max",
+            Self::Min => "min",
+            Self::Deviation => "deviation",
+            Self::MeanMinusMedian => "mean_minus_median",
         }
     }
 }

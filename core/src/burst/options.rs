@@ -86,7 +86,7 @@ impl Default for Limits {
 
 impl Limits {
     /// Checks the declared size of one frame of the file `path`, and the memory that it needs.
-    pub(super) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<(), OpenError> {
+    pub(crate) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<(), OpenError> {
         if width == 0 || height == 0 {
             return Err(OpenError::ZeroSize { path: path.into(), width, height });
         }
@@ -102,7 +102,7 @@ impl Limits {
     }
 
     /// Checks the number of frames, and the memory that they need together.
-    pub(super) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<(), OpenError> {
+    pub(crate) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<(), OpenError> {
         if frames > self.max_frames as u64 {
             return Err(OpenError::BeyondLimit {
                 path: path.into(),

@@ -15,6 +15,7 @@
 
 pub mod advice;
 pub mod coherence;
+pub mod combine;
 pub mod describe;
 pub mod distinct;
 pub mod feature;
@@ -34,6 +35,7 @@ pub mod stack;
 pub mod view;
 
 pub use advice::{Advice, explain};
+pub use combine::Combine;
 pub use feature::{Descriptor, DetectError, Detection, Feature, REVISION, StageTimes, Tally, Test};
 pub use params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use params::{

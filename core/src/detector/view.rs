@@ -1,6 +1,7 @@
 //! Pictures of the search's steps: the motion-stack image and the DoG response at any slope, octave and level, and the
 //! noise by place.
 
+use super::combine::{Combine, combined_stack};
 use super::feature::DetectError;
 use super::noise::gate_factor;
 use super::noise_model::reading::sample_at;
@@ -27,6 +28,22 @@ pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor:
     let used = params.used_frames(burst.len());
     let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
     motion_stack(&frames, slope, params.interpolation, monitor)
+}
+
+/// Combination of the shifted frames at any `slope`, as [`stack_view`] shows their mean.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn combined_view(
+    burst: &Burst,
+    params: &DetectorParams,
+    slope: Slope,
+    combine: Combine,
+    monitor: &Monitor,
+) -> Result<Plane, Cancelled> {
+    let used = params.used_frames(burst.len());
+    let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
+    combined_stack(&frames, slope, params.interpolation, combine, monitor)
 }
 
 /// DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel (i,

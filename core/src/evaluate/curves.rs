@@ -294,7 +294,7 @@ pub fn curves_svg(sets: &[(String, Vec<StudyPlot>)]) -> String {
                     title: &plot.title,
                     label_x: plot.x_label,
                     label_y: &plot.y_label,
-                    range_x: (0.0, 1.03 * ends.fold(1e-6, f64::max)),
+                    range_x: (1.03 * ends.clone().fold(0.0, f64::min), 1.03 * ends.fold(1e-6, f64::max)),
                     range_y: range_from_zero(series),
                     has_dots: plot.marks_points,
                     series,

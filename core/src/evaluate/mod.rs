@@ -32,7 +32,6 @@ pub mod poses;
 pub mod pure_noise;
 pub mod score;
 pub mod statistics;
-mod study;
 
 pub use accuracy::{AccuracyReport, AccuracyStudy};
 pub use chart::{ChartReport, ChartStudy, LookedChart};
@@ -42,7 +41,6 @@ pub use matches::{MatchMethod, MatchReport, MatchStudy, Shot};
 pub use methods::{BurstMethod, Searches, slopes_of};
 pub use pure_noise::{NoiseReport, NoiseStudy};
 pub use score::{Curve, Ranking};
-pub use study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyPoint, StudyReport};
 
 use crate::detector::{DetectError, ParamError};
 use crate::monitor::{Cancelled, Monitor, Stage};

@@ -18,6 +18,9 @@ pub(super) const SVG_COMMENT: &str = concat!("<!-- Written by Burstscope ", env!
 /// Header of tables of curves.
 pub const CURVE_COLUMNS: &str = "set,plot,curve,x,y,low,high";
 
+/// Header of tables of planted things.
+pub const PLANTED_COLUMNS: &str = "seed,id,varied,u,v,radius,slope_u,slope_v,sign,snr,amplitude,frames,expected_snr_d,found,found_slope_u,found_slope_v,found_snr,failed,why";
+
 /// Beginning of every version's [`SOFTWARE`].
 const ANY_SOFTWARE: &[u8] = b"Burstscope ";
 /// Beginning of every version's [`SVG_COMMENT`].
@@ -44,12 +47,14 @@ fn is_our_start(head: &[u8]) -> bool {
         holds(ANY_SOFTWARE)
     } else if starts(b"PK\x03\x04") {
         // A local header of a ZIP archive has the file's name at byte 30.
-        head.get(30..).is_some_and(|name| name.starts_with(b"features.npy"))
+        head.get(30..).is_some_and(|name| name.starts_with(b"features.npy") || name.starts_with(b"case.toml"))
+    } else if starts(b"GIF8") {
+        holds(ANY_SOFTWARE)
     } else if starts(b"<") {
         holds(ANY_SVG_COMMENT)
     } else {
         let (features, matches) = (COLUMNS.join(","), MATCH_COLUMNS.join(","));
-        let headers = [features.as_str(), &matches, PROFILE_COLUMNS, CURVE_COLUMNS];
+        let headers = [features.as_str(), &matches, PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
         let count = line.strip_suffix(b" 128").unwrap_or_default();
         headers.iter().any(|header| line == header.as_bytes())
             || line.starts_with(WRITTEN_BY.as_bytes())

@@ -7,10 +7,12 @@
 //! made from.
 
 mod atomic;
+pub mod case;
 mod colmap;
 mod csv;
 mod error;
 mod figure;
+pub mod film;
 mod format;
 mod kept;
 mod mark;
@@ -42,7 +44,7 @@ pub use format::{
     ExportFormat, UnknownFormat, detection_files, make_file_names_unique, safe_file_name, write_detection,
 };
 pub(crate) use kept::{Checksum, MadeFrom, Record, Records, may_begin, read_json, write_json};
-pub use mark::{CURVE_COLUMNS, is_ours};
+pub use mark::{CURVE_COLUMNS, PLANTED_COLUMNS, is_ours};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use npz::write_npz;
 pub use outputs::{OpenedFiles, OutputRules, Overwrite};

@@ -3,7 +3,8 @@
 //! A detector returns what it found. When that is nothing, or too much, or wrong, people ask: what happened at this
 //! place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the candidates
 //! ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
-//! ([`unmatched`])? Which true discs were missed ([`truth`])?
+//! ([`unmatched`])? Which true discs were missed ([`truth`])? Would the search have found a thing that is not there
+//! ([`recover`])?
 //!
 //! Everything here explains and decides nothing: a verdict about a sample comes from the search's own function
 //! ([`crate::detector::Trail`]), and over a whole picture the verdicts add up to the detection's tally. Where one
@@ -13,14 +14,18 @@ pub mod candidates;
 pub mod changes;
 pub mod fate;
 pub mod figure;
+pub mod outlook;
 pub mod price;
 pub mod probe;
+pub mod recover;
 pub mod remedy;
 pub mod report;
 pub mod response;
+pub mod set_up;
 pub mod shares;
 pub mod spectrum;
 pub mod spot;
+pub mod study;
 pub mod suspicion;
 pub mod telling;
 pub mod texture;
@@ -30,6 +35,7 @@ pub mod verdict;
 pub mod words;
 
 pub use fate::{Fate, Outcome, TestReport};
+pub use outlook::Outlook;
 pub use probe::{Probe, ProbeError, ProbeOptions, Subject, probe};
 
 use crate::baseline::PreparedSearch;

@@ -3,6 +3,7 @@
 
 use super::ProbeCache;
 use super::fate::Fate;
+use super::outlook::{Outlook, outlook};
 use super::remedy::duplicate_remedy;
 use super::response::{ResponseMap, response_map};
 use super::shares::{Shares, Slice, across, direction_of, shares, slice};
@@ -135,6 +136,8 @@ pub struct Probe {
     pub response: ResponseMap,
     /// Response of each frame along the subject's motion.
     pub shares: Shares,
+    /// What would have to change in the world for the subject to pass the noise gate, if it fails that.
+    pub outlook: Option<Outlook>,
     /// Likely nature of the subject, if it was kept.
     pub judged: Option<Judged>,
     /// Reasons to doubt the subject, if it was kept.
@@ -268,12 +271,26 @@ pub fn probe(
         Some(index) => suspicions(trail, &fates[index], &shares.evenness(), monitor)?,
         None => Vec::new(),
     };
+    let outlook = subject.fate.and_then(|index| outlook(trail, &fates[index]));
     let is_feature = subject.fate.is_some_and(|index| !fates[index].features.is_empty());
     let judged = is_feature.then(|| Judged::of(&shares.evenness(), &suspicions));
     let direction = direction_of(subject.slope);
     let slices = [direction, across(direction)].map(|d| slice(trail, subject.pos_image, d, options.slice_half_px));
     let summary = summary_of(&nearness, &fates, near, &response);
-    Ok(Probe { pos_image: place, fates, near, samples, subject, response, shares, judged, suspicions, slices, summary })
+    Ok(Probe {
+        pos_image: place,
+        fates,
+        near,
+        samples,
+        subject,
+        response,
+        shares,
+        outlook,
+        judged,
+        suspicions,
+        slices,
+        summary,
+    })
 }
 
 fn check_place(trail: &Trail, [u, v]: [f32; 2]) -> Result<(), ProbeError> {

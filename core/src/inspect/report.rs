@@ -122,6 +122,9 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
         writeln!(out)?;
         write_fate(out, fate)?;
     }
+    if let Some(outlook) = &probe.outlook {
+        writeln!(out, "    {}", outlook.sentence)?;
+    }
     if let Some(judged) = &probe.judged {
         writeln!(out, "  {}: {}", judged.verdict.clause(), judged.why)?;
     }

@@ -165,7 +165,13 @@ pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Re
     Ok(out)
 }
 
-fn miss(cache: &ProbeCache, index: usize, disc: &FeatureTruth, monitor: &Monitor) -> Result<Miss, Cancelled> {
+/// Reason why no feature found `disc`, the truth's number `index`.
+pub(super) fn miss(
+    cache: &ProbeCache,
+    index: usize,
+    disc: &FeatureTruth,
+    monitor: &Monitor,
+) -> Result<Miss, Cancelled> {
     let (width, height) = cache.burst.size();
     let inside = disc.u >= 0.0 && disc.v >= 0.0 && disc.u <= (width - 1) as f64 && disc.v <= (height - 1) as f64;
     if !inside {

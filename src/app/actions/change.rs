@@ -57,6 +57,7 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
                 model.open(Side::A, BurstSource::Chart(Box::new(chart)), engine);
             }
         }
+        A::OpenPlanted => model.open_planted(engine),
         A::OpenDarkCopy => {
             if let Some(burst) = &model.slots.a.burst {
                 let of = Box::new(burst.source.clone());
@@ -111,6 +112,9 @@ fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
         A::ExportMatches => Purpose::Export(ExportKind::Matches),
         A::ExportMatchPicture => Purpose::Export(ExportKind::MatchPicture),
         A::ExportProfile => Purpose::Export(ExportKind::Profile),
+        A::SaveCase => Purpose::Export(ExportKind::Case),
+        A::ExportFilmGif => Purpose::Export(ExportKind::FilmGif),
+        A::ExportFilmApng => Purpose::Export(ExportKind::FilmApng),
         A::ExportCurvesCsv => Purpose::Export(ExportKind::CurvesCsv),
         A::ExportCurvesSvg => Purpose::Export(ExportKind::CurvesSvg),
         _ => return None,

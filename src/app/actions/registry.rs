@@ -122,6 +122,7 @@ actions! {
     OpenDemo, File 0, "Open demo burst", [], "Open the burst that is built into the program";
     RestoreSession, File 1, "Open session…", [], "Restore the burst, parameters, view and selection from a session file";
     SaveSession, File 1, "Save session…", [CTRL S], "Write the burst's path, parameters, view and selection to a file";
+    SaveCase, File 1, "Save case…", [], "Write the frames, the search and the probed place to one file, which opens like a burst on any machine";
     LoadParams, File 2, "Load parameters…", [], "Read detector parameters from a TOML file";
     SaveParams, File 2, "Save parameters…", [CTRL_SHIFT S], "Write the detector parameters to a TOML file, as --params reads it";
     ExportCsv, File 3, "Export features as CSV…", [CTRL E], "Write one row for each feature, strongest first";
@@ -132,6 +133,8 @@ actions! {
     ExportSvg, File 4, "Export figure as SVG…", [], "Write the panes with their overlays as vector graphics, for papers";
     ExportFigurePng, File 4, "Export figure as PNG…", [], "Write the panes with their overlays as pixels, at any scale";
     FigureOptions, File 4, "Figure options…", [], "Choose what figures show: panes, part of the picture, legend, colour bar, scale bar, lines";
+    ExportFilmGif, File 4, "Export film as GIF…", [], "Write a sweep over the slopes, with the features of each, as an animation";
+    ExportFilmApng, File 4, "Export film as animated PNG…", [], "Write a sweep over the slopes, with the features of each, as an animation of all colours";
     ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes";
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts";
     ExportMatchPicture, File 5, "Export match picture as PNG…", [], "Write both pictures as they are shown, with the matches of the table between them";
@@ -159,6 +162,12 @@ actions! {
     ShowNoise, View 1, "Show local noise", [SHIFT N], "Show σ of the noise in D at each place, at the slope, octave and level, as the noise gate uses it";
     ShowCoverage, View 1, "Show coverage", [SHIFT C], "Show the share of the frames that see each place, at the slope";
     ShowMotion, View 1, "Show winning slope", [SHIFT V], "Show the slope of the strongest response at each place, at the octave and level: a picture of the motion";
+    ShowMedian, View 1, "Show median", [], "Show the median of the frames, shifted by the slope";
+    ShowClippedMean, View 1, "Show clipped mean", [], "Show the mean of the frames, shifted by the slope, without values far from the median";
+    ShowMax, View 1, "Show maximum", [], "Show the largest value of the frames, shifted by the slope";
+    ShowMin, View 1, "Show minimum", [], "Show the smallest value of the frames, shifted by the slope";
+    ShowDeviation, View 1, "Show deviation", [], "Show the standard deviation of the frames, shifted by the slope";
+    ShowMeanMinusMedian, View 1, "Show mean minus median", [], "Show what is in some frames only, shifted by the slope: satellites, cars, lamps that switch, hot pixels";
     Fit, View 2, "Fit picture", [NONE F], "Show the whole picture";
     OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
     ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";
@@ -223,6 +232,7 @@ actions! {
     CancelStudy, Detect 4, "Cancel study", [], "Stop the Lab's study; the curves so far stay";
     KeepCurves, Detect 4, "Keep curves", [], "Keep the curves of this study beside those of the next ones";
     OpenChart, Detect 4, "Look at chart as burst", [], "Open the Lab's chart as a burst, with its truth";
+    OpenPlanted, Detect 4, "Probe planted thing", [], "Open the copy of the burst with the selected planted thing, and say what became of it";
     OpenDarkCopy, Detect 4, "Dark copy of A", [], "Open a copy of the burst with less light; the Lab sets its SNR";
     ExportCurvesCsv, Detect 4, "Export curves as CSV…", [], "Write one row for each point of the Lab's curves";
     ExportCurvesSvg, Detect 4, "Export curves as SVG…", [], "Write the Lab's plots as a figure";
@@ -312,6 +322,12 @@ pub fn shown_by(shown: Shown) -> ActionId {
         Shown::Noise => ActionId::ShowNoise,
         Shown::Coverage => ActionId::ShowCoverage,
         Shown::Motion => ActionId::ShowMotion,
+        Shown::Median => ActionId::ShowMedian,
+        Shown::ClippedMean => ActionId::ShowClippedMean,
+        Shown::Max => ActionId::ShowMax,
+        Shown::Min => ActionId::ShowMin,
+        Shown::Deviation => ActionId::ShowDeviation,
+        Shown::MeanMinusMedian => ActionId::ShowMeanMinusMedian,
     }
 }
 

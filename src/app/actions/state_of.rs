@@ -60,6 +60,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::CancelStudy => model.lab.wanted.is_pending(),
         A::KeepCurves => model.lab.current.is_some() && !model.lab.wanted.is_pending(),
         A::OpenDarkCopy => has_burst,
+        A::OpenPlanted => model.lab.selected_thing().is_some() && has_burst,
         A::OpenChart => model.lab.selected_chart().is_some(),
         A::ExportCurvesCsv | A::ExportCurvesSvg => !model.lab.shown_results().is_empty(),
         A::OpenGoldA => has_burst,
@@ -72,7 +73,14 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Match => in_pair && !model.pair.matching.is_pending() && model.wanted_matches().is_some(),
         A::ProbeExpected => in_pair && model.expected_place().is_some(),
         A::ResetMatching => model.pair.params != MatchParams::default(),
-        A::SaveSession | A::Fit | A::OneToOne | A::ZoomIn | A::ZoomOut => has_burst,
+        A::SaveSession
+        | A::SaveCase
+        | A::ExportFilmGif
+        | A::ExportFilmApng
+        | A::Fit
+        | A::OneToOne
+        | A::ZoomIn
+        | A::ZoomOut => has_burst,
         A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => active.found.is_some(),
         A::ExportMatches => model.pair.matches.is_some(),
         A::ExportMatchPicture => model.pair.matches.is_some() && model.picture_of(Side::B).is_some(),

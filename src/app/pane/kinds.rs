@@ -43,6 +43,12 @@ impl KindOfPicture {
             Shown::Noise => made(Content::Map(MapKind::Noise), None),
             Shown::Coverage => made(Content::Map(MapKind::Coverage), None),
             Shown::Motion => Self { file_name: "winning-slopes", ..made(Content::Map(MapKind::Motion), None) },
+            Shown::Median => made(Content::Map(MapKind::Median), None),
+            Shown::ClippedMean => made(Content::Map(MapKind::ClippedMean), None),
+            Shown::Max => made(Content::Map(MapKind::Max), None),
+            Shown::Min => made(Content::Map(MapKind::Min), None),
+            Shown::Deviation => made(Content::Map(MapKind::Deviation), None),
+            Shown::MeanMinusMedian => made(Content::Map(MapKind::MeanMinusMedian), None),
         }
     }
 

@@ -198,7 +198,8 @@ fn row_ui(ui: &mut Ui, burst: &BurstSource) -> egui::Response {
         | BurstSource::DemoLater
         | BurstSource::Example(_)
         | BurstSource::Chart(_)
-        | BurstSource::DarkCopy { .. } => None,
+        | BurstSource::DarkCopy { .. }
+        | BurstSource::Planted { .. } => None,
     };
     let folder = folder.map_or_else(String::new, |f| f.to_string_lossy().into_owned());
     let name = format!("{} in {folder}", burst.label());

@@ -4,6 +4,7 @@
 use super::side::Side;
 use crate::dataset::DatasetSource;
 use crate::engine::Ended;
+use crate::export::case::CASE_EXTENSION;
 use crate::requests::{BurstSource, OpenRequest};
 use crate::teach::Lesson;
 use std::path::PathBuf;
@@ -119,6 +120,12 @@ pub enum ExportKind {
     CurvesCsv,
     /// The Lab's plots as a figure.
     CurvesSvg,
+    /// The burst with the search and the probed place, in one file.
+    Case,
+    /// A sweep over the slopes as a GIF.
+    FilmGif,
+    /// A sweep over the slopes as an animated PNG.
+    FilmApng,
 }
 
 impl ExportKind {
@@ -131,6 +138,9 @@ impl ExportKind {
             Self::Tiff => "tiff",
             Self::Png | Self::MatchPicture | Self::FigurePng => "png",
             Self::Svg | Self::CurvesSvg => "svg",
+            Self::Case => CASE_EXTENSION,
+            Self::FilmGif => "gif",
+            Self::FilmApng => "apng",
         }
     }
 
@@ -149,6 +159,9 @@ impl ExportKind {
             Self::FigurePng => "Export figure as PNG",
             Self::CurvesCsv => "Export curves as CSV",
             Self::CurvesSvg => "Export curves as SVG",
+            Self::Case => "Save case",
+            Self::FilmGif => "Export film as GIF",
+            Self::FilmApng => "Export film as animated PNG",
         }
     }
 }
@@ -231,9 +244,8 @@ impl Purpose {
             | Self::OpenPath
             | Self::OpenFolderB
             | Self::OpenPathB => Vec::new(),
-            Self::OpenFiles | Self::OpenFilesB | Self::OpenBias | Self::OpenFlat | Self::OpenGold(_) => {
-                crate::burst::supported_extensions()
-            }
+            Self::OpenFiles | Self::OpenFilesB => [crate::burst::supported_extensions(), vec![CASE_EXTENSION]].concat(),
+            Self::OpenBias | Self::OpenFlat | Self::OpenGold(_) => crate::burst::supported_extensions(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::OpenFeatures(_) => vec!["csv", "txt"],
             Self::Export(kind) => vec![kind.extension()],

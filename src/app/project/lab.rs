@@ -2,14 +2,15 @@
 //! show.
 
 use crate::app::project::Model;
+use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
 use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
 use crate::engine::{Engine, Wanted};
 use crate::evaluate::frames::FRAME_COUNTS;
-use crate::evaluate::{
-    AccuracyStudy, BurstFramesStudy, BurstMethod, BurstsOfStudy, ChartOfStudy, ChartStudy, FramesStudy, ShownChart,
-    Study, StudyPoint, StudyReport,
-};
-use crate::requests::{JobError, StudyRequest};
+use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, FramesStudy};
+use crate::inspect::recover::{Planted, RecoverReport, RecoverStudy};
+use crate::inspect::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyPoint, StudyReport};
+use crate::requests::{BurstSource, JobError, StudyRequest};
 use crate::synth::{ChartParams, NoisyParams};
 
 /// A study and its report so far.
@@ -83,6 +84,12 @@ pub struct Lab {
     pub problem: Option<String>,
     /// Noise of a dark copy of the open burst.
     pub dark_copy: NoisyParams,
+    /// What is planted in the open burst; its search is that of the window.
+    pub planted: RecoverStudy,
+    /// The planted thing that is looked at: the seed of its copy, and its number in it.
+    pub selected_thing: Option<(u64, usize)>,
+    /// A planted copy that is being opened, and the place that is probed then.
+    pub probe_when_open: Option<(BurstSource, [f32; 2])>,
 }
 
 impl Default for Lab {
@@ -107,6 +114,9 @@ impl Default for Lab {
             wanted_chart: Wanted::default(),
             problem: None,
             dark_copy: NoisyParams::default(),
+            planted: RecoverStudy { copies: 12, ..RecoverStudy::default() },
+            selected_thing: None,
+            probe_when_open: None,
         }
     }
 }
@@ -155,6 +165,20 @@ impl Lab {
         Some(ChartOfStudy { study, point, seed })
     }
 
+    /// The newest report of planted things, with its study.
+    pub fn recovered(&self) -> Option<(&RecoverStudy, &RecoverReport)> {
+        match (&self.current.as_ref()?.study, &self.current.as_ref()?.report) {
+            (Study::Recover(study, _), StudyReport::Recover(report)) => Some((study, report)),
+            _ => None,
+        }
+    }
+
+    /// The planted thing that is looked at.
+    pub fn selected_thing(&self) -> Option<&Planted> {
+        let (seed, id) = self.selected_thing?;
+        self.recovered()?.1.planted.iter().find(|one| (one.seed, one.truth.id) == (seed, id))
+    }
+
     /// The chart that is looked at, if it is the one that is wanted.
     pub fn current_chart(&self) -> Option<&ShownChart> {
         let wanted = self.selected_chart()?;
@@ -170,14 +194,45 @@ impl Model {
                 let open = self.slots.a.burst.clone();
                 let lab = &mut self.lab;
                 (lab.problem, lab.current, lab.selected, lab.shown) = (None, None, None, None);
+                lab.selected_thing = None;
                 lab.wanted.ask(engine, StudyRequest { study, open });
             }
             Err(problem) => self.lab.problem = Some(problem),
         }
     }
 
+    /// Opens the copy with the planted thing that is looked at, to probe it.
+    pub(in crate::app) fn open_planted(&mut self, engine: &Engine) {
+        let (Some(one), Some((study, _)), Some(open)) =
+            (self.lab.selected_thing(), self.lab.recovered(), &self.slots.a.burst)
+        else {
+            return;
+        };
+        // From within a copy, the next one is of the same burst.
+        let of = match &open.source {
+            BurstSource::Planted { of, .. } => of.clone(),
+            source => Box::new(source.clone()),
+        };
+        let source = BurstSource::Planted { of, study: Box::new(study.clone()), seed: one.seed };
+        let place = [one.truth.u as f32, one.truth.v as f32];
+        self.workspace = Workspace::Inspect;
+        self.lab.probe_when_open = Some((source.clone(), place));
+        self.open(Side::A, source, engine);
+    }
+
+    /// Probes the planted thing whose copy was opened.
+    fn probe_planted(&mut self) {
+        let is_open = |(source, _): &mut (BurstSource, [f32; 2])| {
+            self.slots.a.burst.as_ref().is_some_and(|open| open.source == *source)
+        };
+        if let Some((_, place)) = self.lab.probe_when_open.take_if(is_open) {
+            self.probe_place(Side::A, place);
+        }
+    }
+
     /// Takes the report of the study so far, its end, and the chart that is looked at.
     pub(in crate::app) fn take_studies(&mut self) {
+        self.probe_planted();
         let lab = &mut self.lab;
         if let (Some(report), Some(request)) = (lab.wanted.take_told().pop(), lab.wanted.pending()) {
             lab.current = Some(LabResult { study: request.study.clone(), report, is_whole: false });
@@ -222,11 +277,13 @@ pub enum LabQuestion {
     Accuracy,
     /// Features of the open burst with fewer of its frames.
     BurstFrames,
+    /// Things planted in the open burst.
+    InBurst,
 }
 
 impl LabQuestion {
     /// All questions.
-    pub const ALL: [Self; 4] = [Self::Dark, Self::Frames, Self::Accuracy, Self::BurstFrames];
+    pub const ALL: [Self; 5] = [Self::Dark, Self::Frames, Self::Accuracy, Self::BurstFrames, Self::InBurst];
 
     /// Label in the window.
     pub fn label(self) -> &'static str {
@@ -235,6 +292,7 @@ impl LabQuestion {
             Self::Frames => "Frames",
             Self::Accuracy => "Errors",
             Self::BurstFrames => "Frames of A",
+            Self::InBurst => "In this burst",
         }
     }
 
@@ -250,6 +308,9 @@ impl LabQuestion {
             Self::BurstFrames => {
                 "What the middle frames of the open burst show, from two frames to all: features, those that all frames confirm, and the matches with as many frames of B"
             }
+            Self::InBurst => {
+                "Would it have been seen? Things of known SNR, slope and size are planted in copies of the open burst, and searched for as it is set: the share found, why the others were missed, and how faint a thing is seen at each place"
+            }
             Self::Accuracy => {
                 "How far place, scale and slope of the discs found are from the truth, against the ratio of signal to noise"
             }
@@ -258,7 +319,7 @@ impl LabQuestion {
 
     /// Whether the study uses synthetic charts.
     pub fn needs_charts(self) -> bool {
-        self != Self::BurstFrames
+        !matches!(self, Self::BurstFrames | Self::InBurst)
     }
 
     /// Whether it compares methods.
@@ -279,6 +340,7 @@ impl LabQuestion {
                 | (Self::Frames, StudyReport::Frames(_))
                 | (Self::Accuracy, StudyReport::Accuracy(_))
                 | (Self::BurstFrames, StudyReport::BurstFrames(_))
+                | (Self::InBurst, StudyReport::Recover(_))
         )
     }
 }
@@ -350,6 +412,10 @@ impl Lab {
                 frame_counts.retain(|count| (2..=all).contains(count));
                 let study = BurstFramesStudy { search: search.clone(), frame_counts, ..BurstFramesStudy::default() };
                 Study::BurstFrames(Box::new(study), bursts)
+            }
+            LabQuestion::InBurst => {
+                let bursts = bursts.ok_or("open a burst first")?.clone();
+                Study::Recover(Box::new(RecoverStudy { search: search.clone(), ..self.planted.clone() }), bursts)
             }
         })
     }

@@ -479,7 +479,7 @@ impl Model {
 fn files_of(source: &BurstSource) -> Vec<PathBuf> {
     match source {
         BurstSource::Paths(paths) => files_at(paths.clone()),
-        BurstSource::DarkCopy { of, .. } => files_of(of),
+        BurstSource::DarkCopy { of, .. } | BurstSource::Planted { of, .. } => files_of(of),
         BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => Vec::new(),
     }
 }

@@ -69,6 +69,9 @@ pub(super) fn absolute(source: &BurstSource) -> BurstSource {
     match source {
         BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => source.clone(),
         BurstSource::DarkCopy { of, noise } => BurstSource::DarkCopy { of: Box::new(absolute(of)), noise: *noise },
+        BurstSource::Planted { of, study, seed } => {
+            BurstSource::Planted { of: Box::new(absolute(of)), study: study.clone(), seed: *seed }
+        }
         BurstSource::Paths(paths) => BurstSource::Paths(paths.iter().map(|p| absolute_path(p)).collect()),
     }
 }

@@ -13,10 +13,11 @@ use crate::app::inspector::{Change, PaneWidgets, inspector_ui};
 use crate::app::measure::RegionCache;
 use crate::app::panel;
 use crate::app::panel::lab;
-use crate::app::panel::lab::{chart, curves};
+use crate::app::panel::lab::{chart, curves, planted};
 use crate::app::panel::probe::{PlaneTexture, ProbePanel};
 use crate::app::panel::selection::SelectionState;
 use crate::app::panel::widgets::section_ui;
+use crate::app::project::lab::LabQuestion;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
@@ -242,9 +243,11 @@ fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, 
             .default_size(1.3 * side_width(model))
             .size_range(250.0..=900.0)
             .show(ui, |ui| {
-                section_ui(ui, "Chart", |ui| {
-                    chart::lab_chart_ui(ui, model, picture, queue);
-                });
+                if model.lab.question == LabQuestion::InBurst {
+                    section_ui(ui, "How faint", |ui| planted::lab_planted_ui(ui, model, picture, queue));
+                } else {
+                    section_ui(ui, "Chart", |ui| chart::lab_chart_ui(ui, model, picture, queue));
+                }
             });
     }
     CentralPanel::default().show(ui, |ui| curves::curves_ui(ui, &mut model.lab));

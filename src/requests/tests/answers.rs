@@ -7,13 +7,13 @@ use crate::detect;
 use crate::detector::DetectorParams;
 use crate::detector::view::{dog_view, stack_view};
 use crate::detector::{Method, SearchParams, Slope};
-use crate::evaluate::Study;
 use crate::evaluate::poses::PoseStudy;
 use crate::inspect::ProbeCache;
 use crate::inspect::candidates::{SurveyOptions, survey};
 use crate::inspect::changes::Spot;
 use crate::inspect::probe::Wanted;
 use crate::inspect::spectrum::{Spectrum, spectrum};
+use crate::inspect::study::Study;
 use crate::inspect::{ProbeOptions, probe};
 use crate::matching::match_detections;
 use crate::monitor::Monitor;
@@ -159,7 +159,7 @@ fn maps_have_the_pixels_of_their_octave_and_their_own_colours() {
         let kind = PictureKind::Map { map, octave: 1, level: 1, slope: Slope::default() };
         PictureRequest::new(open(), kind, params()).compute(&Work::alone(&no_monitor())).expect("a map")
     };
-    let [noise, coverage, motion] = MapKind::ALL.map(of);
+    let [noise, coverage, motion, ..] = MapKind::ALL.map(of);
     assert_eq!((noise.plane.size(), coverage.plane.size(), motion.plane.size()), ((48, 36), (96, 72), (48, 36)));
     assert!(noise.plane.data().iter().all(|&sigma| sigma > 0.0), "noise is everywhere");
     let covers = coverage.plane.data().iter().all(|&share| (share - 1.0).abs() < 1e-6);
@@ -310,7 +310,7 @@ fn trajectories_are_read_and_compared_when_both_are_there() {
 fn a_study_grows_up_to_its_report() {
     let chart = crate::evaluate::ChartStudy { chart: super::chart(1), seeds: 2, ..Default::default() };
     let heard = std::sync::Mutex::new(0usize);
-    let tell = |_: crate::evaluate::StudyReport| *heard.lock().expect("no panic") += 1;
+    let tell = |_: crate::inspect::study::StudyReport| *heard.lock().expect("no panic") += 1;
     let request = StudyRequest { study: Study::Chart(Box::new(chart.clone())), open: None };
     let report = request.compute(&Work::alone(&no_monitor()).telling(&tell)).expect("valid");
     let expected = Study::Chart(Box::new(chart)).run_telling(&no_monitor(), &|_| {}).expect("valid");

@@ -25,7 +25,7 @@ fn picture(kind: PictureKind, params: DetectorParams) -> PictureRequest {
 fn kinds(slope: Slope) -> [PictureKind; 7] {
     let (octave, level) = (0, 1);
     let map = |map| PictureKind::Map { map, octave, level, slope };
-    let [noise, coverage, motion] = MapKind::ALL.map(map);
+    let [noise, coverage, motion, ..] = MapKind::ALL.map(map);
     let dog = PictureKind::Dog { octave, level, slope };
     [PictureKind::Frame(1), PictureKind::Stack { slope }, dog, PictureKind::Merge, noise, coverage, motion]
 }

@@ -5,4 +5,5 @@ mod ghosts;
 mod law;
 mod limit;
 mod probing;
+mod recover;
 mod slopes;

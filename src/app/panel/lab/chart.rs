@@ -8,7 +8,7 @@ use crate::app::panel::widgets::dot_ui;
 use crate::app::project::Model;
 use crate::app::project::lab::{Lab, LabSet};
 use crate::evaluate::score::Judged;
-use crate::evaluate::{ShownChart, StudyPoint};
+use crate::inspect::study::{ShownChart, StudyPoint};
 use crate::inspect::words::number;
 use crate::plane::display::Display;
 use crate::plane::statistics::{Region, percentiles};

@@ -3,8 +3,8 @@
 
 use super::curve_colour;
 use crate::app::project::lab::{Lab, LabResult, LabSet};
-use crate::evaluate::StudyPoint;
 use crate::evaluate::curves::{StudyCurve, StudyCurvePoint, StudyPlot};
+use crate::inspect::study::StudyPoint;
 use crate::inspect::words::number;
 use egui::{Color32, Pos2, RichText, Ui, vec2};
 use egui_plot::{Corner, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Points};
@@ -226,7 +226,8 @@ fn point_text(plot: &StudyPlot, one: &Drawn, point: &StudyCurvePoint) -> String 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::{BurstMethod, ChartStudy, Study};
+    use crate::evaluate::{BurstMethod, ChartStudy};
+    use crate::inspect::study::Study;
     use crate::monitor::Monitor;
     use crate::synth::ChartParams;
     use std::sync::OnceLock;

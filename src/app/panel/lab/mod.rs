@@ -3,6 +3,7 @@
 
 pub mod chart;
 pub mod curves;
+pub mod planted;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::{name_field, section_ui};
@@ -34,6 +35,9 @@ pub fn lab_settings_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     }
     if model.lab.question.needs_charts() {
         section_ui(ui, "Charts", |ui| charts_ui(ui, &mut model.lab));
+    }
+    if model.lab.question == LabQuestion::InBurst {
+        section_ui(ui, "Planted things", |ui| planted::planted_settings_ui(ui, &mut model.lab.planted));
     }
     if model.lab.question.compares_methods() {
         section_ui(ui, "Methods", |ui| methods_ui(ui, &mut model.lab));

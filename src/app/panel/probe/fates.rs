@@ -13,7 +13,7 @@ use crate::inspect::fate::{Outcome, Rival, TestReport};
 use crate::inspect::probe::Wanted;
 use crate::inspect::report::{test_name, test_sentence, value_text};
 use crate::inspect::words::{counted_from_one, number, slope_text};
-use crate::inspect::{Fate, Probe};
+use crate::inspect::{Fate, Outlook, Probe};
 use crate::requests::{ProbeQuestion, Probed};
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
 use std::ops::Range;
@@ -66,7 +66,7 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &
     }
     ui.add_space(4.0);
     match answer.probe.subject_fate() {
-        Some(fate) => fate_ui(ui, model, fate, queue),
+        Some(fate) => fate_ui(ui, model, (fate, answer.probe.outlook.as_ref()), queue),
         None => {
             let hint = match answer.request.question {
                 ProbeQuestion::At { wanted: Wanted::Scale { .. }, .. } => "No candidate at this slope and scale.",
@@ -191,7 +191,7 @@ fn margin_text(margin: f64) -> String {
 }
 
 /// Draws the verdict, the remedy, and every test in order.
-fn fate_ui(ui: &mut Ui, model: &mut Model, fate: &Fate, queue: &mut Queue) {
+fn fate_ui(ui: &mut Ui, model: &mut Model, (fate, outlook): (&Fate, Option<&Outlook>), queue: &mut Queue) {
     let verdict = counted_from_one(&fate.verdict);
     ui.add(Label::new(RichText::new(sentence(&verdict)).strong()).wrap());
     if let Some(remedy) = &fate.remedy {
@@ -200,6 +200,10 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, fate: &Fate, queue: &mut Queue) {
             .map_or_else(String::new, |test| format!(" It would then be rejected as {}.", test.reason()));
         ui.add(Label::new(format!("{}{then}", sentence(&remedy.sentence))).wrap());
         ui.horizontal_wrapped(|ui| apply_ui(ui, model, &remedy.change, queue));
+    }
+    if let Some(outlook) = outlook {
+        let label = ui.add(Label::new(sentence(&outlook.sentence)).wrap());
+        label.on_hover_text("What would have to change in the world, from the noise of the burst");
     }
     if let Some(rival) = fate.first_failed.and_then(|test| fate.report(test).rival) {
         rival_ui(ui, model, &rival);

@@ -1,15 +1,15 @@
 //! All studies with curves, as one type: for the Lab, which runs them, shows them growing, and opens single charts.
 
-use super::EvaluateError;
-use super::accuracy::{AccuracyReport, AccuracyStudy};
-use super::chart::{ChartReport, ChartStudy, LookedChart};
-use super::curves::{StudyPlot, accuracy_plots, burst_frames_plots, chart_plots, frames_plots};
-use super::frames::{FramesReport, FramesStudy};
-use super::frames_of_burst::{BurstFramesReport, BurstFramesStudy};
-use super::methods::BurstMethod;
-use super::score::{Curve, Judged};
+use super::recover::plots::recover_plots;
+use super::recover::{RecoverReport, RecoverStudy};
 use crate::baseline::plain_mean;
 use crate::burst::Burst;
+use crate::evaluate::curves::{StudyPlot, accuracy_plots, burst_frames_plots, chart_plots, frames_plots};
+use crate::evaluate::score::{Curve, Judged};
+use crate::evaluate::{
+    AccuracyReport, AccuracyStudy, BurstFramesReport, BurstFramesStudy, BurstMethod, ChartReport, ChartStudy,
+    EvaluateError, FramesReport, FramesStudy, LookedChart,
+};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::synth::{ChartParams, Truth};
@@ -26,9 +26,11 @@ pub enum Study {
     Accuracy(Box<AccuracyStudy>),
     /// Detection in the middle frames of a given burst.
     BurstFrames(Box<BurstFramesStudy>, BurstsOfStudy),
+    /// Things planted in a given burst.
+    Recover(Box<RecoverStudy>, BurstsOfStudy),
 }
 
-/// The bursts of [`Study::BurstFrames`]. Only identical ones are equal, not ones with equal content.
+/// The bursts of [`Study::BurstFrames`] and [`Study::Recover`]. Only identical ones are equal, not ones with equal content.
 #[derive(Debug, Clone)]
 pub struct BurstsOfStudy {
     /// The burst.
@@ -60,6 +62,8 @@ pub enum StudyReport {
     Accuracy(Box<AccuracyReport>),
     /// Report of [`Study::BurstFrames`].
     BurstFrames(Box<BurstFramesReport>),
+    /// Report of [`Study::Recover`].
+    Recover(Box<RecoverReport>),
 }
 
 /// Point of a curve: identifies the charts that it is the mean of.
@@ -100,7 +104,7 @@ impl ShownChart {
         let fraction = match &self.of.study {
             Study::Chart(study) => Some(study.false_fraction),
             Study::Frames(study) => Some(study.charts.false_fraction),
-            Study::Accuracy(_) | Study::BurstFrames(..) => None,
+            Study::Accuracy(_) | Study::BurstFrames(..) | Study::Recover(..) => None,
         };
         let judged = &self.looked.judged;
         let threshold = fraction.filter(|_| !all).map(|share| Curve::of(judged).at_false_fraction(share).threshold);
@@ -118,7 +122,11 @@ impl ChartOfStudy {
         let looked = match &self.study {
             Study::Accuracy(study) => study.look(row_value, self.seed, monitor)?,
             study => {
-                let no_chart = || EvaluateError::param("study", "has no charts", "look at a point of charts");
+                let no_chart = || EvaluateError::Param {
+                    parameter: "study",
+                    problem: "has no charts".to_owned(),
+                    remedy: "look at a point of charts",
+                };
                 let (study, snr) = study.charts_of_row(row_value).ok_or_else(no_chart)?;
                 let method = method.or_else(|| study.methods.first().copied()).unwrap_or(BurstMethod::Buff1d);
                 study.look(snr, self.seed, method, monitor)?
@@ -165,6 +173,10 @@ impl Study {
                 let tell = |report| tell(wrapped(report));
                 study.run_telling(burst, second.as_deref(), truth.as_deref(), monitor, &tell).map(wrapped)
             }
+            Self::Recover(study, BurstsOfStudy { burst, .. }) => {
+                let wrapped = |report| StudyReport::Recover(Box::new(report));
+                study.run_telling(burst, monitor, &|report| tell(wrapped(report))).map(wrapped)
+            }
         }
     }
 
@@ -174,7 +186,7 @@ impl Study {
             Self::Chart(study) => Some((study.first_seed, study.seeds)),
             Self::Frames(study) => Some((study.charts.first_seed, study.charts.seeds)),
             Self::Accuracy(study) => Some((study.first_seed, study.seeds)),
-            Self::BurstFrames(..) => None,
+            Self::BurstFrames(..) | Self::Recover(..) => None,
         }
     }
 
@@ -183,7 +195,7 @@ impl Study {
         match self {
             Self::Chart(study) => Some(((**study).clone(), row_value)),
             Self::Frames(study) => Some((study.charts_of(row_value as usize), study.charts.snrs[0])),
-            Self::Accuracy(_) | Self::BurstFrames(..) => None,
+            Self::Accuracy(_) | Self::BurstFrames(..) | Self::Recover(..) => None,
         }
     }
 }
@@ -196,6 +208,7 @@ impl StudyReport {
             Self::Frames(report) => frames_plots(report, roc_row),
             Self::Accuracy(report) => accuracy_plots(report),
             Self::BurstFrames(report) => burst_frames_plots(report),
+            Self::Recover(report) => recover_plots(report),
         }
     }
 
@@ -204,7 +217,7 @@ impl StudyReport {
         match self {
             Self::Chart(report) => report.rows.iter().map(|row| self.row_label(row.snr)).collect(),
             Self::Frames(report) => report.rows.iter().map(|row| self.row_label(row.frames as f64)).collect(),
-            Self::Accuracy(_) | Self::BurstFrames(_) => Vec::new(),
+            Self::Accuracy(_) | Self::BurstFrames(_) | Self::Recover(_) => Vec::new(),
         }
     }
 
@@ -213,6 +226,7 @@ impl StudyReport {
         match self {
             Self::Chart(_) | Self::Accuracy(_) => format!("SNR {row_value}"),
             Self::Frames(_) | Self::BurstFrames(_) => format!("{row_value} frames"),
+            Self::Recover(_) => row_value.to_string(),
         }
     }
 
@@ -225,6 +239,7 @@ impl StudyReport {
             Self::BurstFrames(report) => {
                 return format!("{}: {} features in all frames", report.burst, report.features);
             }
+            Self::Recover(report) => return report.summary(),
         };
         format!(
             "{} discs of {} to {} px, contrast {}, {} frames of {}×{}, up to ±{} px/frame in {}",

@@ -1,0 +1,389 @@
+//! A case: a burst, or the part of it around a place, with the settings and the question about it, in one file.
+//!
+//! The file is a ZIP without compression of its own: `case.toml`, and one 16-bit grey PNG for each frame,
+//! `frames/00000.png` and on. Values are `offset + word·scale`; where the burst's values lie on a lattice of at most 65536
+//! steps, as those of 8 to 16-bit files do, they come back as they were. Reading is bounded: the sizes that `case.toml`
+//! declares are checked before frames are decoded, and no entry is read further than a frame of that size can need.
+
+use super::atomic::write_whole;
+use super::error::ExportError;
+use crate::burst::{Burst, Encoding, Limits};
+use crate::detector::SearchParams;
+use crate::files::MAX_SETTINGS_BYTES;
+use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::plane::{Plane, memory};
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{BufReader, Cursor, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+/// Ending of the names of cases.
+pub const CASE_EXTENSION: &str = "burstcase";
+/// Name of the entry with the settings.
+const ABOUT: &str = "case.toml";
+/// Version of the format.
+const VERSION: u32 = 1;
+
+/// What a case says beside its frames.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Version of the format: 1.
+    pub version: u32,
+    /// Name of the burst.
+    pub name: String,
+    /// A note, in any words.
+    #[serde(default)]
+    pub note: String,
+    /// The place that is asked about, pixels of the case's frames at mid-burst.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<[f32; 2]>,
+    /// Column and row of the burst at which the case's frames begin.
+    pub corner: [usize; 2],
+    /// Columns and rows of the case's frames.
+    pub size: [usize; 2],
+    /// Number of frames.
+    pub frames: usize,
+    /// Intensity of the word 0.
+    pub offset: f64,
+    /// Intensity of a step of one word.
+    pub scale: f64,
+    /// Smallest difference of the burst's files, fraction of full scale; 0 if unknown.
+    pub quantisation_step: f32,
+    /// File value that became intensity 1.
+    pub full_scale: f32,
+    /// Relation of the values to light.
+    pub encoding: Encoding,
+    /// Sensor pixels along a side of a pixel.
+    pub binning: usize,
+    /// The search.
+    pub search: SearchParams,
+}
+
+/// Reason why a case was not read.
+#[derive(Debug, thiserror::Error)]
+pub enum CaseError {
+    /// The file is no case, or a damaged one.
+    #[error("{}: not a case that can be opened: {problem}; give a file that 'burstscope case' or Save case wrote", path.display())]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// Reading was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl Case {
+    /// A case of `burst`, or of the square of `around` pixels to each side of `place` in it, with the burst of its frames.
+    pub fn of(
+        burst: &Burst,
+        search: &SearchParams,
+        place: Option<[f32; 2]>,
+        around: Option<usize>,
+        note: &str,
+    ) -> (Self, Burst) {
+        let (width, height) = burst.size();
+        let span = |at: f32, half: usize, n: usize| {
+            let middle = (at.round().max(0.0) as usize).min(n - 1);
+            middle.saturating_sub(half)..(middle + half + 1).min(n)
+        };
+        let (columns, rows) = match (place, around) {
+            (Some([u, v]), Some(half)) => (span(u, half, width), span(v, half, height)),
+            _ => (0..width, 0..height),
+        };
+        let mut part = burst.clone();
+        if columns.len() < width || rows.len() < height {
+            let crop = |frame: &Arc<Plane>| {
+                let at = |u: usize, v: usize| frame.at(columns.start + u, rows.start + v);
+                Arc::new(Plane::from_fn(columns.len(), rows.len(), at))
+            };
+            part.frames = burst.frames.iter().map(crop).collect();
+        }
+        let (offset, scale) = words_of(&part);
+        let case = Self {
+            version: VERSION,
+            name: burst.name.clone(),
+            note: note.to_owned(),
+            place: place.map(|[u, v]| [u - columns.start as f32, v - rows.start as f32]),
+            corner: [columns.start, rows.start],
+            size: [columns.len(), rows.len()],
+            frames: burst.len(),
+            offset,
+            scale,
+            quantisation_step: burst.quantisation_step,
+            full_scale: burst.full_scale,
+            encoding: burst.encoding,
+            binning: burst.binning,
+            search: search.clone(),
+        };
+        (case, part)
+    }
+
+    /// Bytes of the file, about, before it is written: a 16-bit word for each pixel, which PNG seldom halves.
+    pub fn estimated_bytes(&self) -> u64 {
+        let pixels = self.size[0] as u64 * self.size[1] as u64 * self.frames as u64;
+        2 * pixels + 4096
+    }
+}
+
+/// Offset and scale of the words that hold the values of a burst.
+fn words_of(burst: &Burst) -> (f64, f64) {
+    let values = || burst.frames.iter().flat_map(|frame| frame.data()).copied().filter(|x| x.is_finite());
+    let (min, max) = values().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let (min, max) = if min <= max { (f64::from(min), f64::from(max)) } else { (0.0, 1.0) };
+    let step = f64::from(burst.quantisation_step);
+    let on_lattice = |x: f32| {
+        let steps = (f64::from(x) - min) / step;
+        (steps - steps.round()).abs() < 0.02
+    };
+    if step > 0.0 && (max - min) / step <= 65535.5 && values().all(on_lattice) {
+        return (min, step);
+    }
+    (min, ((max - min) / 65535.0).max(f64::MIN_POSITIVE))
+}
+
+/// Writes a case; `burst` has its frames.
+///
+/// # Errors
+/// When the file cannot be written; an older one is then unchanged. [`ExportError::Write`] with the reason when cancelled.
+pub fn write_case(path: &Path, case: &Case, burst: &Burst, monitor: &Monitor) -> Result<(), ExportError> {
+    let text = toml::to_string(case).expect("a case is plain values, which TOML can always hold");
+    write_whole(path, |out| {
+        // The size and sum of an entry come before its bytes, so it is written to memory first.
+        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+        zip.start_file(ABOUT, stored).map_err(std::io::Error::other)?;
+        zip.write_all(text.as_bytes())?;
+        for (t, frame) in burst.frames.iter().enumerate() {
+            monitor.check().map_err(std::io::Error::other)?;
+            monitor.report(Stage::Write, t as f32 / burst.len() as f32);
+            zip.start_file(frame_name(t), stored).map_err(std::io::Error::other)?;
+            zip.write_all(&encoded(frame, case)?)?;
+        }
+        out.write_all(&zip.finish().map_err(std::io::Error::other)?.into_inner())
+    })
+}
+
+fn frame_name(t: usize) -> String {
+    format!("frames/{t:05}.png")
+}
+
+fn encoded(frame: &Plane, case: &Case) -> std::io::Result<Vec<u8>> {
+    let word =
+        |&x: &f32| (((f64::from(x) - case.offset) / case.scale).round().clamp(0.0, 65535.0) as u16).to_be_bytes();
+    let words: Vec<u8> = frame.data().iter().flat_map(word).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, case.size[0] as u32, case.size[1] as u32);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Sixteen);
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header().map_err(std::io::Error::other)?;
+    writer.write_image_data(&words).map_err(std::io::Error::other)?;
+    writer.finish().map_err(std::io::Error::other)?;
+    Ok(bytes)
+}
+
+/// Whether `path` is named as a case.
+pub fn is_case(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(CASE_EXTENSION))
+}
+
+/// Reads what a case says beside its frames.
+///
+/// # Errors
+/// See [`CaseError`].
+pub fn read_about(path: &Path) -> Result<Case, CaseError> {
+    let mut zip = opened(path)?;
+    about(path, &mut zip)
+}
+
+/// Reads a case and its frames.
+///
+/// # Errors
+/// See [`CaseError`].
+pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Case, Burst), CaseError> {
+    let mut zip = opened(path)?;
+    let case = about(path, &mut zip)?;
+    let [width, height] = case.size;
+    let fits = limits.check_frame(path, width as u64, height as u64);
+    fits.and_then(|()| limits.check_burst(path, case.frames as u64, width as u64, height as u64))
+        .map_err(|error| invalid(path, error.to_string()))?;
+    let mut frames = Vec::with_capacity(case.frames);
+    for t in 0..case.frames {
+        monitor.check()?;
+        monitor.report(Stage::Open, t as f32 / case.frames as f32);
+        frames.push(Arc::new(frame(path, &mut zip, &case, t)?));
+    }
+    let burst = Burst {
+        name: case.name.clone(),
+        frame_names: (0..frames.len()).map(frame_name).collect(),
+        frames,
+        full_scale: case.full_scale,
+        quantisation_step: case.quantisation_step,
+        encoding: case.encoding,
+        binning: case.binning,
+        suggested_full_scale: None,
+        remarks: Vec::new(),
+        sources: vec![path.to_owned()],
+    };
+    Ok((case, burst))
+}
+
+fn invalid(path: &Path, problem: impl ToString) -> CaseError {
+    CaseError::Invalid { path: path.to_owned(), problem: problem.to_string() }
+}
+
+fn opened(path: &Path) -> Result<ZipArchive<BufReader<File>>, CaseError> {
+    let file = File::open(path).map_err(|error| invalid(path, error))?;
+    ZipArchive::new(BufReader::new(file)).map_err(|error| invalid(path, error))
+}
+
+/// The bytes of an entry, of which there may be `limit` at most.
+fn entry<R: Read + Seek>(path: &Path, zip: &mut ZipArchive<R>, name: &str, limit: u64) -> Result<Vec<u8>, CaseError> {
+    let entry = zip.by_name(name).map_err(|error| invalid(path, format!("{name}: {error}")))?;
+    let mut bytes = Vec::new();
+    // The declared size is no promise.
+    entry.take(limit + 1).read_to_end(&mut bytes).map_err(|error| invalid(path, format!("{name}: {error}")))?;
+    if bytes.len() as u64 > limit {
+        return Err(invalid(path, format!("{name} is larger than {limit} bytes")));
+    }
+    Ok(bytes)
+}
+
+fn about<R: Read + Seek>(path: &Path, zip: &mut ZipArchive<R>) -> Result<Case, CaseError> {
+    let bytes = entry(path, zip, ABOUT, MAX_SETTINGS_BYTES)?;
+    let text = String::from_utf8(bytes).map_err(|_| invalid(path, format!("{ABOUT} is no text")))?;
+    let case: Case = toml::from_str(&text).map_err(|error| invalid(path, format!("{ABOUT}: {error}")))?;
+    let wrong = |problem: &str| Err(invalid(path, format!("{ABOUT}: {problem}")));
+    if case.version != VERSION {
+        return wrong("its version is not 1");
+    }
+    if case.frames == 0 || case.binning == 0 {
+        return wrong("it has no frames, or pixels of no size");
+    }
+    let numbers = [case.offset, case.scale, f64::from(case.quantisation_step), f64::from(case.full_scale)];
+    if numbers.iter().any(|x| !x.is_finite()) || case.scale <= 0.0 || case.quantisation_step < 0.0 {
+        return wrong("a number is not finite, or a scale is not above 0");
+    }
+    if case.place.is_some_and(|place| place.iter().any(|x| !x.is_finite())) {
+        return wrong("the place is not finite");
+    }
+    case.search.validate().map_err(|error| invalid(path, format!("{ABOUT}: {error}")))?;
+    Ok(case)
+}
+
+fn frame<R: Read + Seek>(path: &Path, zip: &mut ZipArchive<R>, case: &Case, t: usize) -> Result<Plane, CaseError> {
+    let name = frame_name(t);
+    let [width, height] = case.size;
+    let words = 2 * width as u64 * height as u64;
+    // A PNG of random words is hardly larger than these.
+    let bytes = entry(path, zip, &name, words + words / 64 + (1 << 16))?;
+    let wrong = |problem: String| invalid(path, format!("{name}: {problem}"));
+    let limits = png::Limits { bytes: words as usize + (1 << 20) };
+    let mut reader = png::Decoder::new_with_limits(Cursor::new(bytes), limits)
+        .read_info()
+        .map_err(|error| wrong(error.to_string()))?;
+    let info = reader.info();
+    let is_grey = (info.color_type, info.bit_depth) == (png::ColorType::Grayscale, png::BitDepth::Sixteen);
+    if !is_grey || (info.width as usize, info.height as usize) != (width, height) {
+        return Err(wrong(format!("not a 16-bit grey PNG of {width}×{height} pixels")));
+    }
+    let mut words: Vec<u8> = memory::zeroed(2 * width * height);
+    reader.next_frame(&mut words).map_err(|error| wrong(error.to_string()))?;
+    let value = |pair: &[u8]| (case.offset + f64::from(u16::from_be_bytes([pair[0], pair[1]])) * case.scale) as f32;
+    Ok(Plane::from_vec(width, height, words.chunks_exact(2).map(value).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Stream;
+    use crate::synth::{ChartParams, synth_chart};
+
+    fn chart() -> Burst {
+        let chart =
+            ChartParams { width: 96, height: 64, discs: 3, frames: 4, radius: 3.6..=8.0, ..ChartParams::default() };
+        synth_chart(&chart, &Monitor::default()).expect("a chart").0
+    }
+
+    fn written(case: &Case, burst: &Burst) -> (tempfile::TempDir, PathBuf) {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("a.burstcase");
+        write_case(&path, case, burst, &Monitor::default()).expect("written");
+        (home, path)
+    }
+
+    #[test]
+    fn a_case_comes_back_as_it_was() {
+        let burst = chart();
+        let search = SearchParams::default();
+        let (case, part) = Case::of(&burst, &search, Some([40.0, 30.0]), None, "why not this one?");
+        let (_home, path) = written(&case, &part);
+        let (read, back) = read_case(&path, &Limits::default(), &Monitor::default()).expect("read");
+        assert_eq!(read, case);
+        assert_eq!(back.frames, burst.frames, "12-bit values are exact");
+        assert!(std::fs::metadata(&path).expect("a file").len() <= case.estimated_bytes());
+        let (case, part) = Case::of(&burst, &search, Some([90.0, 30.0]), Some(10), "");
+        assert_eq!((case.corner, case.size, case.place), ([80, 20], [16, 21], Some([10.0, 10.0])));
+        assert_eq!(part.frames[1].at(3, 4), burst.frames[1].at(83, 24));
+        let (_home, path) = written(&case, &part);
+        assert_eq!(read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1.frames, part.frames);
+    }
+
+    #[test]
+    fn damaged_and_hostile_cases_are_refused_and_never_panic() {
+        let burst = chart();
+        let (case, part) = Case::of(&burst, &SearchParams::default(), None, None, "");
+        let (_home, path) = written(&case, &part);
+        let good = std::fs::read(&path).expect("read");
+        let mut stream = Stream::new(11, 0);
+        let mut refused = 0;
+        for round in 0..300 {
+            let mut bytes = good.clone();
+            match round % 3 {
+                0 => bytes.truncate(stream.below(bytes.len())),
+                1 => (0..1 + stream.below(8)).for_each(|_| {
+                    let at = stream.below(bytes.len());
+                    bytes[at] = stream.below(256) as u8;
+                }),
+                _ => {
+                    // The text at the beginning, where the settings are.
+                    let at = stream.below(900);
+                    bytes[at] = b"0123456789.-[]={}\"\n"[stream.below(19)];
+                }
+            }
+            std::fs::write(&path, &bytes).expect("written");
+            match read_case(&path, &Limits::default(), &Monitor::default()) {
+                Ok((read, burst)) => assert_eq!(burst.len(), read.frames),
+                Err(error) => {
+                    refused += 1;
+                    assert!(error.to_string().contains("a.burstcase"), "{error}");
+                }
+            }
+        }
+        assert!(refused > 200, "{refused}");
+        // Declared sizes beyond the limits are refused before anything of that size is made.
+        for (size, frames) in [([1 << 40, 1 << 40], 4), ([96, 64], 1 << 40), ([0, 64], 4), ([97, 64], 4), ([96, 64], 5)]
+        {
+            let lying = Case { size, frames, ..case.clone() };
+            let text = toml::to_string(&lying).expect("plain values");
+            let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+            let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+            zip.start_file(ABOUT, stored).expect("started");
+            zip.write_all(text.as_bytes()).expect("written");
+            for (t, frame) in part.frames.iter().enumerate() {
+                zip.start_file(frame_name(t), stored).expect("started");
+                zip.write_all(&encoded(frame, &case).expect("encoded")).expect("written");
+            }
+            std::fs::write(&path, zip.finish().expect("finished").into_inner()).expect("written");
+            let error = read_case(&path, &Limits::default(), &Monitor::default()).expect_err("a lie");
+            assert!(matches!(error, CaseError::Invalid { .. }), "{error}");
+        }
+    }
+}

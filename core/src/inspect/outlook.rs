@@ -1,0 +1,236 @@
+//! What would have to change in the world for a candidate below the noise gate to pass: more frames, a longer exposure, or
+//! a slower motion.
+//!
+//! All three follow from the noise. The noise of the mean of n frames falls with √n. With e times the exposure the signal
+//! grows e times; of the noise, shot noise grows with √e, and read noise stays, so that the gain is e where read noise
+//! decides and √e where shot noise does: the measured variance over brightness says which. A thing of 1/e of the speed
+//! allows an exposure e times as long with as much motion in a frame. Requirements are such that nine of ten candidates
+//! like this one pass, because noise is added to each.
+
+use super::fate::{Fate, Outcome};
+use super::words::{counted, number};
+use crate::detector::{Test, Trail};
+use crate::plane::sample::bilinear;
+use serde::Serialize;
+
+/// Added to the gate, in σ, so that nine of ten pass.
+pub const NINE_OF_TEN: f64 = 1.2816;
+/// Half the side, pixels, of the square whose mean is the brightness of the place.
+const AROUND_PX: i32 = 4;
+/// Factors beyond which a change is no advice.
+const MAX_FACTOR: f64 = 1000.0;
+
+/// What would keep a candidate that fails the noise gate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outlook {
+    /// Factor by which its SNR in D must grow.
+    pub factor: f64,
+    /// Number of frames that show it now.
+    pub frames_now: usize,
+    /// Number of frames that it takes at this motion; `None` where it leaves the picture before.
+    pub frames: Option<usize>,
+    /// Number of frames for which it stays in the picture at this motion; `None` where it does not move.
+    pub frames_inside: Option<usize>,
+    /// Factor of the exposure that it takes; `None` where the place would be brighter than white, or is dark.
+    pub exposure: Option<f64>,
+    /// Part of the variance at the place that is shot noise, 0 … 1; `None` where the noise model does not tell.
+    pub shot_part: Option<f64>,
+    /// Part of the speed at which it passes with as much longer exposures; `None` where it does not move, or where no
+    /// exposure helps.
+    pub speed: Option<f64>,
+    /// A sentence without a full stop.
+    pub sentence: String,
+}
+
+/// The outlook of a candidate; `None` unless the noise gate is the first test that it fails.
+pub fn outlook(trail: &Trail, fate: &Fate) -> Option<Outlook> {
+    if fate.first_failed != Some(Test::NoiseGate) {
+        return None;
+    }
+    let report = fate.report(Test::NoiseGate);
+    let (value, limit) = (report.value?, report.limit?);
+    if report.outcome != Outcome::Fails || value <= 0.0 {
+        return None;
+    }
+    let factor = (limit + NINE_OF_TEN) / value;
+    let frames_now = frames_showing(trail, fate);
+    let frames_inside = frames_inside(trail, fate);
+    let needed = frames_needed(frames_now, factor);
+    let frames = needed.filter(|needed| frames_inside.is_none_or(|inside| *needed <= inside));
+    let brightness = brightness(trail, fate);
+    let transfer = &trail.noise().transfer;
+    let is_measured = !transfer.points.is_empty();
+    let (shot, read) = (f64::from(transfer.slope) * brightness.max(0.0), f64::from(transfer.dark).max(0.0));
+    let shot_part = (is_measured && shot + read > 0.0).then(|| shot / (shot + read));
+    // Where the model does not tell, shot noise, which needs more.
+    let exposure = exposure_needed(shot_part.unwrap_or(1.0), factor);
+    let exposure = exposure.filter(|exposure| *exposure <= MAX_FACTOR && brightness * exposure <= 1.0);
+    let speed = exposure.filter(|_| fate.slope.magnitude() > 1e-3).map(|exposure| 1.0 / exposure);
+    let mut out =
+        Outlook { factor, frames_now, frames, frames_inside, exposure, shot_part, speed, sentence: String::new() };
+    out.sentence = sentence(&out, needed);
+    Some(out)
+}
+
+/// Number of frames for an SNR that is `factor` times that of `now` frames; `None` beyond any burst.
+pub fn frames_needed(now: usize, factor: f64) -> Option<usize> {
+    let needed = (now as f64 * factor * factor).ceil();
+    (needed.is_finite() && factor <= MAX_FACTOR).then_some((needed as usize).max(2))
+}
+
+/// Factor of the exposure for an SNR `factor` times as large, where `shot_part` of the variance is shot noise: the
+/// solution of e/√(s·e + 1 − s) = f.
+pub fn exposure_needed(shot_part: f64, factor: f64) -> Option<f64> {
+    let (s, f2) = (shot_part.clamp(0.0, 1.0), factor * factor);
+    let exposure = 0.5 * (f2 * s + (f2 * f2 * s * s + 4.0 * f2 * (1.0 - s)).sqrt());
+    exposure.is_finite().then_some(exposure)
+}
+
+/// Number of the frames that took part which show a candidate.
+fn frames_showing(trail: &Trail, fate: &Fate) -> usize {
+    let (width, height) = trail.size_image();
+    let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
+    let (u, v) = (pixel(fate.pos_image[0], width), pixel(fate.pos_image[1], height));
+    trail.offsets(fate.slope).iter().filter(|offset| offset.covers(u, v, (width, height))).count().max(1)
+}
+
+/// Number of frames for which a candidate is inside the picture, if the burst went on at both ends.
+fn frames_inside(trail: &Trail, fate: &Fate) -> Option<usize> {
+    let (width, height) = trail.size_image();
+    let (_, _, frame_count) = trail.frames();
+    let half = if frame_count % 2 == 0 { 0.5 } else { 0.0 };
+    // Time until an edge is reached, in frames, forwards and backwards.
+    let until = |sign: f32| {
+        let along = |x: f32, slope: f32, n: usize| match sign * slope {
+            slope if slope > 0.0 => ((n - 1) as f32 - x) / slope,
+            slope if slope < 0.0 => x / -slope,
+            _ => f32::INFINITY,
+        };
+        along(fate.pos_image[0], fate.slope.u, width).min(along(fate.pos_image[1], fate.slope.v, height)).max(0.0)
+    };
+    let [forwards, backwards] = [1.0, -1.0].map(until);
+    if forwards.is_infinite() || backwards.is_infinite() {
+        return None;
+    }
+    let frames = |time: f32| if time < half { 0.0 } else { (time - half).floor() + 1.0 };
+    let twice = if half == 0.0 { 1.0 } else { 0.0 };
+    Some((frames(forwards) + frames(backwards) - twice).max(1.0) as usize)
+}
+
+/// Mean brightness around a candidate in the middle frame, fraction of full scale.
+fn brightness(trail: &Trail, fate: &Fate) -> f64 {
+    let (planes, ..) = trail.frames();
+    let Some(frame) = planes.get(planes.len() / 2) else { return 0.0 };
+    let offsets = || -AROUND_PX..=AROUND_PX;
+    let at = |(du, dv): (i32, i32)| bilinear(frame, fate.pos_image[0] + du as f32, fate.pos_image[1] + dv as f32);
+    let values: Vec<f32> =
+        offsets().flat_map(|dv| offsets().map(move |du| (du, dv))).filter_map(at).filter(|x| x.is_finite()).collect();
+    values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len().max(1) as f64
+}
+
+fn sentence(outlook: &Outlook, needed: Option<usize>) -> String {
+    let mut ways = Vec::new();
+    let inside = outlook.frames_inside;
+    let mut not = String::new();
+    match (outlook.frames, needed, inside) {
+        (Some(frames), _, Some(inside)) => {
+            ways.push(format!(
+                "with {} at this motion (it stays in the picture for {inside})",
+                counted(frames, "frame")
+            ));
+        }
+        (Some(frames), _, None) => ways.push(format!("with {}", counted(frames, "frame"))),
+        (None, Some(needed), Some(inside)) => {
+            not = format!("; not with more frames, because it takes {needed} and stays in the picture for {inside}");
+        }
+        _ => {}
+    }
+    if let Some(exposure) = outlook.exposure {
+        let why = match outlook.shot_part {
+            Some(part) if part > 0.7 => " (shot noise decides)",
+            Some(part) if part < 0.3 => " (read noise decides)",
+            _ => "",
+        };
+        ways.push(format!("with {} times the exposure{why}", number(exposure as f32, 2)));
+    }
+    if let Some(speed) = outlook.speed {
+        ways.push(format!("at {} of the speed with as much longer exposures", number(speed as f32, 2)));
+    }
+    if ways.is_empty() {
+        return format!("neither more frames nor a longer exposure helps{not}");
+    }
+    format!("9 of 10 like it pass {}{not}", ways.join(", or "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeGrid};
+    use crate::inspect::ProbeCache;
+    use crate::inspect::probe::fates_near;
+    use crate::monitor::Monitor;
+    use crate::synth::{ChartParams, synth_chart};
+
+    #[test]
+    fn read_noise_needs_less_exposure_than_shot_noise() {
+        assert!((exposure_needed(0.0, 1.4).expect("finite") - 1.4).abs() < 1e-12);
+        assert!((exposure_needed(1.0, 1.4).expect("finite") - 1.96).abs() < 1e-12);
+        let between = exposure_needed(0.5, 1.4).expect("finite");
+        assert!((between / (0.5 * between + 0.5).sqrt() - 1.4).abs() < 1e-12);
+        assert_eq!((frames_needed(10, 1.2), frames_needed(10, 1e9)), (Some(15), None));
+    }
+
+    /// Chart of one disc, and its search with a fixed gate.
+    fn searched(frames: usize, snr: f64, seed: u64) -> (ProbeCache, [f32; 2]) {
+        let chart = ChartParams {
+            width: 160,
+            height: 120,
+            discs: 1,
+            radius: 5.0..=5.0001,
+            frames,
+            snr,
+            max_slope: 0.5,
+            seed,
+            ..ChartParams::default()
+        };
+        let (burst, truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        let slopes = SlopeGrid::line(-0.5..=0.5, 5);
+        let params = DetectorParams { slopes, noise_gate: NoiseGate::Factor(5.0), ..DetectorParams::default() };
+        let cache = ProbeCache::new(&burst, &SearchParams::from(params), &Monitor::default()).expect("valid");
+        (cache, [truth.features[0].u as f32, truth.features[0].v as f32])
+    }
+
+    /// Whether the disc at `place` has a feature.
+    fn is_found((cache, place): &(ProbeCache, [f32; 2])) -> bool {
+        let near = |f: &crate::detector::Feature| (f.u - place[0]).hypot(f.v - place[1]) < 4.0;
+        cache.detection().features.iter().any(near)
+    }
+
+    #[test]
+    fn the_burst_that_the_outlook_asks_for_is_made_and_the_thing_is_found() {
+        const SNR: f64 = 0.32;
+        let (mut asked, mut by_frames, mut by_exposure) = (0, 0, 0);
+        for seed in 1..30 {
+            let before = searched(6, SNR, seed);
+            let fates = fates_near(&before.0.trail, before.1, 1.0, &Monitor::default()).expect("not cancelled");
+            let is_disc = |fate: &&Fate| fate.value < 0.0 && (2.0..7.0).contains(&fate.sigma) && fate.snr > 3.0;
+            let outlook = fates.iter().find(is_disc).and_then(|fate| outlook(&before.0.trail, fate));
+            let Some(outlook) = outlook else { continue };
+            asked += 1;
+            let frames = outlook.frames.expect("it stays for long");
+            by_frames += usize::from(is_found(&searched(frames, SNR, seed)));
+            // The same camera with more light: e times the electrons.
+            let exposure = ChartParams { snr: SNR, ..ChartParams::default() }.exposure().expect("valid");
+            let e = outlook.exposure.expect("it is dark");
+            let (camera, middle) = (exposure.camera, 0.5 * (exposure.background + exposure.disc));
+            let electrons = e * camera.full_scale_electrons;
+            let variance = (middle * electrons + camera.read_noise_electrons.powi(2)) / (electrons * electrons);
+            let snr = (exposure.disc - exposure.background) / variance.sqrt();
+            by_exposure += usize::from(is_found(&searched(6, snr, seed)));
+            assert!(outlook.sentence.contains(&format!("with {frames} frames")), "{}", outlook.sentence);
+        }
+        assert!(asked >= 6, "{asked} candidates failed the gate");
+        // Nine of ten, less what is chance and what the choice of a strong candidate promises too much.
+        assert!(10 * by_frames >= 7 * asked && 10 * by_exposure >= 7 * asked, "{by_frames}, {by_exposure} of {asked}");
+    }
+}

@@ -1,0 +1,220 @@
+//! From metres to slopes: the range, direction and step that speed, turning, frame rate, lens and depths ask for, and the
+//! depth that a slope then means.
+//!
+//! A pinhole camera of focal length f (pixels) moves with the speed s (metres per second) parallel to its picture, in a
+//! direction φ (degrees from +u towards +v), and turns to the right with ω (radians per second). A still point at the
+//! depth z (metres) then moves by
+//!
+//! ```text
+//! λ(z) = −(f·s/z)/r·(cos φ, sin φ) − (f·ω/r)·(1, 0)
+//! ```
+//!
+//! pixels per frame at r frames per second, near the middle of the picture. Motion towards the scene moves points away from
+//! the middle, each by its own slope, and has no such line.
+
+use super::words::number;
+use crate::detector::scale_space::ScaleSpace;
+use crate::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid};
+use serde::{Deserialize, Serialize};
+
+/// Camera and scene.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SetUp {
+    /// Speed of the camera parallel to its picture, metres per second; at least 0.
+    pub speed_m_s: f64,
+    /// Direction of that motion, degrees from +u (to the right) towards +v (down).
+    pub direction_deg: f64,
+    /// Turning of the camera to the right, degrees per second.
+    pub turn_deg_s: f64,
+    /// Frames per second.
+    pub frames_per_second: f64,
+    /// Focal length, pixels.
+    pub focal_px: f64,
+    /// Nearest and farthest depth, metres.
+    pub depth_m: [f64; 2],
+}
+
+impl Default for SetUp {
+    /// A walking pace past things one to eight metres away.
+    fn default() -> Self {
+        Self {
+            speed_m_s: 0.5,
+            direction_deg: 0.0,
+            turn_deg_s: 0.0,
+            frames_per_second: 30.0,
+            focal_px: 1200.0,
+            depth_m: [1.0, 8.0],
+        }
+    }
+}
+
+/// Slopes that a set-up asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SetUpSlopes {
+    /// Slope of the nearest things, px/frame.
+    pub nearest: Slope,
+    /// Slope of the farthest things.
+    pub farthest: Slope,
+    /// Slopes to search: a line that holds both, half a step beyond at either end.
+    pub grid: SlopeGrid,
+    /// Step that suits the number of frames, px/frame.
+    pub step: f32,
+}
+
+/// Largest number of slopes that is proposed.
+const MAX_COUNT: usize = 1024;
+
+impl SetUp {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// The first option that makes no sense, and what would.
+    pub fn check(&self) -> Result<(), String> {
+        let [near, far] = self.depth_m;
+        let above_0 = |x: f64| x.is_finite() && x > 0.0;
+        if !(self.speed_m_s.is_finite() && self.speed_m_s >= 0.0) {
+            return Err(format!("speed: {} is no speed; give metres per second", self.speed_m_s));
+        }
+        if !(self.direction_deg.is_finite() && self.turn_deg_s.is_finite()) {
+            return Err("direction or turn-deg-s: not finite; give degrees".to_owned());
+        }
+        if !above_0(self.frames_per_second) {
+            return Err(format!("fps: {} is no frame rate; give frames per second", self.frames_per_second));
+        }
+        if !above_0(self.focal_px) {
+            return Err(format!("focal-px: {} is no focal length; give pixels, such as 1200", self.focal_px));
+        }
+        if !(above_0(near) && above_0(far) && near <= far) {
+            return Err(format!("depth: {near}:{far} is no range; give NEAR:FAR in metres, such as 1:8"));
+        }
+        Ok(())
+    }
+
+    /// Slope of a still point at the depth `metres`, near the middle of the picture; infinite for only turning.
+    pub fn slope_at(&self, metres: f64) -> Slope {
+        let (sin, cos) = self.direction_deg.to_radians().sin_cos();
+        let along = -self.focal_px * self.speed_m_s / (metres * self.frames_per_second);
+        Slope::new((along * cos + self.turning()) as f32, (along * sin) as f32)
+    }
+
+    /// Depth, metres, of a still point that moves at `slope`; `None` where no depth explains it.
+    pub fn depth_at(&self, slope: Slope) -> Option<f64> {
+        let (sin, cos) = self.direction_deg.to_radians().sin_cos();
+        let along = (f64::from(slope.u) - self.turning()) * cos + f64::from(slope.v) * sin;
+        let depth = -self.focal_px * self.speed_m_s / (along * self.frames_per_second);
+        (depth.is_finite() && depth > 0.0).then_some(depth)
+    }
+
+    /// Motion by turning, px/frame to the right.
+    fn turning(&self) -> f64 {
+        -self.focal_px * self.turn_deg_s.to_radians() / self.frames_per_second
+    }
+
+    /// The slopes to search in `frames` frames with the scales of `params`.
+    ///
+    /// # Errors
+    /// As [`Self::check`], and where the motion is too large for a search.
+    pub fn slopes(&self, frames: usize, params: &DetectorParams) -> Result<SetUpSlopes, String> {
+        self.check()?;
+        let [nearest, farthest] = self.depth_m.map(|depth| self.slope_at(depth));
+        let space = ScaleSpace::of(params);
+        let step = 2.0 * space.sigma_image(space.first_octave, 0.0) / (frames.max(2) - 1) as f64;
+        let (sin, cos) = self.direction_deg.to_radians().sin_cos();
+        let along = |slope: Slope| f64::from(slope.u) * cos + f64::from(slope.v) * sin;
+        let across = f64::from(farthest.v) * cos - f64::from(farthest.u) * sin;
+        let (low, high) = (along(nearest).min(along(farthest)), along(nearest).max(along(farthest)));
+        let gaps = ((high - low) / step).ceil();
+        if !(gaps < MAX_COUNT as f64) {
+            return Err(format!(
+                "depth: the motion differs by {high:.0} px/frame less {low:.0}, which takes too many slopes; give a smaller range of depths, or a higher frame rate"
+            ));
+        }
+        let tidy = |x: f64| ((x * 1e3).round() / 1e3) as f32;
+        // Half a step beyond at both ends, so that no motion is at the limit.
+        let more = 0.5 * step;
+        let u = SlopeAxis { min: tidy(low - more), max: tidy(high + more), count: gaps as usize + 2 };
+        let v = SlopeAxis { min: tidy(across), max: tidy(across), count: 1 };
+        let grid = SlopeGrid { u, v, direction_deg: self.direction_deg as f32 };
+        Ok(SetUpSlopes { nearest, farthest, grid, step: step as f32 })
+    }
+}
+
+impl SetUpSlopes {
+    /// Options of the search that set these slopes.
+    pub fn options(&self) -> String {
+        let SlopeGrid { u, v, direction_deg } = self.grid;
+        let mut out = format!("--slopes-u {u}");
+        if v.min != 0.0 {
+            out += &format!(" --slopes-v {}", v.min);
+        }
+        if direction_deg != 0.0 {
+            out += &format!(" --slope-direction {direction_deg}");
+        }
+        out
+    }
+
+    /// A sentence for people.
+    pub fn sentence(&self, set_up: &SetUp) -> String {
+        let text = |slope: Slope| format!("({}, {})", number(slope.u, 2), number(slope.v, 2));
+        let [near, far] = set_up.depth_m.map(|depth| number(depth as f32, 2));
+        format!(
+            "things {near} m away move at {} px/frame, things {far} m away at {}; {} slopes of step {}",
+            text(self.nearest),
+            text(self.farthest),
+            self.grid.len(),
+            number(self.grid.u.step(), 3)
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_slope_reads_as_the_depth_that_it_comes_from(
+            speed in 0.05f64..5.0, direction in -180.0f64..180.0, turn in -10.0f64..10.0, depth in 0.3f64..50.0,
+        ) {
+            let set_up = SetUp { speed_m_s: speed, direction_deg: direction, turn_deg_s: turn, ..SetUp::default() };
+            let read = set_up.depth_at(set_up.slope_at(depth)).expect("a depth");
+            prop_assert!((read / depth - 1.0).abs() < 1e-2, "{read} {depth}");
+        }
+
+        #[test]
+        fn the_grid_holds_the_slopes_of_all_depths_and_its_step_suits_the_frames(
+            speed in 0.05f64..2.0, direction in -180.0f64..180.0, turn in -5.0f64..5.0, part in 0.0f64..1.0,
+        ) {
+            let set_up = SetUp { speed_m_s: speed, direction_deg: direction, turn_deg_s: turn, ..SetUp::default() };
+            let slopes = set_up.slopes(10, &DetectorParams::default()).expect("few enough");
+            let depth = 1.0 / (1.0 / 8.0 + part * (1.0 - 1.0 / 8.0));
+            let slope = set_up.slope_at(depth);
+            let (i, _) = slopes.grid.position(slope);
+            let nearest = slopes.grid.at(i.round(), 0.0);
+            let apart = (nearest.u - slope.u).hypot(nearest.v - slope.v);
+            prop_assert!(apart <= 0.51 * slopes.step + 2e-3, "{apart} {slopes:?}");
+            prop_assert!(i > 0.2 && i < slopes.grid.u.count as f32 - 1.2, "{i}");
+        }
+    }
+
+    #[test]
+    fn nonsense_is_named_with_its_remedy() {
+        let good = SetUp::default();
+        let cases = [
+            (SetUp { speed_m_s: -1.0, ..good }, "speed: "),
+            (SetUp { frames_per_second: 0.0, ..good }, "fps: "),
+            (SetUp { focal_px: f64::NAN, ..good }, "focal-px: "),
+            (SetUp { depth_m: [3.0, 1.0], ..good }, "depth: "),
+            (SetUp { depth_m: [1e-6, 1.0], ..good }, "depth: "),
+            (SetUp { turn_deg_s: f64::INFINITY, ..good }, "direction"),
+        ];
+        for (set_up, start) in cases {
+            let error = set_up.slopes(10, &DetectorParams::default()).expect_err(start);
+            assert!(error.starts_with(start), "{error}");
+        }
+        let options = good.slopes(10, &DetectorParams::default()).expect("valid").options();
+        assert!(options.starts_with("--slopes-u -") && !options.contains("--slopes-v"), "{options}");
+    }
+}

@@ -1,0 +1,196 @@
+//! Things planted in the open burst: what is planted, how faint a thing is seen at each place, and what became of the one
+//! that is looked at.
+
+use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::panel::probe::PlaneTexture;
+use crate::app::panel::widgets::dot_ui;
+use crate::app::project::Model;
+use crate::detector::Test;
+use crate::inspect::recover::{Contrast, Planted, RecoverReport, RecoverStudy, Shape};
+use crate::inspect::words::number;
+use crate::plane::display::{ColourMap, Display};
+use egui::{Color32, DragValue, Grid, Label, Pos2, Rect, RichText, Sense, Stroke, Ui, vec2};
+
+/// Colour of the things that were found.
+const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
+/// Colour of the things that were missed.
+const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
+/// Maximum distance of the pointer from a thing, in points of the window.
+const REACH_UI: f32 = 10.0;
+
+/// Draws the settings.
+pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
+    Grid::new("lab planted").num_columns(2).show(ui, |ui| {
+        ui.label("Shape").on_hover_text("Discs of even brightness, or Gaussian blobs of σ = radius/√2");
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut study.shape, Shape::Disc, "Discs");
+            ui.selectable_value(&mut study.shape, Shape::Blob, "Blobs");
+        });
+        ui.end_row();
+        ui.label("Contrast").on_hover_text("Brighter or darker than what is around them");
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut study.contrast, Contrast::Bright, "Bright");
+            ui.selectable_value(&mut study.contrast, Contrast::Dark, "Dark");
+            ui.selectable_value(&mut study.contrast, Contrast::Both, "Both");
+        });
+        ui.end_row();
+        let help = "Radius at which SNRs and slopes are varied";
+        let label = ui.label("At radius").on_hover_text(help);
+        let field = DragValue::new(&mut study.at_radius).range(0.5..=200.0).speed(0.1).max_decimals(1).suffix(" px");
+        ui.add(field).on_hover_text(help).labelled_by(label.id);
+        ui.end_row();
+        let help = "Copies of the burst, each with other things; more give smaller errors";
+        let label = ui.label("Copies").on_hover_text(help);
+        ui.add(DragValue::new(&mut study.copies).range(1..=1000)).on_hover_text(help).labelled_by(label.id);
+        ui.end_row();
+        let help = "Seed of the first copy; those of the others count up from it";
+        let label = ui.label("First seed").on_hover_text(help);
+        ui.add(DragValue::new(&mut study.first_seed)).on_hover_text(help).labelled_by(label.id);
+        ui.end_row();
+    });
+    let mut has_own = study.at_snr.is_some();
+    ui.horizontal(|ui| {
+        let help = "SNR of one pixel in one frame at which slopes and sizes are varied; otherwise 1.7 times the one of which half are expected to be found";
+        if ui.checkbox(&mut has_own, "At SNR").on_hover_text(help).changed() {
+            study.at_snr = has_own.then_some(1.0);
+        }
+        if let Some(snr) = &mut study.at_snr {
+            ui.add(DragValue::new(snr).range(0.01..=100.0).speed(0.01).max_decimals(2)).on_hover_text(help);
+        }
+    });
+    ui.checkbox(&mut study.inside, "Inside in all frames")
+        .on_hover_text("Plant only where a thing stays inside the picture in all frames");
+    ui.checkbox(&mut study.on_features, "On strong features too")
+        .on_hover_text("Otherwise strong features of the burst are left alone");
+}
+
+/// Draws the map of how faint a thing is seen, and the thing that is looked at.
+pub fn lab_planted_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, queue: &mut Queue) {
+    let Some((_, report)) = model.lab.recovered() else {
+        let text = "Press Run study: things are planted in copies of the open burst and searched for. Here is then how faint a thing is seen at each place.";
+        ui.add(Label::new(RichText::new(text).weak()).wrap());
+        return;
+    };
+    key_ui(ui, report);
+    let chosen = map_ui(ui, report, model.lab.selected_thing, texture);
+    if let Some(outlook) = report.outlook() {
+        ui.add(Label::new(RichText::new(outlook).weak()).wrap());
+    }
+    fates_ui(ui, report);
+    if let Some(chosen) = chosen {
+        model.lab.selected_thing = Some(chosen);
+    }
+    let missed = model.lab.recovered().and_then(|(_, report)| next_missed(report, model.lab.selected_thing));
+    if ui
+        .add_enabled(missed.is_some(), egui::Button::new("Next missed"))
+        .on_hover_text("Look at the next thing in the range of the slopes that was missed")
+        .clicked()
+    {
+        model.lab.selected_thing = missed;
+    }
+    match model.lab.selected_thing() {
+        None => {
+            ui.add(Label::new(RichText::new("Click a thing to see what became of it.").weak()).wrap());
+        }
+        Some(one) => {
+            ui.add(Label::new(thing_text(one)).wrap());
+            button_ui(ui, model, queue, ActionId::OpenPlanted, None);
+        }
+    }
+}
+
+fn key_ui(ui: &mut Ui, report: &RecoverReport) {
+    let found = report.planted.iter().filter(|one| one.found.is_some()).count();
+    ui.horizontal(|ui| {
+        for (colour, text) in
+            [(FOUND, format!("{found} found")), (MISSED, format!("{} missed", report.planted.len() - found))]
+        {
+            dot_ui(ui, colour);
+            ui.label(text);
+        }
+    });
+    if let Some([min, max]) = report.map_range() {
+        let percent = |x: f64| number((100.0 * x) as f32, 3);
+        let text =
+            format!("Half are found from {} % (dark) to {} % (bright) of full scale", percent(min), percent(max));
+        ui.add(Label::new(RichText::new(text).weak()).wrap());
+    }
+}
+
+/// Draws the map with the things; returns the one that was clicked.
+fn map_ui(
+    ui: &mut Ui,
+    report: &RecoverReport,
+    selected: Option<(u64, usize)>,
+    texture: &mut PlaneTexture,
+) -> Option<(u64, usize)> {
+    let [width, height] = report.size.map(|n| n as f32);
+    let scale = ui.available_width() / width;
+    let (rect, response) = ui.allocate_exact_size(vec2(width, height) * scale, Sense::click());
+    let plane = &report.map.plane;
+    let cells = vec2(plane.width() as f32, plane.height() as f32) * (report.map.cell_px as f32 * scale);
+    let range = report.map_range().unwrap_or([0.0, 1.0]).map(|x| x as f32);
+    let display =
+        Display { map: ColourMap::Viridis, ..Display::default() }.with_range(range[0], range[1].max(1.001 * range[0]));
+    let painter = ui.painter().with_clip_rect(rect);
+    ui.scope(|ui| {
+        ui.set_clip_rect(rect.intersect(ui.clip_rect()));
+        texture.draw(ui, Rect::from_min_size(rect.min, cells), ("lab planted", plane), display, || (**plane).clone());
+    });
+    let pos_ui = |one: &Planted| rect.min + scale * vec2(one.truth.u as f32 + 0.5, one.truth.v as f32 + 0.5);
+    let in_range = || report.planted.iter().filter(|one| one.is_in_range);
+    for one in in_range() {
+        let is_selected = selected == Some((one.seed, one.truth.id));
+        let radius = if is_selected { 5.0 } else { 2.2 };
+        match one.found {
+            Some(_) => painter.circle_filled(pos_ui(one), radius, FOUND),
+            None => painter.circle_stroke(pos_ui(one), radius, Stroke::new(1.2, MISSED)),
+        };
+    }
+    let text = format!("Map of {} planted things", report.planted.len());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+    let nearest = |pos: Pos2| {
+        let near = in_range().map(|one| (pos_ui(one).distance(pos), one)).filter(|(distance, _)| *distance < REACH_UI);
+        near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, one)| one)
+    };
+    let pointed = response.hover_pos().and_then(nearest)?;
+    let clicked = response.clicked().then_some((pointed.seed, pointed.truth.id));
+    response.on_hover_text_at_pointer(thing_text(pointed));
+    clicked
+}
+
+fn fates_ui(ui: &mut Ui, report: &RecoverReport) {
+    for fate in &report.fates {
+        ui.label(RichText::new(format!("{} missed: {}", fate.count, fate.reason)).small());
+    }
+}
+
+/// The next thing in the range of the slopes that was missed, after the one that is looked at.
+fn next_missed(report: &RecoverReport, selected: Option<(u64, usize)>) -> Option<(u64, usize)> {
+    let missed: Vec<(u64, usize)> = (report.planted.iter())
+        .filter(|one| one.is_in_range && one.found.is_none() && one.failed != Some(Test::MaxFeatures))
+        .map(|one| (one.seed, one.truth.id))
+        .collect();
+    let after = missed.iter().position(|one| Some(*one) == selected).map_or(0, |at| at + 1);
+    missed.get(after).or(missed.first()).copied()
+}
+
+fn thing_text(one: &Planted) -> String {
+    let t = &one.truth;
+    let what = format!(
+        "SNR {}, radius {} px, slope ({}, {}) px/frame at ({}, {}), in {} frames",
+        number(one.snr as f32, 3),
+        number(t.radius as f32, 1),
+        number(t.slope_u as f32, 2),
+        number(t.slope_v as f32, 2),
+        number(t.u as f32, 1),
+        number(t.v as f32, 1),
+        one.frames
+    );
+    let expected =
+        one.expected_snr_d.map_or_else(String::new, |snr| format!("; {} σ in D expected", number(snr as f32, 1)));
+    match one.found {
+        Some(found) => format!("Found with {} σ: {what}{expected}", number(found.snr, 1)),
+        None => format!("Missed, {}: {what}{expected}", one.why),
+    }
+}

@@ -1,0 +1,92 @@
+//! `case` writes a burst, its settings and the question about it into one file.
+
+use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
+use super::console::Console;
+use super::failure::Failure;
+use super::inputs::{open_options, resolve_one};
+use super::probe::parse_place;
+use crate::export::case::{CASE_EXTENSION, Case, is_case, write_case};
+use crate::files::path_text;
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Write a burst, its settings and what is asked of it into one file.
+///
+/// The file holds the frames, as opened and calibrated, with 16 bits for each pixel, or only what is around a place; the
+/// search, the place and a note. Commands and window open it like a burst, on any machine; 'detect FILE --params FILE'
+/// searches it with the settings in it.
+#[derive(Debug, Clone, Args)]
+#[command(after_long_help = CASE_HELP)]
+pub struct CaseArgs {
+    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
+    #[allow(missing_docs)]
+    pub inputs: Vec<PathBuf>,
+    /// The place that is asked about, in pixels at mid-burst: column and row.
+    #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
+    pub at: Option<[f32; 2]>,
+    /// Keep only the square of this many pixels to each side of the place.
+    #[arg(long, value_name = "PX", requires = "at", value_parser = clap::value_parser!(u32).range(8..=32768))]
+    pub around: Option<u32>,
+    /// A note, in any words.
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub note: String,
+    /// The file to write.
+    #[arg(long, short, value_name = "FILE.burstcase")]
+    pub out: PathBuf,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub run: BurstSearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
+}
+
+const CASE_HELP: &str = "\
+Examples:
+  burstscope case night/ --at 412,230 --note 'why is there nothing?' --out why.burstcase
+  burstscope case night/ --at 412,230 --around 100 --out why.burstcase
+  burstscope probe why.burstcase --params why.burstcase --at 100,100
+
+JSON (--json): {\"version\", \"command\": \"case\", \"file\", \"case\": {as case.toml in the file}, \"bytes\"}";
+
+pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
+    let search = args.run.search.params()?;
+    if !is_case(&args.out) {
+        return Err(Failure::usage(format!("--out: name the file .{CASE_EXTENSION}: {}", args.out.display())));
+    }
+    let console = Console::new(&args.run.output)?;
+    let input = resolve_one(&args.inputs, "case")?;
+    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
+    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
+    rules.check(&args.out)?;
+    console.begin(format!("{}: ", input.name));
+    let burst = input.open(&options, &console.monitor.part(0.0, 0.5))?;
+    let (width, height) = burst.size();
+    if let Some([u, v]) = args.at
+        && !(u >= 0.0 && v >= 0.0 && u <= (width - 1) as f32 && v <= (height - 1) as f32)
+    {
+        return Err(crate::inspect::ProbeError::Outside { u, v, width, height }.into());
+    }
+    let (case, part) = Case::of(&burst, &search, args.at, args.around.map(|px| px as usize), &args.note);
+    rules.check(&args.out)?;
+    write_case(&args.out, &case, &part, &console.monitor.part(0.5, 0.5))?;
+    console.monitor.check()?;
+    let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
+    let [columns, rows] = case.size;
+    console.say(&format!(
+        "{} frames of {columns}×{rows} from ({}, {}), {:.1} MB\nwrote {}\n",
+        case.frames,
+        case.corner[0],
+        case.corner[1],
+        bytes as f64 * 1e-6,
+        args.out.display()
+    ))?;
+    console.say_json(&json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "command": "case",
+        "file": path_text(&args.out),
+        "case": case,
+        "bytes": bytes,
+    }))
+}

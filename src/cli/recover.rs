@@ -1,0 +1,148 @@
+//! `recover` plants things in a burst and reports which of them the search finds.
+
+use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
+use super::choices::{CONTRASTS, SHAPES, words};
+use super::console::Console;
+use super::failure::Failure;
+use super::inputs::{self, open_options, resolve_one};
+use super::probe::write_text;
+use super::study::{Document, check_plot, write_plot};
+use crate::detector::SlopeAxis;
+use crate::inspect::recover::plots::recover_svg;
+use crate::inspect::recover::report::planted_csv;
+use crate::inspect::recover::{Contrast, RecoverStudy, Shape};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Say what the search as it is set would find: things planted in the burst, and counted.
+///
+/// Discs or blobs of known SNR, size and slope are added to copies of the frames, with the noise that their light would
+/// have, away from strong features. The search runs on every copy. Each thing is found, or has a fate in the words of
+/// 'probe'. The answer is the share found over SNR, over slope (dips between the slopes of the grid show a step that is
+/// too coarse) and over radius, the SNR of which half are found, and how faint a thing is seen at each place.
+#[derive(Debug, Clone, Args)]
+#[command(after_long_help = RECOVER_HELP)]
+pub struct RecoverArgs {
+    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
+    #[allow(missing_docs)]
+    pub inputs: Vec<PathBuf>,
+    /// Shape of the things: disc, or blob, a Gaussian of σ = radius/√2.
+    #[arg(long, value_name = "SHAPE", value_parser = words::<Shape>(SHAPES), default_value = "disc")]
+    pub shape: Shape,
+    /// Brightness of the things relative to what is around them: bright, dark or both.
+    #[arg(long, value_name = "CONTRAST", value_parser = words::<Contrast>(CONTRASTS), default_value = "bright")]
+    pub contrast: Contrast,
+    /// SNRs of one pixel in one frame, separated by commas [default: around the one that the noise gate lets expect].
+    #[arg(long, value_name = "RATIO,…", value_delimiter = ',')]
+    pub snr: Vec<f64>,
+    /// Radii, pixels, separated by commas [default: 2 to 16].
+    #[arg(long, value_name = "PX,…", value_delimiter = ',')]
+    pub radius: Vec<f64>,
+    /// Slopes of the things along the grid's first axis, pixels per frame [default: those of the grid, half-way between,
+    /// and a step beyond].
+    #[arg(long, value_name = "MIN:MAX:COUNT", allow_hyphen_values = true, value_parser = SlopeAxis::from_str)]
+    pub planted_slopes: Option<SlopeAxis>,
+    /// SNR of things of several slopes or radii [default: 1.7 times the one of which half are expected to be found].
+    #[arg(long, value_name = "RATIO")]
+    pub at_snr: Option<f64>,
+    /// Radius of things of several SNRs or slopes, pixels.
+    #[arg(long, value_name = "PX", default_value_t = RecoverStudy::default().at_radius)]
+    pub at_radius: f64,
+    /// Number of copies of the burst.
+    #[arg(long, value_name = "N", default_value_t = RecoverStudy::default().copies)]
+    pub copies: u64,
+    /// Seed of the first copy; the next ones count up.
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+    /// Number of things in a copy [default: as many as leave each other room].
+    #[arg(long, value_name = "N")]
+    pub per_copy: Option<usize>,
+    /// Plant only where a thing is inside the image in all frames.
+    #[arg(long)]
+    pub inside: bool,
+    /// Plant on strong features of the burst too.
+    #[arg(long)]
+    pub on_features: bool,
+    /// Draw the curves and the map as a figure.
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+    /// Write the things, and what became of each, as a table.
+    #[arg(long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub run: BurstSearchArgs,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
+}
+
+const RECOVER_HELP: &str = "\
+Examples:
+  burstscope recover night/
+  burstscope recover night/ --slopes-u -3:3:7 --plot seen.svg --csv planted.csv
+  burstscope recover night/ --shape blob --radius 2,4,8 --copies 50 --json
+
+JSON (--json):
+  {\"version\", \"command\": \"recover\", \"burst\", \"size\": [columns, rows], \"frames\", \"detector\": {as in the parameter file}, \"grid\",
+   \"noise_gate_factor\", \"frame_noise\", \"features\", \"shape\", \"contrast\",
+   \"levels\": {\"snrs\", \"slopes\", \"radii\", \"at_snr\", \"at_radius\", \"per_copy\", \"expected_half\", \"expected_amplitude\"}, \"copies\", \"copies_done\",
+   \"over_snr\", \"over_slope\", \"over_size\": [{\"level\", \"planted\", \"found\", \"interval\": [low, high], \"expected\"}],
+   \"curve\": {\"middle\", \"middle_error\", \"steepness\"}, a logistic curve of ln SNR, \"half\": {\"snr\", \"error\"} or null,
+   \"fates\": [{\"test\" or null, \"reason\", \"count\"}], \"map\": {\"cell_px\", \"rows\": [[amplitude or null]]}, \"times\",
+   \"planted\": [{\"seed\", \"varied\": snr, slope or size, \"truth\": {as in truth.json}, \"snr\", \"amplitude\", \"is_in_range\", \"frames\", \"expected_snr_d\",
+     \"found\": {\"feature\", \"slope\", \"snr\"} or null, \"failed\": test or null, \"why\"}]}
+  Amplitudes are fractions of full scale; shares 0 … 1; expected is what the noise of the burst and the gate let expect.";
+
+impl RecoverArgs {
+    fn study(&self) -> Result<RecoverStudy, Failure> {
+        Ok(RecoverStudy {
+            shape: self.shape,
+            contrast: self.contrast,
+            snrs: self.snr.clone(),
+            slopes: self.planted_slopes,
+            radii: self.radius.clone(),
+            at_snr: self.at_snr,
+            at_radius: self.at_radius,
+            copies: self.copies,
+            first_seed: self.seed,
+            per_copy: self.per_copy,
+            inside: self.inside,
+            on_features: self.on_features,
+            search: self.run.search.params()?,
+        })
+    }
+}
+
+/// Checks that a table's name ends in `.csv`.
+fn check_csv(path: &Path) -> Result<(), Failure> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
+        return Ok(());
+    }
+    Err(Failure::usage(format!("--csv: name the table .csv: {}", path.display())))
+}
+
+pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
+    let study = args.study()?;
+    args.plot.as_deref().map_or(Ok(()), check_plot)?;
+    args.csv.as_deref().map_or(Ok(()), check_csv)?;
+    let console = Console::new(&args.run.output)?;
+    let input = resolve_one(&args.inputs, "recover")?;
+    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
+    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
+    for path in [&args.plot, &args.csv] {
+        inputs::check(&rules, path.as_deref())?;
+    }
+    console.begin(format!("{}: ", input.name));
+    let burst = input.open_to_search(&options, &study.search, &console.monitor.silent())?;
+    let report = study.run(&burst, &console.monitor)?;
+    console.say(&report.text())?;
+    write_plot(&console, args.plot.as_deref(), &rules, || recover_svg(&report))?;
+    if let Some(path) = &args.csv {
+        rules.check(path)?;
+        write_text(path, &planted_csv(&report.planted))?;
+        console.say(&format!("wrote {}\n", path.display()))?;
+    }
+    console.say_json(&Document::new("recover", &report))
+}

@@ -1,0 +1,103 @@
+//! `slopes --speed …`: slopes from the set-up of camera and scene, and the depths that slopes then mean.
+
+use super::console::Console;
+use super::failure::Failure;
+use crate::detector::{DetectorParams, Slope};
+use crate::inspect::set_up::{SetUp, SetUpSlopes};
+use crate::inspect::spectrum::Spectrum;
+use crate::inspect::words::{number, slope_text};
+use clap::Args;
+use serde::Serialize;
+use serde_json::json;
+
+/// The set-up of camera and scene.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Set-up of camera and scene")]
+pub struct SetUpArgs {
+    /// Speed of the camera parallel to its picture, metres per second; gives the slopes, and with INPUT the depths that
+    /// its slopes mean.
+    #[arg(long, value_name = "M/S", requires_all = ["fps", "focal_px", "depth"])]
+    pub speed: Option<f64>,
+    /// Direction of that motion, degrees from right towards down.
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub motion_direction: f64,
+    /// Turning of the camera to the right, degrees per second.
+    #[arg(long, value_name = "DEG/S", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub turn_deg_s: f64,
+    /// Frames per second.
+    #[arg(long, value_name = "RATE")]
+    pub fps: Option<f64>,
+    /// Focal length, pixels.
+    #[arg(long, value_name = "PX")]
+    pub focal_px: Option<f64>,
+    /// Nearest and farthest depth, metres.
+    #[arg(long, value_name = "NEAR:FAR", value_parser = parse_depth)]
+    pub depth: Option<[f64; 2]>,
+    /// Number of frames of a burst, without INPUT.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub frame_count: usize,
+}
+
+fn parse_depth(text: &str) -> Result<[f64; 2], String> {
+    let bad = || format!("'{text}' is not NEAR:FAR in metres, such as 1:8");
+    let (near, far) = text.split_once(':').ok_or_else(bad)?;
+    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
+    Ok([number(near)?, number(far)?])
+}
+
+/// Depth that a slope means.
+#[derive(Debug, Serialize)]
+pub(super) struct SlopeDepth {
+    slope: Slope,
+    features: usize,
+    depth_m: Option<f64>,
+}
+
+impl SetUpArgs {
+    /// The set-up, if a speed is given.
+    pub(super) fn set_up(&self) -> Option<SetUp> {
+        Some(SetUp {
+            speed_m_s: self.speed?,
+            direction_deg: self.motion_direction,
+            turn_deg_s: self.turn_deg_s,
+            frames_per_second: self.fps?,
+            focal_px: self.focal_px?,
+            depth_m: self.depth?,
+        })
+    }
+
+    /// The slopes of a set-up for `frames` frames.
+    pub(super) fn slopes(set_up: &SetUp, frames: usize, params: &DetectorParams) -> Result<SetUpSlopes, Failure> {
+        set_up.slopes(frames, params).map_err(|problem| Failure::usage(format!("--{problem}")))
+    }
+}
+
+/// Prints the slopes of a set-up, without a burst.
+pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes) -> Result<(), Failure> {
+    console.say(&format!("{}\n  {}\n", slopes.sentence(set_up), slopes.options()))?;
+    console.say_json(&json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "command": "slopes",
+        "set_up": set_up,
+        "slopes": slopes,
+        "options": slopes.options(),
+    }))
+}
+
+/// The depths of the slopes of a burst that have features.
+pub(super) fn depths(set_up: &SetUp, spectrum: &Spectrum) -> Vec<SlopeDepth> {
+    let with_features = spectrum.bars.iter().filter(|bar| bar.features > 0);
+    with_features
+        .map(|bar| SlopeDepth { slope: bar.slope, features: bar.features, depth_m: set_up.depth_at(bar.slope) })
+        .collect()
+}
+
+/// The depths as text.
+pub(super) fn depths_text(depths: &[SlopeDepth]) -> String {
+    let mut text = "           slope  features   depth, m\n".to_owned();
+    for SlopeDepth { slope, features, depth_m } in depths {
+        let depth = depth_m.map_or_else(|| "–".to_owned(), |depth| number(depth as f32, 2));
+        text += &format!("  {:>14} {features:>9} {depth:>10}\n", slope_text(*slope));
+    }
+    text
+}
