@@ -11,6 +11,9 @@ use burstscope::matching::{MatchResult, TwoViewModel, match_detections};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
+/// Name of a geometry and its 3×3 matrix.
+type NamedMatrix<'py> = (&'static str, Bound<'py, PyArray2<f64>>);
+
 /// Matches of two bursts.
 #[pyclass(frozen, module = "burstscope._burstscope")]
 pub(crate) struct RawMatches {
@@ -47,7 +50,7 @@ impl RawMatches {
     }
 
     /// Name and 3×3 matrix of the geometry.
-    fn geometry<'py>(&self, py: Python<'py>) -> PyResult<Option<(&'static str, Bound<'py, PyArray2<f64>>)>> {
+    fn geometry<'py>(&self, py: Python<'py>) -> PyResult<Option<NamedMatrix<'py>>> {
         let Some(model) = self.result.verification.as_ref().and_then(|v| v.model.as_ref()) else { return Ok(None) };
         let (kind, matrix) = match model {
             TwoViewModel::Fundamental { fundamental } => ("fundamental", fundamental),
