@@ -27,7 +27,7 @@ const ABOUT: &str = "case.toml";
 /// Version of the format.
 const VERSION: u32 = 1;
 
-/// What a case says beside its frames.
+/// Settings, place and note of a case, and the form of its frames.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
@@ -71,7 +71,7 @@ pub enum CaseError {
     Invalid {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Problem with it.
         problem: String,
     },
     /// Reading was cancelled.
@@ -205,7 +205,7 @@ pub fn is_case(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(CASE_EXTENSION))
 }
 
-/// Reads what a case says beside its frames.
+/// Reads a case without its frames.
 ///
 /// # Errors
 /// See [`CaseError`].
