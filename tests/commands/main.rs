@@ -24,6 +24,7 @@ mod memory;
 mod overwriting;
 mod real;
 mod reconstructing;
+mod recovering;
 mod remaking;
 mod support;
 mod teaching;

@@ -64,6 +64,13 @@ fn fulfil(window: &mut Window, goal: &Goal) {
             Shown::Noise => (Modifiers::SHIFT, Key::N),
             Shown::Coverage => (Modifiers::SHIFT, Key::C),
             Shown::Motion => (Modifiers::SHIFT, Key::V),
+            // No lesson shows these.
+            Shown::Median
+            | Shown::ClippedMean
+            | Shown::Max
+            | Shown::Min
+            | Shown::Deviation
+            | Shown::MeanMinusMedian => panic!("{show:?} has no key"),
         };
         key(window, modifiers, letter);
     }

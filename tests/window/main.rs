@@ -39,6 +39,7 @@ mod pairs;
 mod panes;
 mod probe;
 mod probe_plane;
+mod recovering;
 mod recovery;
 mod scrubbing;
 mod slopes;

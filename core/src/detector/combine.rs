@@ -290,7 +290,7 @@ mod tests {
             // A network that sorts all sequences of zeros and ones sorts everything; here a few hundred of them.
             for seed in 0..400u64 {
                 let mut values: Vec<u64> = (0..n as u64)
-                    .map(|i| (seed.wrapping_mul(0x9e37_79b9) >> (i % 31)) & 1 ^ (i * seed % 3 / 2))
+                    .map(|i| ((seed.wrapping_mul(0x9e37_79b9) >> (i % 31)) & 1) ^ (i * seed % 3 / 2))
                     .collect();
                 for &(a, b) in &network {
                     if values[a] > values[b] {

@@ -1,9 +1,9 @@
 //! A case: a burst, or the part of it around a place, with the settings and the question about it, in one file.
 //!
 //! The file is a ZIP without compression of its own: `case.toml`, and one 16-bit grey PNG for each frame,
-//! `frames/00000.png` and on. Values are `offset + word·scale`; where the burst's values lie on a lattice of at most 65536
-//! steps, as those of 8 to 16-bit files do, they come back as they were. Reading is bounded: the sizes that `case.toml`
-//! declares are checked before frames are decoded, and no entry is read further than a frame of that size can need.
+//! `frames/00000.png` and on. Values are `offset + word·scale`; those of 8 and 16-bit files come back as they were, those of
+//! calibrated ones within rounding. Reading is bounded: the sizes that `case.toml` declares are checked before frames are
+//! decoded, and no entry is read further than a frame of that size can need.
 
 use super::atomic::write_whole;
 use super::error::ExportError;
@@ -27,7 +27,7 @@ const ABOUT: &str = "case.toml";
 /// Version of the format.
 const VERSION: u32 = 1;
 
-/// What a case says beside its frames.
+/// Settings, place and note of a case, and the form of its frames.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
@@ -71,7 +71,7 @@ pub enum CaseError {
     Invalid {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Problem with it.
         problem: String,
     },
     /// Reading was cancelled.
@@ -132,9 +132,20 @@ impl Case {
     }
 }
 
-/// Offset and scale of the words that hold the values of a burst.
+/// Offset and scale of the words that hold the values of a burst: those of 8 and 16-bit files and of the burst's full scale
+/// where they hold every value exactly, otherwise the lattice of the files' steps, otherwise equal steps.
 fn words_of(burst: &Burst) -> (f64, f64) {
     let values = || burst.frames.iter().flat_map(|frame| frame.data()).copied().filter(|x| x.is_finite());
+    let holds = |scale: f64| {
+        values().all(|x| {
+            let word = (f64::from(x) / scale).round();
+            (0.0..=65535.0).contains(&word) && (word * scale) as f32 == x
+        })
+    };
+    let exact = [1.0 / 65535.0, 1.0 / f64::from(burst.full_scale)];
+    if let Some(scale) = exact.into_iter().find(|scale| scale.is_finite() && *scale > 0.0 && holds(*scale)) {
+        return (0.0, scale);
+    }
     let (min, max) = values().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let (min, max) = if min <= max { (f64::from(min), f64::from(max)) } else { (0.0, 1.0) };
     let step = f64::from(burst.quantisation_step);
@@ -194,7 +205,7 @@ pub fn is_case(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(CASE_EXTENSION))
 }
 
-/// Reads what a case says beside its frames.
+/// Reads a case without its frames.
 ///
 /// # Errors
 /// See [`CaseError`].
@@ -327,13 +338,13 @@ mod tests {
         let (_home, path) = written(&case, &part);
         let (read, back) = read_case(&path, &Limits::default(), &Monitor::default()).expect("read");
         assert_eq!(read, case);
-        assert_eq!(back.frames, burst.frames, "12-bit values are exact");
+        assert!(back.frames == burst.frames, "12-bit values are exact");
         assert!(std::fs::metadata(&path).expect("a file").len() <= case.estimated_bytes());
         let (case, part) = Case::of(&burst, &search, Some([90.0, 30.0]), Some(10), "");
         assert_eq!((case.corner, case.size, case.place), ([80, 20], [16, 21], Some([10.0, 10.0])));
         assert_eq!(part.frames[1].at(3, 4), burst.frames[1].at(83, 24));
         let (_home, path) = written(&case, &part);
-        assert_eq!(read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1.frames, part.frames);
+        assert!(read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1.frames == part.frames);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What would have to change in the world for a candidate below the noise gate to pass: more frames, a longer exposure, or
+//! Changes in the world by which a candidate below the noise gate would pass: more frames, a longer exposure, or
 //! a slower motion.
 //!
 //! All three follow from the noise. The noise of the mean of n frames falls with √n. With e times the exposure the signal
@@ -20,7 +20,7 @@ const AROUND_PX: i32 = 4;
 /// Factors beyond which a change is no advice.
 const MAX_FACTOR: f64 = 1000.0;
 
-/// What would keep a candidate that fails the noise gate.
+/// Changes in the world that would keep a candidate that fails the noise gate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outlook {
     /// Factor by which its SNR in D must grow.

@@ -136,7 +136,7 @@ pub struct Probe {
     pub response: ResponseMap,
     /// Response of each frame along the subject's motion.
     pub shares: Shares,
-    /// What would have to change in the world for the subject to pass the noise gate, if it fails that.
+    /// Changes in the world by which the subject would pass the noise gate, if it fails that.
     pub outlook: Option<Outlook>,
     /// Likely nature of the subject, if it was kept.
     pub judged: Option<Judged>,

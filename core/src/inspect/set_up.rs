@@ -125,7 +125,7 @@ impl SetUp {
         let across = f64::from(farthest.v) * cos - f64::from(farthest.u) * sin;
         let (low, high) = (along(nearest).min(along(farthest)), along(nearest).max(along(farthest)));
         let gaps = ((high - low) / step).ceil();
-        if !(gaps < MAX_COUNT as f64) {
+        if gaps.is_nan() || gaps >= MAX_COUNT as f64 {
             return Err(format!(
                 "depth: the motion differs by {high:.0} px/frame less {low:.0}, which takes too many slopes; give a smaller range of depths, or a higher frame rate"
             ));

@@ -40,6 +40,7 @@ use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, SearchParams, SlopeChoice};
 use crate::engine::Wanted;
 use crate::figures::FiguresJob;
+use crate::inspect::set_up::SetUp;
 use crate::requests::{Picture, PictureRequest};
 use compare::Compare;
 use datasets::Datasets;
@@ -159,6 +160,8 @@ pub struct Model {
     pub trajectories: Trajectories,
     /// Studies of charts.
     pub lab: lab::Lab,
+    /// Camera and scene from which slopes are computed.
+    pub set_up: SetUp,
     play: panes::Play,
     set_explicitly: panes::SetExplicitly,
     listed_for: Option<filter::ListedFor>,

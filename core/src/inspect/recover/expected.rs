@@ -69,7 +69,7 @@ pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slo
             }
             let value = |sigma: f64| {
                 let filter = (sigma * sigma + more).max(0.05).sqrt();
-                displaced.iter().map(|&d| shape.filtered(radius, filter, d)).sum::<f64>() / displaced.len() as f64
+                displaced.iter().map(|&d| filtered(shape, radius, filter, d)).sum::<f64>() / displaced.len() as f64
             };
             let response = (value(low) - value(high)).abs();
             let sigma_d = f64::from(trail.sigma_d_at((octave, level), ((place.0 as f32, place.1 as f32), at), &chosen));
@@ -91,9 +91,21 @@ pub fn nearest_slope(trail: &Trail, slope: Slope) -> usize {
     nearest(j, grid.v.count) * grid.u.count + nearest(i, grid.u.count)
 }
 
+/// Value at a distance `off` from the centre of a thing of amplitude 1 under a Gaussian filter of `sigma` pixels.
+fn filtered(shape: Shape, radius: f64, sigma: f64, off: f64) -> f64 {
+    match shape {
+        Shape::Disc => disc_filtered(radius, sigma, off),
+        Shape::Blob => {
+            let own = shape.sigma(radius).powi(2);
+            let all = own + sigma * sigma;
+            own / all * (-off * off / (2.0 * all)).exp()
+        }
+    }
+}
+
 /// Share of a Gaussian of standard deviation `sigma` around a point at distance `off` from a disc's centre that lies in
 /// the disc of `radius`.
-pub(super) fn disc_filtered(radius: f64, sigma: f64, off: f64) -> f64 {
+fn disc_filtered(radius: f64, sigma: f64, off: f64) -> f64 {
     const STEPS: usize = 96;
     let step = radius / STEPS as f64;
     let s2 = sigma * sigma;

@@ -1,4 +1,4 @@
-//! What is known of a burst before anything is planted: its own search, its noise and brightness by place, and the places
+//! A burst before anything is planted: its own search, its noise and brightness by place, and the places
 //! where something may be planted.
 
 use super::thing::LightNoise;

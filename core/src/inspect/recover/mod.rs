@@ -1,4 +1,4 @@
-//! Things planted in a burst and searched for: what the search as it is set would find.
+//! Things planted in a burst and searched for, to measure what the search as it is set would find.
 //!
 //! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames ([`thing`]), with the noise
 //! that their light would have. The search that is set runs on every copy, and each thing is found, by the rule of
@@ -69,7 +69,7 @@ impl Varied {
     pub const ALL: [Self; 3] = [Self::Snr, Self::Slope, Self::Size];
 }
 
-/// What is planted, and how it is searched for.
+/// A study: the things that are planted, and the search for them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecoverStudy {

@@ -1,4 +1,4 @@
-//! What a study of planted things says: the shares found over SNR, slope and size, the SNR of which half are found, the
+//! The report of a study of planted things: the shares found over SNR, slope and size, the SNR of which half are found, the
 //! tests at which the others failed, and how faint a thing is seen at each place.
 
 use super::fit::{FittedCurve, Outcome, Prior, fitted, share_interval};
@@ -298,7 +298,7 @@ impl RecoverReport {
         Some(((self.frames as f64 * ratio * ratio).ceil() as usize).max(2))
     }
 
-    /// What would have to change in the world for nine of ten things of half of [`HalfFound::snr`] to be found, a
+    /// Changes in the world that it takes for nine of ten things of half of [`HalfFound::snr`] to be found, a
     /// sentence.
     pub fn outlook(&self) -> Option<String> {
         let half = self.half?;

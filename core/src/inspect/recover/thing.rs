@@ -6,7 +6,6 @@
 //! noise that a frame with so much less light would have is then made up. Values are rounded to the file's steps again and
 //! end at its range.
 
-use super::expected::disc_filtered;
 use crate::plane::Plane;
 use crate::synth::chart::draw_disc;
 use crate::synth::random::Stream;
@@ -46,17 +45,6 @@ impl Shape {
         match self {
             Self::Disc => radius,
             Self::Blob => 4.0 * self.sigma(radius),
-        }
-    }
-
-    /// Value at a distance `off` from the centre of a thing of amplitude 1 under a Gaussian filter of `sigma` pixels.
-    pub(super) fn filtered(self, radius: f64, sigma: f64, off: f64) -> f64 {
-        match self {
-            Self::Disc => disc_filtered(radius, sigma, off),
-            Self::Blob => {
-                let (own, all) = (self.sigma(radius).powi(2), self.sigma(radius).powi(2) + sigma * sigma);
-                own / all * (-off * off / (2.0 * all)).exp()
-            }
         }
     }
 

@@ -57,7 +57,6 @@ fn half_are_found_at_the_snr_that_noise_and_gate_say() {
         assert!(half.error < 0.15 * half.snr, "{half:?}");
         let [first, .., last] = report.over_snr[..] else { panic!("levels") };
         assert!(first.share() < 0.3 && last.share() > 0.85, "{first:?} {last:?}");
-        assert!(report.times.plant_secs < 0.2 * report.times.search_secs, "{:?}", report.times);
     }
 }
 

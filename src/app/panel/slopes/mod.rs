@@ -1,6 +1,7 @@
 //! Slopes of the burst: features and evidence at each slope, aliases, and advice.
 
 pub(super) mod chart;
+mod set_up;
 mod verdict;
 
 pub use verdict::verdict_ui;
@@ -70,6 +71,7 @@ fn waiting_ui(ui: &mut Ui, model: &mut Model) {
             ui.weak("Analysing the slopes…");
         }
     });
+    set_up::set_up_ui(ui, model);
 }
 
 /// Draws the pieces of advice, each with a button that applies it, the cost of the search, and periodic textures.
@@ -82,6 +84,7 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
             let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
             piece_ui(ui, model, &name, advice);
         }
+        set_up::set_up_ui(ui, model);
         let cost = &spectrum.cost;
         let text = format!("Cost: {} slopes, {} samples", cost.slopes, grouped(cost.samples));
         let tip = format!("Search time: {} s", number(cost.search_secs, 2));

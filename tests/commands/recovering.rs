@@ -1,0 +1,92 @@
+//! `recover`, `film`, `case`, `stack --combine`, and `slopes` from the set-up.
+
+use super::support::{run_badly, run_well};
+use serde_json::Value;
+use std::path::Path;
+
+fn json(home: &Path, arguments: &[&str]) -> Value {
+    serde_json::from_str(&run_well(home, arguments)).expect("JSON")
+}
+
+const SEARCH: [&str; 3] = ["demo-low-contrast", "--slopes-u", "-2:2:9"];
+
+#[test]
+fn recover_says_what_would_be_found_and_draws_it() {
+    let home = tempfile::tempdir().expect("a folder");
+    let few = ["--copies", "2", "--plot", "seen.svg", "--csv", "planted.csv", "--json"];
+    let found = json(home.path(), &[&["recover"], &SEARCH[..], &few].concat());
+    assert_eq!((&found["command"], &found["copies_done"]), (&Value::from("recover"), &Value::from(2)));
+    let planted = found["planted"].as_array().expect("things");
+    assert!(planted.len() > 10, "{}", planted.len());
+    for one in planted {
+        let is_found = one["found"].is_object();
+        assert_eq!(is_found, one["why"].as_str().is_some_and(str::is_empty), "{one:#}");
+    }
+    let svg = std::fs::read_to_string(home.path().join("seen.svg")).expect("a figure");
+    roxmltree::Document::parse(&svg).expect("sound XML");
+    let table = std::fs::read_to_string(home.path().join("planted.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 1 + planted.len());
+    // The same again, over its own files.
+    let again = json(home.path(), &[&["recover"], &SEARCH[..], &few].concat());
+    assert_eq!(found["planted"], again["planted"]);
+    assert!(run_badly(home.path(), &["recover", "demo", "--copies", "0"], 2).contains("copies"));
+    assert!(run_badly(home.path(), &["recover", "demo", "--csv", "a.txt"], 2).contains(".csv"));
+}
+
+#[test]
+fn a_case_is_searched_like_the_burst_with_its_own_settings() {
+    let home = tempfile::tempdir().expect("a folder");
+    let features = |input: &[&str]| {
+        json(home.path(), &[&["detect"], input, &["--out", "found", "--force", "--json"]].concat())["bursts"][0]["features"].clone()
+    };
+    let made = json(
+        home.path(),
+        &[&["case"], &SEARCH[..], &["--at", "160,120", "--note", "why?", "--out", "a.burstcase", "--json"]].concat(),
+    );
+    assert_eq!(made["case"]["note"], "why?");
+    assert_eq!(features(&["a.burstcase", "--params", "a.burstcase"]), features(&SEARCH));
+    let part = json(
+        home.path(),
+        &[&["case"], &SEARCH[..], &["--at", "160,120", "--around", "40", "--out", "b.burstcase", "--json"]].concat(),
+    );
+    assert_eq!(part["case"]["size"], serde_json::json!([81, 81]));
+    std::fs::write(home.path().join("c.burstcase"), b"PK\x03\x04 and no more").expect("written");
+    assert!(run_badly(home.path(), &["detect", "c.burstcase", "--out", "found"], 1).contains("not a case"));
+    assert!(run_badly(home.path(), &["case", "demo", "--out", "a.zip"], 2).contains(".burstcase"));
+}
+
+#[test]
+fn a_sweep_is_a_film_and_frames_are_combined() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a.gif", "a.apng"] {
+        let line = ["--sweep", "slope-u=-2:2:5", "--max-side", "160", "--out", name, "--json"];
+        let made = json(home.path(), &[&["film"], &SEARCH[..], &line].concat());
+        assert_eq!(made["pictures"], 5);
+        let bytes = std::fs::metadata(home.path().join(name)).expect("a file").len();
+        let estimated = made["estimated_bytes"].as_u64().expect("a number");
+        assert!((bytes / 3..3 * bytes).contains(&estimated), "{name}: {estimated} of {bytes}");
+    }
+    assert!(run_badly(home.path(), &["film", "demo", "--sweep", "up", "--out", "a.gif"], 2).contains("no sweep"));
+    assert!(run_badly(home.path(), &["film", "demo", "--sweep", "flip", "--out", "a.webm"], 2).contains("GIF"));
+    let mean = |how: &str| {
+        let line = ["stack", "demo", "--slope", "1,0", "--combine", how, "--out", "a.tiff", "--force", "--json"];
+        json(home.path(), &line)["mean"].as_f64().expect("a number")
+    };
+    assert!(mean("min") < mean("median") && mean("median") < mean("max"));
+    assert!((mean("mean") - mean("median") - mean("mean-minus-median")).abs() < 1e-5);
+}
+
+#[test]
+fn the_set_up_gives_slopes_and_slopes_give_depths() {
+    let home = tempfile::tempdir().expect("a folder");
+    let set_up = ["--speed", "0.5", "--fps", "30", "--focal-px", "240", "--depth", "1:8"];
+    let alone = json(home.path(), &[&["slopes", "--json"], &set_up[..]].concat());
+    let nearest = alone["slopes"]["nearest"]["u"].as_f64().expect("a number");
+    assert!((nearest + 4.0).abs() < 1e-4, "{nearest}");
+    assert!(alone["options"].as_str().is_some_and(|options| options.starts_with("--slopes-u -")));
+    let with = json(home.path(), &[&["slopes", "demo", "--json"], &set_up[..]].concat());
+    let depths = with["depths"].as_array().expect("depths");
+    assert!(depths.iter().any(|one| one["depth_m"].is_number()), "{depths:?}");
+    assert!(run_badly(home.path(), &["slopes"], 2).contains("--speed"));
+    assert!(run_badly(home.path(), &["slopes", "--speed", "1"], 2).contains("--fps"));
+}
