@@ -77,6 +77,12 @@ impl CrossSpectra {
         }
     }
 
+    /// Removes the products of the first `count` lags, with their noise.
+    pub fn forget_lags(&mut self, count: usize) {
+        self.lags.iter_mut().take(count).for_each(|lag| *lag = Spectrum::zeros());
+        self.variance.iter_mut().take(count).for_each(|variance| *variance = 0.0);
+    }
+
     /// Adds the products of other windows.
     pub fn add(&mut self, other: &Self) {
         self.lags.iter_mut().zip(&other.lags).for_each(|(a, b)| a.add(b));
