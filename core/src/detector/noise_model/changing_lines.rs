@@ -19,6 +19,10 @@ pub struct ChangingLines {
     pub deviation: f32,
     /// Share of their power that remains in the mean of the frames, at the slope at which most remains.
     pub lasting: f32,
+    /// Variance of coarse means of the offsets relative to that of independent lines: above 1 where lines share them
+    /// with the next one.
+    #[serde(skip)]
+    coarse: f32,
     /// Extent of the offsets.
     pub extent: Extent,
 }
@@ -42,12 +46,16 @@ const SHARP: [f32; 2] = [0.6, 0.4];
 const SHARED: [f32; 2] = [0.25, 4.0];
 /// Maximum amplitude of wide lines, relative to the brightness.
 const MAX_WIDE: f32 = 0.05;
+/// Inverse of the share of white offsets' power that two linear interpolations may leave.
+const INTERPOLATED: f32 = 2.0;
+/// Maximum number of slopes at which the power that remains is computed.
+const MAX_TRIED: f32 = 200.0;
 /// Number of lines to each side over which wide offsets are smoothed.
 const SMOOTHED: usize = 4;
 
 impl ChangingLines {
-    /// Finds the offsets in the `frames`' lines, given the mean `brightness` of the frames and the components along
-    /// which the lines may move, `slopes`, lines per frame.
+    /// Finds the offsets in the `frames`' lines, given the mean `brightness` of the frames and the slopes of the
+    /// search across the lines, `slopes`, lines per frame.
     pub fn find(frames: &[Lines], brightness: f32, slopes: &[f32]) -> Option<Self> {
         [Extent::Sharp, Extent::Wide].into_iter().find_map(|extent| {
             let found: Vec<Shared> = frames.iter().map(|frame| Shared::of(frame, extent)).collect();
@@ -67,7 +75,9 @@ impl ChangingLines {
             };
             (is_common && tells).then(|| {
                 let offsets: Vec<Vec<f32>> = frames.iter().map(|frame| offsets(frame, extent)).collect();
-                Self { deviation: common.sqrt(), lasting: lasting(&offsets, slopes), extent }
+                let next = sum(&|frame| dot(&frame.even, &frame.odd[1..])).max(0.0);
+                let coarse = 1.0 + 2.0 * next / common;
+                Self { deviation: common.sqrt(), lasting: lasting(&offsets, slopes), coarse, extent }
             })
         })
     }
@@ -85,9 +95,10 @@ impl ChangingLines {
         }
     }
 
-    /// Variance of the offsets that remain in the mean of the frames, before they are taken off.
+    /// Variance of independent lines that have the same coarse means as the offsets in the mean of the frames, before
+    /// they are taken off. Interpolation takes a part of what lasts, but not of coarse means.
     pub fn variance_in_mean(&self) -> f32 {
-        self.deviation.powi(2) * self.lasting
+        self.deviation.powi(2) * self.coarse * (INTERPOLATED * self.lasting).min(1.0)
     }
 }
 
@@ -179,7 +190,11 @@ fn lasting(frames: &[Vec<f32>], slopes: &[f32]) -> f32 {
         };
         (0..lines).map(|i| mean(i).powi(2)).sum::<f32>() / power.max(f32::MIN_POSITIVE)
     };
-    slopes.iter().map(|slope| kept(*slope)).fold(1.0 / n, f32::max).min(1.0)
+    // Between the slopes searched too, since coarse octaves, where most remains, tell them apart less well.
+    let (min, max) = slopes.iter().fold((0.0f32, 0.0f32), |(a, b), s| (a.min(*s), b.max(*s)));
+    let count = ((max - min) * n).ceil().min(MAX_TRIED);
+    let tried = (0..=count as usize).map(|i| min + (max - min) * i as f32 / count.max(1.0));
+    tried.map(kept).fold(1.0 / n, f32::max).min(1.0)
 }
 
 #[cfg(test)]

@@ -7,10 +7,10 @@ use super::changing_lines::ChangingLines;
 use super::contrast::{SceneMotion, looked_at};
 use super::fixed_pattern::FixedPattern;
 use super::frames::FrameSurvey;
-use super::high_pass::{FREE_VALUES, HighPass, SQUARE_PIXELS, quiet_variance};
+use super::high_pass::{FREE_VALUES, HighPass, Lattice, SQUARE_PIXELS, quiet_variance};
 use super::reading::{BoxPyramid, Reading};
 use super::spectrum::{Sources, measure};
-use super::variance::{ExcessMap, PhotonTransfer, Square};
+use super::variance::{ExcessMap, PhotonTransfer, Square, differ_by_place};
 use super::warning::{cut_off, of_frames, of_pattern, of_places, of_spectrum};
 use super::{FRAMES_SAMPLED, NoiseModel};
 use crate::detector::params::Flicker;
@@ -78,7 +78,11 @@ pub fn examine(
     let (looked, contrasts) = looked_at(clean.len(), frames[0].data().len());
     let first_look = squares.only(&looked.iter().map(|&i| kept[i]).collect::<Vec<_>>());
     let about = quiet_variance(first_look.mean_variances(&contrasts), FREE_VALUES);
-    let (reading, pattern) = read(&mut clean, &looked, (about, slopes), pyramid_levels(octaves), monitor)?;
+    let shown = survey.shown(&first_look, &contrasts);
+    // The mean of frames that have noise in common has more of it.
+    let more = repeated_in_place(&survey.correlations, looked.len()) / shown;
+    let expected = Expected { variance: about * more, is_shared: !survey.correlations.is_empty(), slopes };
+    let (reading, pattern) = read(&mut clean, &looked, &expected, pyramid_levels(octaves), monitor)?;
     let is_changed = is_evened || !pattern.is_empty();
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
     let squares = if is_changed { HighPass::new(&looked_planes) } else { first_look };
@@ -88,20 +92,30 @@ pub fn examine(
     // Noise that frames share stays in place; read at shifted places it would seem larger.
     let slopes = if !survey.correlations.is_empty() { &[Slope::new(0.0, 0.0)] } else { *slopes };
     let motion = SceneMotion { pyramids: &pyramids, times: &times, slopes };
-    let places: Vec<(f32, f32)> = squares.places.clone();
-    let of_squares = motion.slopes_at(&places, frames[0].size());
-    let variances = squares.still_variances(&looked_planes, &contrasts, &times, &of_squares);
-    let squares = listed(&squares, variances, looked.len());
+    let measured = |squares: &HighPass| {
+        let of_squares = motion.slopes_at(&squares.places, frames[0].size());
+        let variances = squares.still_variances(&looked_planes, &contrasts, &times, &of_squares);
+        listed(squares, variances, looked.len())
+    };
+    let mut squares = measured(&squares);
 
     let mut model = NoiseModel {
         is_local: true,
         correlations: survey.correlations.clone(),
-        shown: survey.shown,
+        shown,
         warnings: [of_frames(&survey, is_evened), of_pattern(&pattern)].concat(),
         pattern,
         ..NoiseModel::default()
     };
-    fit_places(&mut model, &squares, looked.len(), quantisation_step, frames[0].size());
+    fit_brightness(&mut model, &squares, looked.len(), quantisation_step);
+    if differ_by_place(&squares.0, &model.transfer, squares.1) {
+        let lattice = Lattice::dense(frames[0].size());
+        let dense = measured(&HighPass::on_lattice(&looked_planes, lattice));
+        model.excess = ExcessMap::find(&dense.0, lattice, &model.transfer, dense.1);
+        if model.excess.is_some() {
+            squares = dense;
+        }
+    }
     model.brightness.relative_variance =
         kept.iter().map(|&t| survey.frames[t].relative_variance).sum::<f32>() / kept.len() as f32;
     model.frames = survey.frames;
@@ -130,23 +144,41 @@ fn pyramid_levels(octaves: &Range<i32>) -> usize {
     (octaves.end.max(1) as usize + 1).max(5)
 }
 
-/// Reads the frames `looked` of `clean` closely, whose noise has about the variance `about` and whose scene may move by
-/// `slopes`, and removes the sensor's pattern from all of `clean`: first what stays, then what changes.
+/// Expectations of the frames' noise and motion.
+struct Expected<'a> {
+    /// Variance of the noise of a frame whose mean with others has as much noise as if they were independent.
+    variance: f32,
+    /// Whether frames have noise in common: it may look like a pattern.
+    is_shared: bool,
+    /// Slopes by which the scene may move, px/frame.
+    slopes: &'a [Slope],
+}
+
+/// Variance of the mean of `frames` frames with these correlations relative to that of independent ones.
+fn repeated_in_place(correlations: &[f32], frames: usize) -> f32 {
+    let shared = (1..).zip(correlations).map(|(lag, r)| (1.0 - lag as f32 / frames as f32).max(0.0) * r);
+    1.0 + 2.0 * shared.sum::<f32>()
+}
+
+/// Reads the frames `looked` of `clean` closely and removes the sensor's pattern from all of `clean`: first what stays, then what changes.
 fn read(
     clean: &mut [Arc<Plane>],
     looked: &[usize],
-    (about, slopes): (f32, &[Slope]),
+    expected: &Expected<'_>,
     levels: usize,
     monitor: &Monitor,
 ) -> Result<(Reading, FixedPattern), Cancelled> {
     let reading = |clean: &[Arc<Plane>], finds: bool| {
         let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
-        let stands_out = FixedPattern::stands_out(planes.len(), planes[0].size(), about);
+        let stands_out = FixedPattern::stands_out(planes.len(), planes[0].size(), expected.variance);
         Reading::new(&planes, levels, stands_out.filter(|_| finds), monitor)
     };
     let mut read = reading(clean, true)?;
     let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
-    let mut pattern = FixedPattern::find(&planes, &read, about);
+    let mut pattern = FixedPattern::find(&planes, &read, expected.variance);
+    if expected.is_shared {
+        (pattern.columns, pattern.rows) = (None, None);
+    }
     if !pattern.is_empty() {
         clean.par_iter_mut().for_each(|frame| pattern.remove_from(Arc::make_mut(frame)));
         read = reading(clean, true)?;
@@ -156,7 +188,7 @@ fn read(
     }
     let brightness = read.columns.iter().flatten().flatten().sum::<f32>()
         / read.columns.iter().flatten().map(Vec::len).sum::<usize>() as f32;
-    let along = |axis: fn(&Slope) -> f32| slopes.iter().map(axis).collect::<Vec<f32>>();
+    let along = |axis: fn(&Slope) -> f32| expected.slopes.iter().map(axis).collect::<Vec<f32>>();
     pattern.changing_columns = ChangingLines::find(&read.columns, brightness, &along(|slope| slope.u));
     pattern.changing_rows = ChangingLines::find(&read.rows, brightness, &along(|slope| slope.v));
     for (axis, lines) in [pattern.changing_columns, pattern.changing_rows].into_iter().enumerate() {
@@ -192,20 +224,13 @@ fn listed(squares: &HighPass, variances: Vec<f32>, frames: usize) -> (Vec<Square
     (list, FREE_VALUES * (frames / 3).max(1) as f32)
 }
 
-/// Fits the variance over brightness and place.
-fn fit_places(
-    model: &mut NoiseModel,
-    (squares, free): &(Vec<Square>, f32),
-    frames: usize,
-    step: f32,
-    size: (usize, usize),
-) {
+/// Fits the variance over brightness.
+fn fit_brightness(model: &mut NoiseModel, (squares, free): &(Vec<Square>, f32), frames: usize, step: f32) {
     let pairs: Vec<(f32, f32)> = squares.iter().map(|s| (s.brightness, s.variance)).collect();
     model.transfer = PhotonTransfer::fit(&pairs, SQUARE_PIXELS * frames, *free);
     // Variance of rounding alone.
     let min = step * step / 12.0;
     model.transfer.min = model.transfer.min.max(min);
-    model.excess = ExcessMap::find(squares, &model.transfer, size, *free);
     let mut brightness: Vec<f32> = squares.iter().map(|s| s.brightness).collect();
     let middle = brightness.len() / 2;
     let middle = *brightness.select_nth_unstable_by(middle, f32::total_cmp).1;

@@ -4,6 +4,7 @@
 //! A frame that repeats another brings no new noise, so it does not count; a frame that is much noisier than the others
 //! makes their mean worse. Both are left out, and frames whose exposure differs are scaled to the same brightness.
 
+use super::contrast::Contrast;
 use super::high_pass::HighPass;
 use crate::detector::noise_model::high_pass::{FREE_VALUES, SQUARE_PIXELS, quiet_variance};
 use rayon::prelude::*;
@@ -48,9 +49,8 @@ pub struct FrameSurvey {
     pub flicker: f32,
     /// Correlation of the noise of frames that are 1, 2, … frames apart; empty where none was found.
     pub correlations: Vec<f32>,
-    /// Share of the variance of a frame's noise that differences of three neighbouring frames show; 1 for independent
-    /// ones.
-    pub shown: f32,
+    /// Flat squares and the mean variance of a frame in them, where there are correlations.
+    pub(super) flat: (Vec<usize>, f32),
 }
 
 /// Spread of exposures above which it is flicker; a smaller one comes from objects that move through the picture.
@@ -101,8 +101,19 @@ impl FrameSurvey {
         survey.compare_brightness(squares, &looks);
         survey.leave_out_blurred(&looks);
         survey.compare_noise(squares, &looks);
-        (survey.correlations, survey.shown) = correlations(squares, &looks, &survey.kept());
+        (survey.correlations, survey.flat) = correlations(squares, &looks, &survey.kept());
         survey
+    }
+
+    /// Share of the variance of a frame's noise that `contrasts` of `squares` show; 1 for independent frames.
+    pub fn shown(&self, squares: &HighPass, contrasts: &[Contrast]) -> f32 {
+        let (flat, usual) = &self.flat;
+        if self.correlations.is_empty() || *usual <= 0.0 {
+            return 1.0;
+        }
+        let variances = squares.mean_variances(contrasts);
+        let mean = flat.iter().map(|&i| variances[i]).sum::<f32>() / flat.len() as f32;
+        (mean / usual).clamp(0.02, 1.0)
     }
 
     /// Leaves out a frame for the reason `why`, unless it is left out already or only two are kept.
@@ -299,13 +310,15 @@ fn spread_without_trend(points: &[(f32, f32)]) -> f32 {
     (points.iter().map(|p| (p.1 - x - slope * (p.0 - t)).powi(2)).sum::<f32>() / (n - 2.0)).sqrt()
 }
 
+/// Ratio of the variances that a fifth of the squares exceeds and a fifth falls below, up to which there is no texture.
+const EVEN: f32 = 1.75;
 /// Maximum lag for which a correlation is measured.
 const MAX_LAG: usize = 16;
 
-/// Correlations of the noise of frames 1, 2, … apart, from the flattest squares, and the share of its variance that
-/// differences of three neighbours show. No correlations where shared texture may explain them.
-fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>, f32) {
-    let none = (Vec::new(), 1.0);
+/// Correlations of the noise of frames 1, 2, … apart, from the flattest squares, and these with a frame's mean variance
+/// in them. No correlations where shared texture may explain them.
+fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>, (Vec<usize>, f32)) {
+    let none = (Vec::new(), (Vec::new(), 0.0));
     if kept.len() < 5 {
         return none;
     }
@@ -318,13 +331,18 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     };
     let own =
         |frames: &[usize]| -> Vec<f32> { mean(&frames.iter().map(|&t| &looks.frames[t][..]).collect::<Vec<_>>()) };
+    // Noise varies little from square to square; texture does.
+    let spread = |mut values: Vec<f32>| {
+        values.sort_by(f32::total_cmp);
+        values[values.len() * 8 / 10] / values[values.len() * 2 / 10].max(f32::MIN_POSITIVE)
+    };
+    let of_frames = own(measuring);
     let chosen_by = own(choosing);
     let mut order: Vec<usize> = (0..squares.places.len()).collect();
     order.sort_by(|&a, &b| chosen_by[a].total_cmp(&chosen_by[b]));
-    let flat = &order[..order.len().div_ceil(3)];
+    // Where frames have noise in common the choice does bias it: without texture all squares are taken.
+    let flat = if spread(of_frames.clone()) < EVEN { &order[..] } else { &order[..order.len().div_ceil(3)] };
     let in_flat = |variances: &[f32]| flat.iter().map(|&i| variances[i]).sum::<f32>() / flat.len() as f32;
-    let of_frames = own(measuring);
-    let mut frames: Vec<f32> = flat.iter().map(|&i| of_frames[i]).collect();
     let own = in_flat(&of_frames);
     let neighbours: Vec<f32> =
         measuring.windows(2).filter(|w| w[0] + 1 == w[1]).map(|w| in_flat(&looks.pairs[w[0]])).collect();
@@ -332,10 +350,7 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
         return none;
     }
     let shared = 1.0 - neighbours.iter().sum::<f32>() / (neighbours.len() as f32 * own);
-    // Noise varies little from square to square; texture does.
-    frames.sort_by(f32::total_cmp);
-    let spread = frames[frames.len() * 8 / 10] / frames[frames.len() * 2 / 10].max(f32::MIN_POSITIVE);
-    if shared <= MIN_CORRELATION || spread >= 1.6 {
+    if shared <= MIN_CORRELATION || spread(flat.iter().map(|&i| of_frames[i]).collect()) >= EVEN {
         return none;
     }
     // From all frames, relative to their mean variance: so the sum over all lags is the variance of the frames' mean,
@@ -354,14 +369,7 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     };
     let last = MAX_LAG.min(kept[kept.len() - 1] - kept[0]);
     let correlations: Vec<f32> = (1..=last).map(|lag| at_lag(lag).clamp(0.0, 0.98)).collect();
-    let triples: Vec<f32> = kept
-        .windows(3)
-        .filter(|w| w[0] + 2 == w[2])
-        .map(|w| in_flat(&squares.variances(&[(w[0], 1.0), (w[1], -2.0), (w[2], 1.0)])))
-        .collect();
-    let shown =
-        if triples.is_empty() { 1.0 - shared } else { triples.iter().sum::<f32>() / (triples.len() as f32 * usual) };
-    (correlations, shown.clamp(0.02, 1.0))
+    (correlations, (flat.to_vec(), usual))
 }
 
 /// Median of `values` (the upper one of two); 0 where there are none.

@@ -156,7 +156,7 @@ impl NoiseModel {
     fn variance_at(&self, pyramid: &BoxPyramid, octave: i32, (u, v): (f32, f32)) -> f32 {
         let level = Self::brightness_level(octave).min(pyramid.len());
         let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
-        self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.at(u, v))
+        self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.at(octave, u, v))
     }
 
     /// σ of the noise of one frame by place, as the finest octave uses it, for an image of `size` in cells of `cell_px`

@@ -47,6 +47,8 @@ pub enum WarningKind {
     StillScene,
     /// Pixels are cut off at black or white.
     CutOff,
+    /// A merged image keeps the strongest noise of its middle frame.
+    KeptByMerge,
 }
 
 impl NoiseWarning {
@@ -155,6 +157,19 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
         warnings.push(NoiseWarning::new(WarningKind::StillScene, pattern.inseparable as f32, text));
     }
     warnings
+}
+
+/// False features a megapixel that pass the strict gate on white noise merged from eight frames (`evaluate noise --case
+/// white --method merge --noise-gate strict --frames 0..8`).
+const KEPT_BY_MERGE: f32 = 10.0;
+
+/// Warning about the noise of a merged image.
+pub(in crate::detector) fn of_merge() -> NoiseWarning {
+    let text = format!(
+        "the merge takes strong noise of its middle frame for motion and keeps it: on noise alone {KEPT_BY_MERGE:.0} false features a \
+         megapixel pass the strict gate; raise --noise-gate by a sixth, or search the frames (--method buff)"
+    );
+    NoiseWarning::new(WarningKind::KeptByMerge, KEPT_BY_MERGE, text)
 }
 
 /// Warnings about correlation between pixels and about long tails.

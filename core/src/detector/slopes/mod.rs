@@ -42,12 +42,13 @@ const STRAIGHT_PX: f64 = 1.4;
 const FILM_PART: f64 = 1.0 / 3.0;
 /// Motion of the picture from the first to the last frame, pixels, up to which it stands still.
 const STILL_PX: f64 = 0.95;
-/// Uncertainty of a slope, as a multiple, up to which it may be 0.
-const UNSURE: f64 = 1.5;
+/// Slope, in its uncertainty, above which it is surely not 0.
+const SURELY: f64 = 2.5;
 /// Number of confirmed windows that move from which on a picture whose most stands still does not.
 const MIN_MOVING: usize = 3;
-/// Distance from a uniform motion, in pixels of the pyramid's level, that coarser levels than the finest can tell.
-const COARSE_PX: f64 = 0.75;
+/// Distance from a uniform motion, in pixels of the pyramid's level, up to which a picture whose windows stand still does
+/// so: the path of sparse, large structures is less exact than its noise.
+const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
 /// from +u towards +v) or anywhere in the plane.
@@ -88,7 +89,7 @@ pub fn find_slopes(
     let path = path_of(&seen, &fourier, levels.start).filter(|_| shared == 0);
     let mut warnings = regularity::of_places(&seen.evidence, steps, size);
     warnings.extend(path.as_ref().and_then(|path| regularity::of_order(&path.way, path.error)));
-    let deviation = path.map(|path| [path.deviation(), path.limit()]);
+    let deviation = path.map(|path| (path.deviation(), path.limit(finding.verdict == SlopeVerdict::Still)));
     monitor.report(Stage::Slopes, 1.0);
     let spectrum = spectrum(&seen, &table, levels.start);
     Ok(SlopeFinding { spectrum, warnings, ..finding.with_deviation(deviation) })
@@ -200,17 +201,18 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     }
 }
 
-/// Whether nothing moves: most of the evidence is at slope 0, and what is beyond half a step and its uncertainty is too
-/// little to be confirmed.
+/// Whether nothing moves: the evidence lies around slope 0, most of it no farther away than its uncertainty, and what is
+/// surely farther is too little to be confirmed.
 fn stands_still(evidence: &[SlopeEvidence], steps: Steps, gaps: f64) -> bool {
-    if typical(evidence, |e| f64::from(e.slope.magnitude())) * gaps > STILL_PX {
-        return false;
-    }
-    let moves = |e: &&SlopeEvidence| {
-        let least = (0.5 * steps.search).max(UNSURE * f64::from(e.uncertainty));
-        f64::from(e.slope.magnitude()) > least.max(STILL_PX / gaps)
+    let still = STILL_PX / gaps;
+    let middle = typical(evidence, |e| f64::from(e.slope.u)).hypot(typical(evidence, |e| f64::from(e.slope.v)));
+    let beyond = |e: &SlopeEvidence, least: f64, uncertainties: f64| {
+        f64::from(e.slope.magnitude()) > least.max(uncertainties * f64::from(e.uncertainty))
     };
-    confirmed(&evidence.iter().filter(moves).copied().collect::<Vec<_>>(), steps).len() < MIN_MOVING
+    let may_move = typical(evidence, |e| f64::from(u8::from(beyond(e, still, 1.0)))) > 0.5;
+    let surely: Vec<SlopeEvidence> =
+        evidence.iter().filter(|e| beyond(e, still.max(0.5 * steps.search), SURELY)).copied().collect();
+    middle <= still && !may_move && confirmed(&surely, steps).len() < MIN_MOVING
 }
 
 /// Whether a point at mid-burst that moves by `slope` is still inside the picture at the burst's ends.
@@ -250,11 +252,10 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
 fn path_of(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<Path> {
     let mut levels = seen.wholes.iter().zip(first_level..);
     levels.find_map(|(whole, level)| {
-        let Path { way, error, noise } = peak::path(whole, fourier)?;
+        let Path { way, error, noise, .. } = peak::path(whole, fourier)?;
         let unit = f64::from(1u32 << level);
-        let limit = if level > first_level { COARSE_PX } else { 0.0 };
         let way = way.iter().map(|x| x.map(|x| x * unit)).collect();
-        Some(Path { way, error: error * unit, noise: noise.max(limit / 3.0) * unit })
+        Some(Path { way, error: error * unit, noise: noise * unit, pixel: unit })
     })
 }
 
@@ -283,7 +284,8 @@ pub enum SlopeVerdict {
     Still,
     /// The frames have nothing significant in common; the grid is the usual one.
     NothingSeen,
-    /// The picture does not move uniformly: no slope aligns all frames.
+    /// The picture does not move uniformly: no slope aligns all frames. The finding's warnings name the reason where it is
+    /// known.
     NotStraight,
     /// The frames move by more than a third of the picture: a film that should be cut into bursts.
     Film,
@@ -355,13 +357,13 @@ impl SlopeFinding {
 
     /// Sets the distance from a uniform motion. `deviation` is this distance and the limit above which it changes the
     /// verdict, in pixels.
-    fn with_deviation(self, deviation: Option<[f64; 2]>) -> Self {
-        let bent = deviation.is_some_and(|[distance, limit]| distance > limit);
+    fn with_deviation(self, deviation: Option<(f64, f64)>) -> Self {
+        let bent = deviation.is_some_and(|(distance, limit)| distance > limit);
         let verdict = match self.verdict {
             SlopeVerdict::Found | SlopeVerdict::Still if bent => SlopeVerdict::NotStraight,
             verdict => verdict,
         };
-        Self { verdict, deviation_px: deviation.map(|[distance, _]| distance as f32), ..self }
+        Self { verdict, deviation_px: deviation.map(|(distance, _)| distance as f32), ..self }
     }
 
     /// Texts of the warnings.
@@ -369,15 +371,16 @@ impl SlopeFinding {
         self.warnings.iter().map(|warning| &warning.text[..]).collect::<Vec<_>>().join("; ")
     }
 
-    /// One line of text: the verdict, the grid, and the confidence.
+    /// One line of text: the verdict, the grid, the confidence, and the irregularities.
     pub fn summary(&self) -> String {
         let grid = grid_text(&self.grid);
         let sure = format!("{:.0} % of what is seen agrees", 100.0 * self.confidence);
-        match self.verdict {
+        let verdict = match self.verdict {
             SlopeVerdict::Found => format!("found: {grid}; {sure}"),
             SlopeVerdict::Still => "nothing moves: slope 0".to_owned(),
             SlopeVerdict::NothingSeen => format!("nothing to be seen: {grid}"),
-            SlopeVerdict::NotStraight if !self.warnings.is_empty() => format!("{}: {grid}", self.irregularities()),
+            // The irregularities are the reason.
+            SlopeVerdict::NotStraight if !self.warnings.is_empty() => grid,
             SlopeVerdict::NotStraight => format!(
                 "the motion is not straight (up to {:.1} px off): {grid}; use fewer frames",
                 self.deviation_px.unwrap_or(0.0)
@@ -386,7 +389,8 @@ impl SlopeFinding {
                 "the frames move by {:.0} px, more than a third of the picture: {grid}; cut the film into bursts",
                 self.moved_px
             ),
-        }
+        };
+        if self.warnings.is_empty() { verdict } else { format!("{verdict}; {}", self.irregularities()) }
     }
 }
 

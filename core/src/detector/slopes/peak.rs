@@ -286,7 +286,7 @@ const FINEST_STEP: f64 = 0.02;
 /// curvature.
 const SHIFT_ERROR: f64 = 1.2;
 
-/// Path of the picture as a whole, level pixels.
+/// Path of the picture as a whole; all lengths in one unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Path {
     /// Position of each frame.
@@ -295,6 +295,8 @@ pub(super) struct Path {
     pub error: f64,
     /// Distance from a uniform motion that noise alone would cause.
     pub noise: f64,
+    /// Width of a pixel of the level at which it was measured.
+    pub pixel: f64,
 }
 
 impl Path {
@@ -303,13 +305,15 @@ impl Path {
         distance_from_a_line(&self.way)
     }
 
-    /// Distance from a uniform motion above which the motion is not straight, for a path in image pixels.
-    pub fn limit(&self) -> f64 {
-        super::STRAIGHT_PX.max(3.0 * self.noise)
+    /// Distance from a uniform motion above which the motion is not straight, for a path in image pixels and windows
+    /// that stand still or not.
+    pub fn limit(&self, still: bool) -> f64 {
+        let least = if still { super::STILL_LEVEL_PX * self.pixel } else { 0.0 };
+        super::STRAIGHT_PX.max(3.0 * self.noise).max(least)
     }
 }
 
-/// Path of the picture as a whole; `None` where single pairs of frames are too noisy to measure it.
+/// Path of the picture as a whole, level pixels; `None` where single pairs of frames are too noisy to measure it.
 pub(super) fn path(products: &CrossSpectra, fourier: &Fourier) -> Option<Path> {
     let frame_count = products.neighbours.len() + 1;
     let variance = products.variance.first()? / products.neighbours.len() as f64;
@@ -326,7 +330,7 @@ pub(super) fn path(products: &CrossSpectra, fourier: &Fourier) -> Option<Path> {
     }
     // Each shift has an error of about a pixel divided by its significance; the errors add up along the path.
     let error = SHIFT_ERROR / min;
-    Some(Path { way, error, noise: error * (planes.len() as f64).sqrt() })
+    Some(Path { way, error, noise: error * (planes.len() as f64).sqrt(), pixel: 1.0 })
 }
 
 /// Part of the correlation at one lag that the next one has at least, where it comes from a scene.
