@@ -88,8 +88,10 @@ pub fn find_slopes(
     let finding = conclude(&seen, steps, direction_deg, size);
     let path = path_of(&seen, &fourier, levels.start).filter(|_| shared == 0);
     let mut warnings = regularity::of_places(&seen.evidence, steps, size);
-    warnings.extend(path.as_ref().and_then(|path| regularity::of_order(&path.way, path.error)));
-    let deviation = path.map(|path| (path.deviation(), path.limit(finding.verdict == SlopeVerdict::Still)));
+    let order = path.as_ref().and_then(|path| regularity::of_order(&path.way, path.error));
+    let still = finding.verdict == SlopeVerdict::Still && order.is_none();
+    warnings.extend(order);
+    let deviation = path.map(|path| (path.deviation(), path.limit(still)));
     monitor.report(Stage::Slopes, 1.0);
     let spectrum = spectrum(&seen, &table, levels.start);
     Ok(SlopeFinding { spectrum, warnings, ..finding.with_deviation(deviation) })
