@@ -66,9 +66,10 @@ JSON (--json):
      \"damaged_frames\": [name] where --accept-damaged took some, \"features\",
      \"files\": {format: path}, \"frame_noise\", \"noise_gate_factor\", \"octaves\": [first, end],
      \"noise\": {\"frame_noise\", \"is_local\", \"transfer\": {\"slope\", \"dark\", \"points\": [{\"brightness\", \"variance\", \"squares\"}]}, \"excess\", \"levels\",
-       \"frames\": [{\"gain\", \"relative_variance\", \"left_out\"}], \"correlation\", \"pattern\", \"warnings\": [{\"kind\", \"number\", \"text\"}]},
+       \"frames\": [{\"gain\", \"relative_variance\", \"left_out\"}], \"correlations\", \"pattern\", \"warnings\": [{\"kind\", \"number\", \"text\"}]},
      \"slope_grid\": {\"u\": {\"min\", \"max\", \"count\"}, \"v\", \"direction_deg\"}, \"slopes_found\": {\"grid\", \"verdict\": found, still,
-       nothing-seen, not-straight or film, \"confidence\", \"significance\", \"direction_deg\", \"moved_px\", \"deviation_px\"} where slopes were found,
+       nothing-seen, not-straight or film, \"confidence\", \"significance\", \"direction_deg\", \"moved_px\", \"deviation_px\",
+       \"warnings\": [{\"kind\", \"frames\", \"number\", \"text\"}]} where slopes were found,
      \"slopes\": [{\"u\", \"v\", \"features\"}], \"tally\": {\"samples\", \"kept\", \"rejected\": {test: count}},
      \"times\": {\"open_secs\", \"slopes_secs\", \"noise_secs\", \"search_secs\", \"describe_secs\", \"write_secs\"}}],
    \"failures\": [{\"name\", \"error\"}]}

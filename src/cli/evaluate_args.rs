@@ -133,7 +133,8 @@ pub struct NoiseArgs {
     pub bits: Vec<Bits>,
     /// Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY, correlated,
     /// black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels, gain-flicker, clipped-black, saturated,
-    /// constant-frame, constant. Without it the white ones of --sigma and --bits, and all others.
+    /// constant-frame, constant, drifting-stripes, varying-TIMES (strength by place), banding, still-banding, smoothed,
+    /// flickering-pixels, noisy-columns, negative. Without it the white ones of --sigma and --bits, and all others.
     #[arg(long, value_name = "CASE,…", value_delimiter = ',', value_parser = NoiseCase::from_str)]
     pub case: Vec<NoiseCase>,
     /// Standard deviation of the noise of the kinds of --case, fraction of full scale.

@@ -111,11 +111,15 @@ impl Filtered {
     fn new(frame: &Plane, pieces: &[Piece], step: f32) -> Self {
         let places = pieces.iter().map(|(_, columns)| columns.len()).sum();
         let mut out = Self { values: vec![0.0; places], cut_off: vec![false; places] };
-        // The file's range ends here; float files have no range.
-        let whole = if step > 0.0 { 0.5 * step..1.0 - 0.5 * step } else { f32::NEG_INFINITY..f32::INFINITY };
+        // The file's range ends here; float files have no range. Where a black level was subtracted it begins at the
+        // least value.
+        let columns_read = |columns: &Range<usize>| columns.start - 1..columns.end + 1;
+        let read = pieces.iter().flat_map(|(v, columns)| &frame.row(*v)[columns_read(columns)]);
+        let least = read.copied().fold(0.0, f32::min);
+        let whole = if step > 0.0 { least + 0.5 * step..1.0 - 0.5 * step } else { f32::NEG_INFINITY..f32::INFINITY };
         let mut at = 0;
         for (v, columns) in pieces {
-            let row = |v: usize| &frame.row(v)[columns.start - 1..columns.end + 1];
+            let row = |v: usize| &frame.row(v)[columns_read(columns)];
             let end = at + columns.len();
             let (values, cut_off) = (&mut out.values[at..end], &mut out.cut_off[at..end]);
             filter_piece(row(v - 1), row(*v), row(v + 1), &whole, values, cut_off);

@@ -1,7 +1,7 @@
 //! The noise model in whole detections: bursts whose noise is not white, and a chart under a lamp.
 
-use burstscope_core::detector::NoiseModelKind;
 use burstscope_core::detector::noise_model::WarningKind;
+use burstscope_core::detector::{Method, NoiseModelKind};
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{Camera, ChartParams, FeatureTruth, NoiseCase, synth_chart};
 use burstscope_core::{Burst, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
@@ -27,6 +27,15 @@ fn noise_as_cameras_make_it_gives_next_to_nothing() {
         (NoiseCase::NoisyHalf, 5),
         (NoiseCase::ColumnStripes, 20),
         (NoiseCase::GainFlicker, 1),
+        (NoiseCase::DriftingStripes, 20),
+        (NoiseCase::Varying(6), 5),
+        (NoiseCase::Varying(2), 0),
+        (NoiseCase::Banding, 5),
+        (NoiseCase::StillBanding, 0),
+        (NoiseCase::Smoothed, 20),
+        (NoiseCase::FlickeringPixels, 1),
+        (NoiseCase::NoisyColumns, 0),
+        (NoiseCase::Negative, 0),
     ] {
         let burst = case.burst((480, 360), 10, 0.02, 11, &Monitor::default()).expect("a burst");
         let [white, local] =
@@ -52,6 +61,10 @@ fn what_is_cleaned_is_said() {
     let kinds: Vec<WarningKind> = detection.noise.warnings.iter().map(|w| w.kind).collect();
     assert_eq!(kinds, [WarningKind::HotPixels]);
     assert!(found(&burst, NoiseModelKind::White).noise.warnings.is_empty());
+    let merge = DetectorParams { method: Method::Merge, ..params(NoiseModelKind::Local) };
+    let merged = detect(&burst, &merge, &Monitor::default()).expect("detected");
+    let kinds: Vec<WarningKind> = merged.noise.warnings.iter().map(|w| w.kind).collect();
+    assert_eq!(kinds, [WarningKind::KeptByMerge]);
 }
 
 /// A chart whose right half is lit by a lamp, so that its shot noise is several times that of the dark left.

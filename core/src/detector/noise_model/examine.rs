@@ -3,13 +3,14 @@
 //! Useless frames are left out, flicker and the sensor's pattern are removed; then the noise of the rest is measured.
 //! Where nothing is found, the frames are unchanged.
 
+use super::changing_lines::ChangingLines;
 use super::contrast::{SceneMotion, looked_at};
 use super::fixed_pattern::FixedPattern;
 use super::frames::FrameSurvey;
-use super::high_pass::{FREE_VALUES, HighPass, SQUARE_PIXELS, quiet_variance};
+use super::high_pass::{FREE_VALUES, HighPass, Lattice, SQUARE_PIXELS, quiet_variance};
 use super::reading::{BoxPyramid, Reading};
 use super::spectrum::{Sources, measure};
-use super::variance::{ExcessMap, PhotonTransfer, Square};
+use super::variance::{ExcessMap, PhotonTransfer, Square, differ_by_place};
 use super::warning::{cut_off, of_frames, of_pattern, of_places, of_spectrum};
 use super::{FRAMES_SAMPLED, NoiseModel};
 use crate::detector::params::Flicker;
@@ -77,7 +78,11 @@ pub fn examine(
     let (looked, contrasts) = looked_at(clean.len(), frames[0].data().len());
     let first_look = squares.only(&looked.iter().map(|&i| kept[i]).collect::<Vec<_>>());
     let about = quiet_variance(first_look.mean_variances(&contrasts), FREE_VALUES);
-    let (reading, pattern) = read(&mut clean, &looked, about, pyramid_levels(octaves), monitor)?;
+    let shown = survey.shown(&first_look, &contrasts);
+    // The mean of frames that have noise in common has more of it.
+    let more = repeated_in_place(&survey.correlations, looked.len()) / shown;
+    let expected = Expected { variance: about * more, is_shared: !survey.correlations.is_empty(), slopes };
+    let (reading, pattern) = read(&mut clean, &looked, &expected, pyramid_levels(octaves), monitor)?;
     let is_changed = is_evened || !pattern.is_empty();
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
     let squares = if is_changed { HighPass::new(&looked_planes) } else { first_look };
@@ -85,21 +90,32 @@ pub fn examine(
     let times: Vec<f32> = looked.iter().map(|&i| kept[i] as f32).collect();
     let pyramids: Vec<&BoxPyramid> = reading.pyramids.iter().collect();
     // Noise that frames share stays in place; read at shifted places it would seem larger.
-    let slopes = if survey.correlation > 0.0 { &[Slope::new(0.0, 0.0)] } else { *slopes };
+    let slopes = if !survey.correlations.is_empty() { &[Slope::new(0.0, 0.0)] } else { *slopes };
     let motion = SceneMotion { pyramids: &pyramids, times: &times, slopes };
-    let places: Vec<(f32, f32)> = squares.places.clone();
-    let of_squares = motion.slopes_at(&places, frames[0].size());
-    let variances = squares.still_variances(&looked_planes, &contrasts, &times, &of_squares);
-    let squares = listed(&squares, variances, looked.len());
+    let measured = |squares: &HighPass| {
+        let of_squares = motion.slopes_at(&squares.places, frames[0].size());
+        let variances = squares.still_variances(&looked_planes, &contrasts, &times, &of_squares);
+        listed(squares, variances, looked.len())
+    };
+    let mut squares = measured(&squares);
 
     let mut model = NoiseModel {
         is_local: true,
-        correlation: survey.correlation,
+        correlations: survey.correlations.clone(),
+        shown,
         warnings: [of_frames(&survey, is_evened), of_pattern(&pattern)].concat(),
         pattern,
         ..NoiseModel::default()
     };
-    fit_places(&mut model, &squares, looked.len(), quantisation_step, frames[0].size());
+    fit_brightness(&mut model, &squares, looked.len(), quantisation_step);
+    if differ_by_place(&squares.0, &model.transfer, squares.1) {
+        let lattice = Lattice::dense(frames[0].size());
+        let dense = measured(&HighPass::on_lattice(&looked_planes, lattice));
+        model.excess = ExcessMap::find(&dense.0, lattice, &model.transfer, dense.1);
+        if model.excess.is_some() {
+            squares = dense;
+        }
+    }
     model.brightness.relative_variance =
         kept.iter().map(|&t| survey.frames[t].relative_variance).sum::<f32>() / kept.len() as f32;
     model.frames = survey.frames;
@@ -107,7 +123,9 @@ pub fn examine(
     let variance_in = |region: &Region| variance_in(&model, middle, &squares.0, region);
     let sources = Sources { frames: &looked_planes, contrasts: &contrasts, motion, variance_in: &variance_in };
     let levels = measure(sources, space, octaves.clone(), monitor)?;
-    let (share, cut_off) = cut_off(&looked_planes, quantisation_step);
+    // As the files have them: cleaning moves values away from the ends of the range.
+    let as_read: Vec<&Plane> = looked.iter().map(|&i| &*frames[kept[i]]).collect();
+    let (share, cut_off) = cut_off(&as_read, quantisation_step);
     model.warnings.extend(of_spectrum(&levels));
     model.warnings.extend(of_places(model.excess.as_ref()));
     model.warnings.extend(cut_off);
@@ -126,28 +144,60 @@ fn pyramid_levels(octaves: &Range<i32>) -> usize {
     (octaves.end.max(1) as usize + 1).max(5)
 }
 
-/// Reads the frames `looked` of `clean` closely, whose noise has about the variance `about`, and removes the sensor's
-/// pattern from all of `clean`.
+/// Expectations of the frames' noise and motion.
+struct Expected<'a> {
+    /// Variance of the noise of a frame whose mean with others has as much noise as if they were independent.
+    variance: f32,
+    /// Whether frames have noise in common: it may look like a pattern.
+    is_shared: bool,
+    /// Slopes by which the scene may move, px/frame.
+    slopes: &'a [Slope],
+}
+
+/// Variance of the mean of `frames` frames with these correlations relative to that of independent ones.
+fn repeated_in_place(correlations: &[f32], frames: usize) -> f32 {
+    let shared = (1..).zip(correlations).map(|(lag, r)| (1.0 - lag as f32 / frames as f32).max(0.0) * r);
+    1.0 + 2.0 * shared.sum::<f32>()
+}
+
+/// Reads the frames `looked` of `clean` closely and removes the sensor's pattern from all of `clean`: first what stays, then what changes.
 fn read(
     clean: &mut [Arc<Plane>],
     looked: &[usize],
-    about: f32,
+    expected: &Expected<'_>,
     levels: usize,
     monitor: &Monitor,
 ) -> Result<(Reading, FixedPattern), Cancelled> {
-    let (reading, pattern) = {
+    let reading = |clean: &[Arc<Plane>], finds: bool| {
         let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
-        let stands_out = FixedPattern::stands_out(planes.len(), planes[0].size(), about);
-        let reading = Reading::new(&planes, levels, stands_out, monitor)?;
-        let pattern = FixedPattern::find(&planes, &reading, about);
-        (reading, pattern)
+        let stands_out = FixedPattern::stands_out(planes.len(), planes[0].size(), expected.variance);
+        Reading::new(&planes, levels, stands_out.filter(|_| finds), monitor)
     };
-    if pattern.is_empty() {
-        return Ok((reading, pattern));
-    }
-    clean.par_iter_mut().for_each(|frame| pattern.remove_from(Arc::make_mut(frame)));
+    let mut read = reading(clean, true)?;
     let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
-    Ok((Reading::new(&planes, levels, None, monitor)?, pattern))
+    let mut pattern = FixedPattern::find(&planes, &read, expected.variance);
+    if expected.is_shared {
+        (pattern.columns, pattern.rows) = (None, None);
+    }
+    if !pattern.is_empty() {
+        clean.par_iter_mut().for_each(|frame| pattern.remove_from(Arc::make_mut(frame)));
+        read = reading(clean, true)?;
+    }
+    if read.columns.is_empty() {
+        return Ok((read, pattern));
+    }
+    let brightness = read.columns.iter().flatten().flatten().sum::<f32>()
+        / read.columns.iter().flatten().map(Vec::len).sum::<usize>() as f32;
+    let along = |axis: fn(&Slope) -> f32| expected.slopes.iter().map(axis).collect::<Vec<f32>>();
+    pattern.changing_columns = ChangingLines::find(&read.columns, brightness, &along(|slope| slope.u));
+    pattern.changing_rows = ChangingLines::find(&read.rows, brightness, &along(|slope| slope.v));
+    for (axis, lines) in [pattern.changing_columns, pattern.changing_rows].into_iter().enumerate() {
+        if let Some(lines) = lines {
+            clean.par_iter_mut().for_each(|frame| lines.remove_from(Arc::make_mut(frame), axis));
+            read = reading(clean, false)?;
+        }
+    }
+    Ok((read, pattern))
 }
 
 /// Variance of the noise of one frame in a region of the image: by its brightness, or, where the variance also depends
@@ -174,20 +224,13 @@ fn listed(squares: &HighPass, variances: Vec<f32>, frames: usize) -> (Vec<Square
     (list, FREE_VALUES * (frames / 3).max(1) as f32)
 }
 
-/// Fits the variance over brightness and place.
-fn fit_places(
-    model: &mut NoiseModel,
-    (squares, free): &(Vec<Square>, f32),
-    frames: usize,
-    step: f32,
-    size: (usize, usize),
-) {
+/// Fits the variance over brightness.
+fn fit_brightness(model: &mut NoiseModel, (squares, free): &(Vec<Square>, f32), frames: usize, step: f32) {
     let pairs: Vec<(f32, f32)> = squares.iter().map(|s| (s.brightness, s.variance)).collect();
     model.transfer = PhotonTransfer::fit(&pairs, SQUARE_PIXELS * frames, *free);
     // Variance of rounding alone.
     let min = step * step / 12.0;
     model.transfer.min = model.transfer.min.max(min);
-    model.excess = ExcessMap::find(squares, &model.transfer, size, *free);
     let mut brightness: Vec<f32> = squares.iter().map(|s| s.brightness).collect();
     let middle = brightness.len() / 2;
     let middle = *brightness.select_nth_unstable_by(middle, f32::total_cmp).1;
@@ -253,6 +296,24 @@ mod tests {
     }
 
     #[test]
+    fn negative_values_are_not_cut_off() {
+        let (_, negative) = case(NoiseCase::Negative);
+        let (_, white) = case(NoiseCase::White);
+        let (_, clipped) = case(NoiseCase::ClippedBlack);
+        assert_eq!(negative.model.warnings, []);
+        assert_eq!(negative.kept.len(), 10);
+        assert!((negative.model.frame_noise / white.model.frame_noise - 1.0).abs() < 0.02);
+        assert!(negative.model.brightness.cut_off < 0.001 && clipped.model.brightness.cut_off > 0.4);
+        // A file whose least value is 0 has negative values at the end of its range, where noise is cut off.
+        let (mut burst, _) = case(NoiseCase::Negative);
+        for frame in &mut burst.frames {
+            Arc::make_mut(frame).data_mut().iter_mut().for_each(|x| *x = x.max(-0.01));
+        }
+        let pedestal = examined(&burst, Flicker::Auto);
+        assert!((pedestal.model.brightness.cut_off - 0.31).abs() < 0.03, "{}", pedestal.model.brightness.cut_off);
+    }
+
+    #[test]
     fn flicker_is_evened_out_unless_it_is_wanted() {
         let case = NoiseCase::GainFlicker;
         let burst = case.burst((320, 240), 8, 0.02, 3, &Monitor::default()).expect("not cancelled");
@@ -287,6 +348,14 @@ mod tests {
             (NoiseCase::ClippedBlack, CutOff),
             (NoiseCase::Saturated, CutOff),
             (NoiseCase::ConstantFrame, OutlierFrames),
+            (NoiseCase::DriftingStripes, ChangingLines),
+            (NoiseCase::Varying(2), DiffersByPlace),
+            (NoiseCase::Varying(6), DiffersByPlace),
+            (NoiseCase::Banding, ChangingLines),
+            (NoiseCase::StillBanding, ChangingLines),
+            (NoiseCase::Smoothed, SmoothedOverTime),
+            (NoiseCase::FlickeringPixels, HotPixels),
+            (NoiseCase::NoisyColumns, ChangingLines),
         ] {
             let kinds = kinds(noise);
             assert!(kinds.contains(&kind), "{noise:?}: {kinds:?}");

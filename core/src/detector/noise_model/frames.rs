@@ -4,8 +4,9 @@
 //! A frame that repeats another brings no new noise, so it does not count; a frame that is much noisier than the others
 //! makes their mean worse. Both are left out, and frames whose exposure differs are scaled to the same brightness.
 
+use super::contrast::Contrast;
 use super::high_pass::HighPass;
-use crate::detector::noise_model::high_pass::{FREE_VALUES, quiet_variance};
+use crate::detector::noise_model::high_pass::{FREE_VALUES, SQUARE_PIXELS, quiet_variance};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -46,8 +47,10 @@ pub struct FrameSurvey {
     /// Standard deviation of the logarithms of the exposures after removal of a steady trend, if it is large enough to
     /// be flicker; else 0.
     pub flicker: f32,
-    /// Correlation of the noise of consecutive frames; 0 where none was found.
-    pub correlation: f32,
+    /// Correlation of the noise of frames that are 1, 2, … frames apart; empty where none was found.
+    pub correlations: Vec<f32>,
+    /// Flat squares and the mean variance of a frame in them, where there are correlations.
+    pub(super) flat: (Vec<usize>, f32),
 }
 
 /// Spread of exposures above which it is flicker; a smaller one comes from objects that move through the picture.
@@ -56,6 +59,10 @@ const MIN_FLICKER: f32 = 0.015;
 const BLACK: f32 = 0.5;
 /// Share of the frames' noise below which the difference of two frames means a copy.
 const COPY: f32 = 0.02;
+/// Brightness of a square, in standard deviations of its noise, above which it shows the exposure.
+const BRIGHT: f32 = 4.0;
+/// Number of squares of which at least one has to show the exposure.
+const MIN_BRIGHT: usize = 20;
 /// Number of earlier frames that are compared to find copies.
 const LOOK_BACK: usize = 4;
 /// Factor by which the mean's variance must fall for a frame to be left out for its noise.
@@ -91,11 +98,22 @@ impl FrameSurvey {
         let looks = Looks::new(squares);
         survey.leave_out_empty(&looks);
         survey.leave_out_copies(squares, &looks);
-        survey.compare_brightness(squares);
+        survey.compare_brightness(squares, &looks);
         survey.leave_out_blurred(&looks);
         survey.compare_noise(squares, &looks);
-        survey.correlation = correlation(squares, &looks, &survey.kept());
+        (survey.correlations, survey.flat) = correlations(squares, &looks, &survey.kept());
         survey
+    }
+
+    /// Share of the variance of a frame's noise that `contrasts` of `squares` show; 1 for independent frames.
+    pub fn shown(&self, squares: &HighPass, contrasts: &[Contrast]) -> f32 {
+        let (flat, usual) = &self.flat;
+        if self.correlations.is_empty() || *usual <= 0.0 {
+            return 1.0;
+        }
+        let variances = squares.mean_variances(contrasts);
+        let mean = flat.iter().map(|&i| variances[i]).sum::<f32>() / flat.len() as f32;
+        (mean / usual).clamp(0.02, 1.0)
     }
 
     /// Leaves out a frame for the reason `why`, unless it is left out already or only two are kept.
@@ -130,16 +148,18 @@ impl FrameSurvey {
     }
 
     /// Finds black and flashed frames, and the exposures of the others.
-    fn compare_brightness(&mut self, squares: &HighPass) {
+    fn compare_brightness(&mut self, squares: &HighPass, looks: &Looks) {
         let mean = |t: usize| squares.brightness[t].iter().sum::<f32>() / squares.places.len() as f32;
         let mut order = self.kept();
         order.sort_by(|&a, &b| mean(a).total_cmp(&mean(b)));
         let reference = order[order.len() / 2];
-        if mean(reference) <= 0.0 {
+        // Around black, where a black level was subtracted, brightness is only noise.
+        let least = BRIGHT * (looks.noise[reference] / SQUARE_PIXELS as f32).sqrt();
+        if squares.brightness[reference].iter().filter(|b| **b > least).count() * MIN_BRIGHT < squares.places.len() {
             return;
         }
         let gains: Vec<f32> = (0..squares.frames())
-            .map(|t| bright_ratio(&squares.brightness[t], &squares.brightness[reference]))
+            .map(|t| bright_ratio(&squares.brightness[t], &squares.brightness[reference], least))
             .collect();
         for (t, &gain) in gains.iter().enumerate() {
             if gain < BLACK {
@@ -260,10 +280,11 @@ impl Looks {
     }
 }
 
-/// Ratio of brightnesses: the median over the squares, weighted by the reference's brightness.
-fn bright_ratio(squares: &[f32], reference: &[f32]) -> f32 {
+/// Ratio of brightnesses: the median over the squares in which the reference is brighter than `least`, weighted by its
+/// brightness.
+fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
     let mut ratios: Vec<(f32, f32)> =
-        squares.iter().zip(reference).filter(|(_, r)| **r > 0.0).map(|(x, r)| (x / r, *r)).collect();
+        squares.iter().zip(reference).filter(|(_, r)| **r > least).map(|(x, r)| (x / r, *r)).collect();
     ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = 0.5 * ratios.iter().map(|(_, weight)| weight).sum::<f32>();
     let mut so_far = 0.0;
@@ -289,10 +310,17 @@ fn spread_without_trend(points: &[(f32, f32)]) -> f32 {
     (points.iter().map(|p| (p.1 - x - slope * (p.0 - t)).powi(2)).sum::<f32>() / (n - 2.0)).sqrt()
 }
 
-/// Correlation of the noise of consecutive frames, from the flattest squares; 0 where shared texture may explain it.
-fn correlation(squares: &HighPass, looks: &Looks, kept: &[usize]) -> f32 {
+/// Ratio of the variances that a fifth of the squares exceeds and a fifth falls below, up to which there is no texture.
+const EVEN: f32 = 1.75;
+/// Maximum lag for which a correlation is measured.
+const MAX_LAG: usize = 16;
+
+/// Correlations of the noise of frames 1, 2, … apart, from the flattest squares, and these with a frame's mean variance
+/// in them. No correlations where shared texture may explain them.
+fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>, (Vec<usize>, f32)) {
+    let none = (Vec::new(), (Vec::new(), 0.0));
     if kept.len() < 5 {
-        return 0.0;
+        return none;
     }
     // The squares are chosen by the first frames and measured in the others, so that the choice does not bias the
     // measurement.
@@ -303,24 +331,45 @@ fn correlation(squares: &HighPass, looks: &Looks, kept: &[usize]) -> f32 {
     };
     let own =
         |frames: &[usize]| -> Vec<f32> { mean(&frames.iter().map(|&t| &looks.frames[t][..]).collect::<Vec<_>>()) };
+    // Noise varies little from square to square; texture does.
+    let spread = |mut values: Vec<f32>| {
+        values.sort_by(f32::total_cmp);
+        values[values.len() * 8 / 10] / values[values.len() * 2 / 10].max(f32::MIN_POSITIVE)
+    };
+    let of_frames = own(measuring);
     let chosen_by = own(choosing);
     let mut order: Vec<usize> = (0..squares.places.len()).collect();
     order.sort_by(|&a, &b| chosen_by[a].total_cmp(&chosen_by[b]));
-    let flat = &order[..order.len().div_ceil(3)];
-    let of_frames = own(measuring);
-    let neighbours = measuring.windows(2).filter(|w| w[0] + 1 == w[1]);
-    let of_pairs = mean(&neighbours.map(|w| &looks.pairs[w[0]][..]).collect::<Vec<_>>());
-    let mut frames: Vec<f32> = flat.iter().map(|&i| of_frames[i]).collect();
-    let pairs: f32 = flat.iter().map(|&i| of_pairs[i]).sum();
-    let own: f32 = frames.iter().sum();
-    if own <= 0.0 || pairs.is_nan() {
-        return 0.0;
+    // Where frames have noise in common the choice does bias it: without texture all squares are taken.
+    let flat = if spread(of_frames.clone()) < EVEN { &order[..] } else { &order[..order.len().div_ceil(3)] };
+    let in_flat = |variances: &[f32]| flat.iter().map(|&i| variances[i]).sum::<f32>() / flat.len() as f32;
+    let own = in_flat(&of_frames);
+    let neighbours: Vec<f32> =
+        measuring.windows(2).filter(|w| w[0] + 1 == w[1]).map(|w| in_flat(&looks.pairs[w[0]])).collect();
+    if own <= 0.0 || neighbours.is_empty() {
+        return none;
     }
-    let shared = 1.0 - pairs / own;
-    // Noise varies little from square to square; texture does.
-    frames.sort_by(f32::total_cmp);
-    let spread = frames[frames.len() * 8 / 10] / frames[frames.len() * 2 / 10].max(f32::MIN_POSITIVE);
-    if shared > MIN_CORRELATION && spread < 1.6 { shared.min(0.95) } else { 0.0 }
+    let shared = 1.0 - neighbours.iter().sum::<f32>() / (neighbours.len() as f32 * own);
+    if shared <= MIN_CORRELATION || spread(flat.iter().map(|&i| of_frames[i]).collect()) >= EVEN {
+        return none;
+    }
+    // From all frames, relative to their mean variance: so the sum over all lags is the variance of the frames' mean,
+    // even if the noise differs from frame to frame, as at the beginning of a recording.
+    let alone = |t: usize| in_flat(&looks.frames[t]);
+    let usual = kept.iter().map(|&t| alone(t)).sum::<f32>() / kept.len() as f32;
+    let at_lag = |lag: usize| {
+        let pairs: Vec<(usize, usize)> =
+            kept.iter().filter(|&&t| kept.contains(&(t + lag))).map(|&t| (t, t + lag)).collect();
+        let covariance = |&(a, b): &(usize, usize)| {
+            let difference = in_flat(&squares.variances(&[(a, 1.0), (b, -1.0)]));
+            0.5 * (alone(a) + alone(b)) - difference
+        };
+        let count = pairs.len().max(1) as f32;
+        pairs.par_iter().map(covariance).collect::<Vec<_>>().iter().sum::<f32>() / (count * usual)
+    };
+    let last = MAX_LAG.min(kept[kept.len() - 1] - kept[0]);
+    let correlations: Vec<f32> = (1..=last).map(|lag| at_lag(lag).clamp(0.0, 0.98)).collect();
+    (correlations, (flat.to_vec(), usual))
 }
 
 /// Median of `values` (the upper one of two); 0 where there are none.
@@ -358,7 +407,7 @@ mod tests {
             let survey = survey(case);
             assert_eq!(survey.kept().len(), 10, "{case:?} {survey:?}");
             assert!(survey.frames.iter().all(|f| f.gain == 1.0 && f.relative_variance == 1.0), "{case:?} {survey:?}");
-            assert_eq!((survey.flicker, survey.correlation), (0.0, 0.0), "{case:?}");
+            assert_eq!((survey.flicker, survey.correlations.clone()), (0.0, Vec::new()), "{case:?}");
         }
     }
 
@@ -409,7 +458,7 @@ mod tests {
             smooth.push(Plane::from_vec(320, 240, values));
         }
         let survey = survey_of(&smooth.iter().skip(3).collect::<Vec<_>>());
-        assert!((survey.correlation - 0.5).abs() < 0.05, "{}", survey.correlation);
+        assert!((survey.correlations[0] - 0.5).abs() < 0.05, "{:?}", survey.correlations);
     }
 
     #[test]
@@ -434,6 +483,6 @@ mod tests {
         let scene = SceneParams { width: 240, height: 180, frames: 6, layers: 1, ..SceneParams::default() };
         let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
         let survey = survey_of(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>());
-        assert_eq!((survey.kept().len(), survey.flicker, survey.correlation), (6, 0.0, 0.0), "{survey:?}");
+        assert_eq!((survey.kept().len(), survey.flicker, survey.correlations.len()), (6, 0.0, 0), "{survey:?}");
     }
 }

@@ -18,6 +18,8 @@ const AREA: usize = SIDE * SIDE;
 pub const SQUARE_PIXELS: usize = 4 * AREA;
 /// Maximum number of squares: enough for an accuracy of one percent overall and for a map of the image.
 const MAX_SQUARES: usize = 512;
+/// Maximum number of squares of a lattice, about: those of a million pixels.
+const MAX_DENSE: usize = 4096;
 /// Variance of the filtered halved pixels for white noise of variance 1 in the frame's pixels: the mask's squares sum
 /// to 36, a mean over four has a quarter of the variance.
 const GAIN: f32 = 9.0;
@@ -41,7 +43,16 @@ pub struct HighPass {
 impl HighPass {
     /// Filters the squares of frames of one size; none where a side is under 20 pixels.
     pub fn new(frames: &[&Plane]) -> Self {
-        let corners = frames.first().map_or_else(Vec::new, |frame| corners(frame.size()));
+        Self::at(frames, frames.first().map_or_else(Vec::new, |frame| corners(frame.size())))
+    }
+
+    /// Filters the squares of a `lattice`.
+    pub fn on_lattice(frames: &[&Plane], lattice: Lattice) -> Self {
+        let Lattice { columns, rows, pitch } = lattice;
+        Self::at(frames, (0..columns * rows).map(|i| (i % columns * pitch, i / columns * pitch)).collect())
+    }
+
+    fn at(frames: &[&Plane], corners: Vec<(usize, usize)>) -> Self {
         let of_frame = |frame: &&Plane| {
             let mut values = Vec::with_capacity(corners.len() * AREA);
             let mut brightness = Vec::with_capacity(corners.len());
@@ -132,6 +143,32 @@ impl HighPass {
     /// Whether the filtered values and the brightness of two frames are equal.
     pub fn same(&self, a: usize, b: usize) -> bool {
         self.values[a] == self.values[b] && self.brightness[a] == self.brightness[b]
+    }
+}
+
+/// Squares at equal distances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Lattice {
+    /// Number of squares in a row.
+    pub columns: usize,
+    /// Number of rows of squares.
+    pub rows: usize,
+    /// Distance of neighbours, image pixels.
+    pub pitch: usize,
+}
+
+impl Lattice {
+    /// As many squares as an image of `size` holds side by side, or [`MAX_DENSE`], about.
+    pub fn dense((width, height): (usize, usize)) -> Self {
+        let count = |n: usize, pitch: usize| if n < 2 * PATCH { 0 } else { (n - 2 * PATCH) / pitch + 1 };
+        let even = ((width * height) as f32 / MAX_DENSE as f32).sqrt().ceil() as usize;
+        let pitch = even.max(2 * SIDE).next_multiple_of(2);
+        Self { columns: count(width, pitch), rows: count(height, pitch), pitch }
+    }
+
+    /// First pixel, along both axes, of cells as wide as the pitch that have the squares in their middle.
+    pub fn first_px(&self) -> f32 {
+        PATCH as f32 - 0.5 * self.pitch as f32
     }
 }
 

@@ -7,6 +7,7 @@
 //! [`NoiseModel`], which computes σ of D for an octave, a level, a slope and a place, with a [`NoiseWarning`] for each
 //! assumption that fails.
 
+pub mod changing_lines;
 pub mod contrast;
 pub mod examine;
 pub mod fixed_pattern;
@@ -25,6 +26,7 @@ use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::ScaleSpace;
 use crate::kernel::stack::FrameOffset;
 use crate::plane::Plane;
+use changing_lines::{ChangingLines, Extent};
 use fixed_pattern::{FixedPattern, REACH, Stripes};
 use frames::FrameFacts;
 use reading::{BoxPyramid, sample_at};
@@ -48,8 +50,11 @@ pub struct NoiseModel {
     pub levels: Vec<Vec<LevelNoise>>,
     /// Facts on the used frames.
     pub frames: Vec<FrameFacts>,
-    /// Correlation of the noise of consecutive frames.
-    pub correlation: f32,
+    /// Correlation of the noise of frames that are 1, 2, … frames apart; empty where there is none.
+    pub correlations: Vec<f32>,
+    /// Share of the variance of one frame's noise that differences of neighbouring frames show.
+    #[serde(skip)]
+    shown: f32,
     /// Fixed pattern of the sensor, which has been removed.
     pub pattern: FixedPattern,
     /// Assumptions that do not hold.
@@ -111,8 +116,8 @@ impl NoiseModel {
         }
         let noise = self.level(octave, level);
         let frame = self.brightness.min_variance[self.octave_index(octave)] * self.brightness.relative_variance;
-        let sigma_px = space.sigma_image(octave, f64::from(level)) as f32;
-        let over_time = repeated_over_time(self.correlation, offsets.len(), slope.magnitude() / sigma_px);
+        let filter = [0, 1].map(|up| (space.sigma_image(octave, f64::from(level + up)) as f32).powi(2));
+        let over_time = self.repeated_over_time(offsets.len(), slope.magnitude(), filter);
         let of_frames = white as f32 * noise.over_white * frame * over_time;
         let tails = noise.excess_kurtosis / offsets.len() as f32 / 24.0 * (gate * gate - 3.0).max(0.0);
         let sigma = (of_frames + self.stripes_left(space, octave, level)).sqrt()
@@ -151,7 +156,7 @@ impl NoiseModel {
     fn variance_at(&self, pyramid: &BoxPyramid, octave: i32, (u, v): (f32, f32)) -> f32 {
         let level = Self::brightness_level(octave).min(pyramid.len());
         let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
-        self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.at(u, v))
+        self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.at(octave, u, v))
     }
 
     /// σ of the noise of one frame by place, as the finest octave uses it, for an image of `size` in cells of `cell_px`
@@ -211,7 +216,14 @@ impl NoiseModel {
     /// around, for a filter along one axis.
     fn stripes_left(&self, space: &ScaleSpace, octave: i32, level: i32) -> f32 {
         let of = |stripes: &Option<Stripes>| stripes.as_ref().map_or(0.0, |s| s.deviation.powi(2));
-        let variance = of(&self.pattern.columns) + of(&self.pattern.rows);
+        let changing = |lines: &Option<ChangingLines>| match lines {
+            Some(lines) if lines.extent == Extent::Sharp => lines.variance_in_mean(),
+            _ => 0.0,
+        };
+        let variance = of(&self.pattern.columns)
+            + of(&self.pattern.rows)
+            + changing(&self.pattern.changing_columns)
+            + changing(&self.pattern.changing_rows);
         if variance == 0.0 {
             return 0.0;
         }
@@ -230,24 +242,25 @@ impl NoiseModel {
             / STEPS as f64;
         variance * energy as f32
     }
-}
 
-/// Variance of the mean of `frames` frames relative to that of independent ones, when consecutive frames' noise is
-/// correlated by `correlation`, falling by that factor from frame to frame, and a step from frame to frame shifts it by
-/// `shift` in units of the filter's σ.
-fn repeated_over_time(correlation: f32, frames: usize, shift: f32) -> f32 {
-    if correlation <= 0.0 {
-        return 1.0;
+    /// Variance in the mean of `frames` frames, relative to that of independent ones whose differences show as much
+    /// noise, for frames whose noise is correlated and a slope of `speed` px/frame: noise that stays in place counts
+    /// again as far as the filter, the difference of Gaussians of the variances `filter` (pixels²), still reaches it.
+    fn repeated_over_time(&self, frames: usize, speed: f32, filter: [f32; 2]) -> f32 {
+        if self.correlations.is_empty() {
+            return 1.0;
+        }
+        let [low, high] = filter;
+        let gaussian = |variance: f32, shift: f32| (-0.5 * shift * shift / variance).exp() / variance;
+        let overlap =
+            |shift: f32| gaussian(2.0 * low, shift) - 2.0 * gaussian(low + high, shift) + gaussian(2.0 * high, shift);
+        let shared = |(k, correlation): (usize, &f32)| {
+            let lag = (k + 1) as f32;
+            (1.0 - lag / frames as f32).max(0.0) * correlation * (overlap(lag * speed) / overlap(0.0)).max(0.0)
+        };
+        let sum = 1.0 + 2.0 * self.correlations.iter().enumerate().map(shared).sum::<f32>();
+        sum.max(1.0) / self.shown.max(0.02)
     }
-    let n = frames as f32;
-    let shared = |k: usize| {
-        let k_frames = k as f32;
-        (1.0 - k_frames / n) * correlation.powi(k as i32) * (-0.25 * (k_frames * shift).powi(2)).exp()
-    };
-    let sum = 1.0 + 2.0 * (1..frames).map(shared).sum::<f32>();
-    // The differences in which the noise was measured, with weights 1, −2, 1, show only a part of it.
-    let shown = 1.0 - 4.0 / 3.0 * correlation + correlation * correlation / 3.0;
-    sum / shown.max(0.02)
 }
 
 #[cfg(test)]
@@ -271,10 +284,15 @@ mod tests {
 
     #[test]
     fn frames_that_repeat_each_other_are_worth_less() {
-        assert_eq!(repeated_over_time(0.0, 10, 0.0), 1.0);
-        let still = repeated_over_time(0.5, 200, 0.0);
+        let filter = [2.56, 3.6];
+        let of = |correlations: Vec<f32>, frames: usize, speed: f32| {
+            NoiseModel { correlations, shown: 0.5, ..NoiseModel::default() }.repeated_over_time(frames, speed, filter)
+        };
+        assert_eq!(of(Vec::new(), 10, 0.0), 1.0);
+        let halves: Vec<f32> = (1..20).map(|k| 0.5f32.powi(k)).collect();
         // (1 + r)/(1 − r) for many frames, divided by the part that differences show.
-        assert!((still / (3.0 / (1.0 - 2.0 / 3.0 + 0.25 / 3.0)) - 1.0).abs() < 0.02, "{still}");
-        assert!(repeated_over_time(0.5, 200, 5.0) < 0.4 * still);
+        let still = of(halves.clone(), 2000, 0.0);
+        assert!((still / 6.0 - 1.0).abs() < 0.02, "{still}");
+        assert!((of(halves, 2000, 6.0) - 2.0).abs() < 0.02, "the noise is left behind");
     }
 }

@@ -1,9 +1,8 @@
 //! Single pass over the frames that are examined closely: computes everything that needs all of their pixels.
 //!
 //! Frames come from memory row by row. Each pair of rows goes into the pyramids (means over squares of 2, 4, 8 …
-//! pixels, for measuring noise and brightness) and, for the sensor's pattern, into the sums of the first and of the
-//! second half of the frames: these are added up by columns and by rows, and pixels that stand out of their row are
-//! listed.
+//! pixels, for measuring noise and brightness) and, for the sensor's pattern, into the means of each frame's columns and
+//! rows; pixels that stand out of their row in the sum of the frames are listed.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -21,18 +20,40 @@ pub struct Reading {
     pub pyramids: Vec<BoxPyramid>,
     /// Column and row of each pixel that stands out of its row in the mean of the frames, row by row.
     pub standing_out: Vec<(usize, usize)>,
-    /// For each half of the frames, the means of each column over each of [`BANDS`] bands of rows.
-    pub columns: [Vec<Vec<f32>>; 2],
-    /// For each half of the frames, the means of each row over each of [`BANDS`] bands of columns.
-    pub rows: [Vec<Vec<f32>>; 2],
+    /// For each frame, the means of each column over each of [`BANDS`] bands of rows; empty unless the pattern's data
+    /// was read.
+    pub columns: Vec<Lines>,
+    /// For each frame, the means of each row over each of [`BANDS`] bands of columns.
+    pub rows: Vec<Lines>,
+}
+
+/// Means of the lines (columns or rows) of a frame, one list for each of [`BANDS`] bands across them.
+pub type Lines = Vec<Vec<f32>>;
+
+/// Means of the columns and of the rows of a frame.
+pub fn lines_of(frame: &Plane) -> [Lines; 2] {
+    let mut found = Reading::default();
+    found.add_lines(cuts(frame.height()).into_iter().map(|rows| {
+        let mut band = Band::empty(1, frame.width(), rows.len());
+        rows.clone().for_each(|v| band.add_row(0, frame.row(v)));
+        band.finished(rows.len())
+    }));
+    [found.columns.swap_remove(0), found.rows.swap_remove(0)]
+}
+
+/// Bands of rows of an image; each begins at an even row.
+fn cuts(height: usize) -> Vec<Range<usize>> {
+    let cut = |i: usize| if i == BANDS { height } else { i * height / BANDS / 2 * 2 };
+    (0..BANDS).map(|i| cut(i)..cut(i + 1)).collect()
 }
 
 /// Results of one band of rows.
 struct Band {
     standing_out: Vec<(usize, usize)>,
-    columns: [Vec<f32>; 2],
-    /// Values by band of columns, one a row.
-    rows: [Vec<Vec<f32>>; 2],
+    /// For each frame, one value a column.
+    columns: Vec<Vec<f32>>,
+    /// For each frame, values by band of columns, one a row.
+    rows: Vec<Lines>,
 }
 
 impl Reading {
@@ -49,9 +70,7 @@ impl Reading {
         monitor: &Monitor,
     ) -> Result<Self, Cancelled> {
         let (width, height) = frames[0].size();
-        let cuts: Vec<usize> =
-            (0..=BANDS).map(|i| if i == BANDS { height } else { i * height / BANDS / 2 * 2 }).collect();
-        let bands: Vec<Range<usize>> = cuts.windows(2).map(|w| w[0]..w[1]).collect();
+        let bands = cuts(height);
         let mut halved: Vec<Plane> = frames.iter().map(|_| Plane::zeros(width / 2, height / 2)).collect();
         let mut parts: Vec<Vec<&mut [f32]>> = bands.iter().map(|_| Vec::with_capacity(frames.len())).collect();
         for plane in &mut halved {
@@ -71,43 +90,57 @@ impl Reading {
         };
         let found: Vec<Option<Band>> = bands.into_par_iter().zip(parts).map(read).collect::<Result<_, Cancelled>>()?;
         let mut reading = Self::default();
-        reading.rows.iter_mut().for_each(|half| half.resize(BANDS, Vec::new()));
-        for band in found.into_iter().flatten() {
-            reading.standing_out.extend(band.standing_out);
-            for ((all, of_band), columns) in
-                reading.rows.iter_mut().zip(band.rows).zip(band.columns.into_iter().enumerate())
-            {
-                all.iter_mut().zip(of_band).for_each(|(all, rows)| all.extend(rows));
-                reading.columns[columns.0].push(columns.1);
-            }
-        }
+        reading.add_lines(found.into_iter().flatten());
         reading.pyramids = halved.into_par_iter().map(|plane| BoxPyramid::from_halved(plane, levels)).collect();
         Ok(reading)
+    }
+
+    /// Adds what was found in `bands` of rows, from the first to the last.
+    fn add_lines(&mut self, bands: impl Iterator<Item = Band>) {
+        for band in bands {
+            self.standing_out.extend(band.standing_out);
+            self.columns.resize(band.columns.len(), Vec::new());
+            self.rows.resize(band.rows.len(), vec![Vec::new(); BANDS]);
+            self.columns.iter_mut().zip(band.columns).for_each(|(all, columns)| all.push(columns));
+            for (all, of_band) in self.rows.iter_mut().zip(band.rows) {
+                all.iter_mut().zip(of_band).for_each(|(all, rows)| all.extend(rows));
+            }
+        }
     }
 }
 
 impl Band {
+    fn empty(frames: usize, width: usize, rows: usize) -> Self {
+        let of_rows = [(); BANDS].map(|()| Vec::with_capacity(rows)).to_vec();
+        Self { standing_out: Vec::new(), columns: vec![vec![0.0; width]; frames], rows: vec![of_rows; frames] }
+    }
+
+    /// Adds a row of a frame.
+    fn add_row(&mut self, frame: usize, row: &[f32]) {
+        add(&mut self.columns[frame], row);
+        for (i, out) in self.rows[frame].iter_mut().enumerate() {
+            let part = &row[i * row.len() / BANDS..(i + 1) * row.len() / BANDS];
+            out.push(sum_of(part) / part.len().max(1) as f32);
+        }
+    }
+
+    /// The band once all its `rows` rows were added.
+    fn finished(mut self, rows: usize) -> Self {
+        let scale = 1.0 / rows.max(1) as f32;
+        self.columns.iter_mut().flatten().for_each(|sum| *sum *= scale);
+        self
+    }
+
     fn new(frames: &[&Plane], rows: Range<usize>, halved: &mut [&mut [f32]], limit: f32) -> Self {
         let width = frames[0].width();
-        let (first, second) = frames.split_at(frames.len() / 2);
-        let mut band = Self {
-            standing_out: Vec::new(),
-            columns: [vec![0.0; width], vec![0.0; width]],
-            rows: [(); 2].map(|()| [(); BANDS].map(|()| Vec::with_capacity(rows.len())).to_vec()),
-        };
-        let (mut sums, mut all) = (vec![0.0f32; width], vec![0.0f32; width]);
+        let mut band = Self::empty(frames.len(), width, rows.len());
+        let mut all = vec![0.0f32; width];
         let limit = limit * frames.len() as f32;
         for v in rows.clone() {
             all.fill(0.0);
-            for (index, half) in [first, second].into_iter().enumerate() {
-                sums.fill(0.0);
-                half.iter().for_each(|frame| add(&mut sums, frame.row(v)));
-                add(&mut band.columns[index], &sums);
-                add(&mut all, &sums);
-                for (i, out) in band.rows[index].iter_mut().enumerate() {
-                    let part = &sums[i * width / BANDS..(i + 1) * width / BANDS];
-                    out.push(sum_of(part) / (part.len() * half.len()).max(1) as f32);
-                }
+            for (t, frame) in frames.iter().enumerate() {
+                add(&mut all, frame.row(v));
+                band.add_row(t, frame.row(v));
             }
             note_standing_out(&all, v, limit, &mut band.standing_out);
             // The pair of rows is still in the first-level cache.
@@ -118,11 +151,7 @@ impl Band {
                 }
             }
         }
-        for (columns, count) in band.columns.iter_mut().zip([first.len(), second.len()]) {
-            let scale = 1.0 / (rows.len() * count).max(1) as f32;
-            columns.iter_mut().for_each(|sum| *sum *= scale);
-        }
-        band
+        band.finished(rows.len())
     }
 }
 
@@ -284,17 +313,16 @@ mod tests {
             assert_eq!(*pyramid, BoxPyramid::new(frame, 4));
             assert_eq!(pyramid, alone);
         }
-        let halves = [&frames[..2], &frames[2..]];
-        for (half, frames) in halves.iter().enumerate() {
+        for (t, frame) in frames.iter().enumerate() {
             let mean = |columns: Range<usize>, rows: Range<usize>| {
-                let count = (columns.len() * rows.len() * frames.len()) as f32;
-                let row = |frame: &Plane, v: usize| frame.row(v)[columns.clone()].iter().sum::<f32>();
-                frames.iter().map(|f| rows.clone().map(|v| row(f, v)).sum::<f32>()).sum::<f32>() / count
+                let count = (columns.len() * rows.len()) as f32;
+                rows.map(|v| frame.row(v)[columns.clone()].iter().sum::<f32>()).sum::<f32>() / count
             };
-            assert!((reading.columns[half][0][7] - mean(7..8, 0..8)).abs() < 1e-5);
-            assert!((reading.columns[half][7][7] - mean(7..8, 64..75)).abs() < 1e-5);
-            assert!((reading.rows[half][1][70] - mean(12..25, 70..71)).abs() < 1e-5);
-            assert_eq!(reading.rows[half][1].len(), 75);
+            assert!((reading.columns[t][0][7] - mean(7..8, 0..8)).abs() < 1e-5);
+            assert!((reading.columns[t][7][7] - mean(7..8, 64..75)).abs() < 1e-5);
+            assert!((reading.rows[t][1][70] - mean(12..25, 70..71)).abs() < 1e-5);
+            assert_eq!(reading.rows[t][1].len(), 75);
+            assert_eq!(lines_of(frame), [reading.columns[t].clone(), reading.rows[t].clone()]);
         }
     }
 

@@ -8,14 +8,17 @@
 //! iteratively reweighted least squares, in which a group counts by its relative error and not at all far from the
 //! line, so that groups whose noise is cut off at white or black do not bend it.
 //!
-//! By place: the picture is divided into cells; the quiet part of a cell's squares over the variance that their
-//! brightness predicts is the cell's excess. A cell whose squares differ among themselves more than noise does has
-//! texture, or lies across a border, and is not trusted: it takes the largest excess of its trusted neighbours.
+//! By place: where squares spread over the image differ by more than noise does, squares side by side are measured. The
+//! excess of a place is the median, over the nine squares around it, of the variance over that which the brightness
+//! predicts. Squares whose neighbours differ from a steady rise by more than noise does have texture, or lie across a
+//! border, and are not trusted: they take the largest excess of their trusted neighbours. Coarse octaves collect the
+//! noise of more squares, so the map is blurred for them.
 
 use super::frames::median;
-use super::high_pass::quiet_variance;
+use super::high_pass::{Lattice, quiet_variance};
 use super::reading::sample_at;
 use crate::plane::Plane;
+use crate::plane::blur::{GaussianKernel, gaussian_blur};
 use serde::{Serialize, Serializer};
 
 /// Variance over brightness.
@@ -181,10 +184,14 @@ pub struct Square {
 pub struct ExcessMap {
     /// One value a cell, as measured.
     pub cells: Plane,
-    /// Values as the gate uses them: cells beside a border are raised to the larger side.
+    /// Values with cells beside a border raised to the larger side.
     pub raised: Plane,
+    /// These values as the filters of octaves 0, 1, … collect them.
+    by_octave: Vec<Plane>,
     /// Side of a cell, image pixels.
     pub cell_px: f32,
+    /// First pixel of the first cell: its middle is that of its square.
+    first_px: f32,
 }
 
 impl Serialize for ExcessMap {
@@ -201,62 +208,92 @@ impl Serialize for ExcessMap {
     }
 }
 
-/// Number of squares that a cell should have.
-const SQUARES_A_CELL: usize = 14;
 /// Difference from 1 below which an excess is taken for 1.
 const MIN_EXCESS: f32 = 0.2;
-/// Spread of a cell's squares, relative to that of noise, up to which the cell is trusted.
-const TRUSTED_SPREAD: f32 = 1.8;
+/// Roughness of the logarithm of the excess around a square, relative to that of noise, up to which the square is
+/// trusted.
+const TRUSTED_ROUGHNESS: f32 = 1.8;
 /// Difference from 1, in units of its error, above which an excess is significant.
 const SURE: f32 = 4.0;
 /// Ratio of a neighbour's excess to its own above which a cell is at a border, and takes the neighbour's.
 const BORDER: f32 = 1.4;
+/// Spread of the squares' excess, relative to that of noise, up to which no map is needed.
+const EVEN_SPREAD: f32 = 1.25;
+/// Reach of the noise that a filter collects, as the standard deviation of its square, in pixels of its octave.
+const COLLECTED: f32 = 2.0;
+/// Octaves whose filters collect noise from different cells.
+const OCTAVES: i32 = 6;
+
+/// Whether squares of `free` independent values differ by more than noise does from what their brightness predicts.
+pub fn differ_by_place(squares: &[Square], transfer: &PhotonTransfer, free: f32) -> bool {
+    let mut ratios: Vec<f32> = squares.iter().map(|square| square.excess(transfer)).collect();
+    ratios.sort_by(f32::total_cmp);
+    ratios.len() >= 16 && spread(&ratios) > EVEN_SPREAD * (2.0 / free).sqrt()
+}
+
+impl Square {
+    /// Variance relative to the predicted one; 1 where that is 0.
+    fn excess(&self, transfer: &PhotonTransfer) -> f32 {
+        let predicted = transfer.variance(self.brightness);
+        if predicted > 0.0 { self.variance / predicted } else { 1.0 }
+    }
+}
 
 impl ExcessMap {
-    /// Finds the excess in an image of `size`, from squares that each have `free` independent values; `None` where the
+    /// Finds the excess from the squares of a `lattice`, which each have `free` independent values; `None` where the
     /// noise is everywhere as the brightness predicts, or unknown.
-    pub fn find(squares: &[Square], transfer: &PhotonTransfer, size: (usize, usize), free: f32) -> Option<Self> {
-        let wanted = squares.len() / SQUARES_A_CELL;
-        if wanted < 4 {
+    pub fn find(squares: &[Square], lattice: Lattice, transfer: &PhotonTransfer, free: f32) -> Option<Self> {
+        let Lattice { columns, rows, pitch } = lattice;
+        if columns < 4 || rows < 4 {
             return None;
         }
-        let cell_px = ((size.0 * size.1) as f32 / wanted as f32).sqrt().ceil();
-        let (columns, rows) = ((size.0 as f32 / cell_px).ceil() as usize, (size.1 as f32 / cell_px).ceil() as usize);
-        let mut members: Vec<Vec<f32>> = vec![Vec::new(); columns * rows];
-        for square in squares {
-            let predicted = transfer.variance(square.brightness);
-            if predicted > 0.0 {
-                let at = |x: f32, n: usize| ((x / cell_px) as usize).min(n - 1);
-                members[at(square.place.1, rows) * columns + at(square.place.0, columns)]
-                    .push(square.variance / predicted);
-            }
-        }
-        members.iter_mut().for_each(|ratios| ratios.sort_by(f32::total_cmp));
-        let full: Vec<&Vec<f32>> = members.iter().filter(|ratios| ratios.len() >= SQUARES_A_CELL / 2).collect();
-        let usual_spread = median(full.iter().map(|ratios| spread(ratios)).collect());
-        let own: Vec<Option<f32>> = members.iter().map(|ratios| trusted_excess(ratios, free)).collect();
+        let ratios = Plane::from_vec(columns, rows, squares.iter().map(|square| square.excess(transfer)).collect());
+        let own: Vec<Option<f32>> = (0..columns * rows)
+            .map(|i| {
+                let (x, y) = (i % columns, i / columns);
+                let expected = (2.0 / free).sqrt();
+                (roughness(&ratios, (x, y)) <= TRUSTED_ROUGHNESS * expected).then(|| {
+                    // The median of a mean of squares lies below its mean.
+                    median(around((x, y), lattice).map(|(x, y)| ratios.at(x, y)).collect()) / (1.0 - 2.0 / (3.0 * free))
+                })
+            })
+            .collect();
         let known: Vec<f32> = own.iter().copied().flatten().collect();
         // Where squares mostly disagree, as under texture or the few coefficients of a file, nothing is known.
-        if 2 * known.len() < full.len() {
+        if 2 * known.len() < own.len() {
             return None;
         }
-        let error = usual_spread.max((2.0 / free).sqrt()) / (0.7 * SQUARES_A_CELL as f32).sqrt();
+        let error = 1.25 * (2.0 / free).sqrt() / 3.0;
         let differing = known.iter().filter(|e| (**e - 1.0).abs() > MIN_EXCESS.max(SURE * error)).count();
-        if known.len() < 4 || differing * 20 < known.len() {
+        if differing * 20 < known.len() {
             return None;
         }
         let cells = filled(&own, columns, rows);
-        Some(Self { raised: with_borders(&cells), cells, cell_px })
+        let cell_px = pitch as f32;
+        let raised = with_borders(&cells);
+        let collected = |octave: i32| {
+            let reach = COLLECTED * (octave as f32).exp2() / cell_px;
+            if reach < 0.4 { raised.clone() } else { gaussian_blur(&raised, &GaussianKernel::new(f64::from(reach))) }
+        };
+        Some(Self {
+            by_octave: (0..OCTAVES).map(collected).collect(),
+            raised,
+            cells,
+            cell_px,
+            first_px: lattice.first_px(),
+        })
     }
 
-    /// Excess at the image's place (u, v), or that of a border beside it if that is larger.
-    pub fn at(&self, u: f32, v: f32) -> f32 {
-        sample_at(&self.raised, self.cell_px, u, v)
+    /// Excess of the noise that the filters of `octave` collect around the image's place (u, v), or that of a border
+    /// beside it if that is larger.
+    pub fn at(&self, octave: i32, u: f32, v: f32) -> f32 {
+        let map = &self.by_octave[octave.clamp(0, OCTAVES - 1) as usize];
+        sample_at(map, self.cell_px, u - self.first_px, v - self.first_px)
     }
 
     /// Excess at the image's place (u, v) as measured.
     pub fn measured_at(&self, u: f32, v: f32) -> f32 {
-        sample_at(&self.cells, self.cell_px, u, v)
+        sample_at(&self.cells, self.cell_px, u - self.first_px, v - self.first_px)
     }
 
     /// Smallest and largest measured excess.
@@ -266,10 +303,23 @@ impl ExcessMap {
     }
 }
 
-/// Excess from a cell's ratios, sorted from the smallest to the largest; `None` where they are few or disagree.
-fn trusted_excess(ratios: &[f32], free: f32) -> Option<f32> {
-    let trusted = ratios.len() >= SQUARES_A_CELL / 2 && spread(ratios) <= TRUSTED_SPREAD * (2.0 / free).sqrt();
-    trusted.then(|| quiet_variance(ratios.to_vec(), free))
+/// Cells of a lattice around (x, y), and itself.
+fn around((x, y): (usize, usize), lattice: Lattice) -> impl Iterator<Item = (usize, usize)> {
+    let Lattice { columns, rows, .. } = lattice;
+    (y.saturating_sub(1)..(y + 2).min(rows))
+        .flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(columns)).map(move |x| (x, y)))
+}
+
+/// Standard deviation of the logarithm of a cell's ratio that explains the second differences around it: a steady rise
+/// has none.
+fn roughness(ratios: &Plane, (x, y): (usize, usize)) -> f32 {
+    let (columns, rows) = ratios.size();
+    let log = |x: usize, y: usize| ratios.at(x, y).max(1e-6).ln();
+    let second = |a: f32, b: f32, c: f32| (a - 2.0 * b + c).powi(2) / 6.0;
+    let (x, y) = (x.clamp(1, columns - 2), y.clamp(1, rows - 2));
+    let rows = (y - 1..y + 2).map(|y| second(log(x - 1, y), log(x, y), log(x + 1, y)));
+    let columns = (x - 1..x + 2).map(|x| second(log(x, y - 1), log(x, y), log(x, y + 1)));
+    ((rows.sum::<f32>() + columns.sum::<f32>()) / 6.0).sqrt()
 }
 
 /// Relative standard deviation from the quartiles of values sorted from the smallest to the largest.
@@ -382,7 +432,8 @@ mod tests {
 
     fn squares_in_place(case: NoiseCase) -> Vec<Square> {
         let burst = case.burst(SIZE, 9, 0.02, 5, &Monitor::default()).expect("not cancelled");
-        let high_pass = HighPass::new(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>());
+        let high_pass =
+            HighPass::on_lattice(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>(), Lattice::dense(SIZE));
         let thirds: Vec<Vec<f32>> =
             [0, 3, 6].map(|t| high_pass.variances(&[(t, 1.0), (t + 1, -2.0), (t + 2, 1.0)])).to_vec();
         let variance = |i: usize| thirds.iter().map(|v| v[i]).sum::<f32>() / 3.0;
@@ -393,7 +444,7 @@ mod tests {
     fn map(squares_in_place: &[Square]) -> Option<ExcessMap> {
         let pairs: Vec<(f32, f32)> = squares_in_place.iter().map(|s| (s.brightness, s.variance)).collect();
         let free = 3.0 * FREE_VALUES;
-        ExcessMap::find(squares_in_place, &PhotonTransfer::fit(&pairs, 256, free), SIZE, free)
+        ExcessMap::find(squares_in_place, Lattice::dense(SIZE), &PhotonTransfer::fit(&pairs, 256, free), free)
     }
 
     #[test]
@@ -406,11 +457,26 @@ mod tests {
     #[test]
     fn a_noisier_half_is_found_with_its_border() {
         let map = map(&squares_in_place(NoiseCase::NoisyHalf)).expect("the halves differ");
-        let (left, right) = (map.at(60.0, 180.0), map.at(420.0, 180.0));
+        let (left, right) = (map.at(0, 60.0, 180.0), map.at(0, 420.0, 180.0));
         assert!((right / left / 9.0 - 1.0).abs() < 0.25, "{left} {right}");
-        assert!(map.at(236.0, 100.0) > 0.4 * right, "{} {right}", map.at(236.0, 100.0));
+        assert!(map.at(0, 236.0, 100.0) > 0.4 * right, "{} {right}", map.at(0, 236.0, 100.0));
         let (min, max) = map.range();
         assert!(min <= left && right <= max);
+    }
+
+    #[test]
+    fn noise_that_varies_smoothly_is_followed() {
+        // Steep slopes of the noise are taken for borders, which raises the quiet places between them.
+        for (times, min_ratio) in [(2u8, 0.75), (6, 0.45)] {
+            let map = map(&squares_in_place(NoiseCase::Varying(times))).expect("it varies");
+            // Most and least noise, and half-way.
+            let at = |octave: i32, u: f32, v: f32| map.at(octave, u, v).sqrt();
+            let (most, least, middle) = (at(0, 62.5, 62.5), at(0, 187.5, 62.5), at(0, 125.0, 125.0));
+            let ratio = most / least / f32::from(times);
+            assert!((min_ratio..1.35).contains(&ratio), "{times}: {most} {least} {middle}");
+            assert!(middle < most && middle > least, "{times}: {most} {least} {middle}");
+            assert!(at(5, 62.5, 62.5) < 0.95 * most, "coarse octaves see a mean");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Warnings about a burst's noise: what was found, what the search does about it, and a remedy.
 
+use super::changing_lines::Extent;
 use super::fixed_pattern::FixedPattern;
 use super::frames::{FrameSurvey, LeftOut};
 use super::spectrum::LevelNoise;
@@ -40,10 +41,14 @@ pub enum WarningKind {
     HotPixels,
     /// Columns or rows have offsets.
     Stripes,
+    /// Columns or rows have offsets that change from frame to frame.
+    ChangingLines,
     /// A fixed pattern cannot be told from the scene, which stays in place too.
     StillScene,
     /// Pixels are cut off at black or white.
     CutOff,
+    /// A merged image keeps the strongest noise of its middle frame.
+    KeptByMerge,
 }
 
 impl NoiseWarning {
@@ -96,14 +101,13 @@ pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarni
         let text = format!("the exposure flickers by {:.1} %; the frames {done}", 100.0 * survey.flicker);
         warnings.push(NoiseWarning::new(WarningKind::GainFlicker, survey.flicker, text));
     }
-    if survey.correlation > 0.0 {
+    if let Some(&correlation) = survey.correlations.first() {
         let text = format!(
-            "the noise of consecutive frames is correlated ({:.2}), so {} frames are worth fewer; the gate is raised; record \
+            "the noise of consecutive frames is correlated ({correlation:.2}), so {} frames are worth fewer; the gate is raised; record \
              without noise reduction over time",
-            survey.correlation,
             survey.kept().len()
         );
-        warnings.push(NoiseWarning::new(WarningKind::SmoothedOverTime, survey.correlation, text));
+        warnings.push(NoiseWarning::new(WarningKind::SmoothedOverTime, correlation, text));
     }
     warnings
 }
@@ -113,7 +117,9 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
     let mut warnings = Vec::new();
     let hot = pattern.hot_pixels.len();
     if hot > 0 {
-        let text = format!("{hot} hot or dead pixels masked; a dark frame given as --bias removes them exactly");
+        let text = format!(
+            "{hot} hot, dead or flickering pixels masked; a dark frame given as --bias removes those that do not flicker exactly"
+        );
         warnings.push(NoiseWarning::new(WarningKind::HotPixels, hot as f32, text));
     }
     for (words, stripes) in [("columns", &pattern.columns), ("rows", &pattern.rows)] {
@@ -126,6 +132,22 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
             warnings.push(NoiseWarning::new(WarningKind::Stripes, stripes.deviation, text));
         }
     }
+    for (words, lines) in [("columns", pattern.changing_columns), ("rows", pattern.changing_rows)] {
+        if let Some(lines) = lines {
+            let (deviation, what) = (
+                lines.deviation,
+                match lines.extent {
+                    Extent::Sharp => "offsets that change from frame to frame",
+                    Extent::Wide => "bands",
+                },
+            );
+            let text = format!(
+                "{words} have {what}, of {deviation:.5} of full scale; they were taken off each frame, as far as all of a line shares \
+                 them; record without stabilisation, and not under lamps that flicker"
+            );
+            warnings.push(NoiseWarning::new(WarningKind::ChangingLines, deviation, text));
+        }
+    }
     if pattern.inseparable > 0 {
         let text = format!(
             "{} single pixels stand out, but the scene stays in place too, so they cannot be told from it; give a dark frame \
@@ -135,6 +157,19 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
         warnings.push(NoiseWarning::new(WarningKind::StillScene, pattern.inseparable as f32, text));
     }
     warnings
+}
+
+/// False features a megapixel that pass the strict gate on white noise merged from eight frames (`evaluate noise --case
+/// white --method merge --noise-gate strict --frames 0..8`).
+const KEPT_BY_MERGE: f32 = 10.0;
+
+/// Warning about the noise of a merged image.
+pub(in crate::detector) fn of_merge() -> NoiseWarning {
+    let text = format!(
+        "the merge takes strong noise of its middle frame for motion and keeps it: on noise alone {KEPT_BY_MERGE:.0} false features a \
+         megapixel pass the strict gate; raise --noise-gate by a sixth, or search the frames (--method buff)"
+    );
+    NoiseWarning::new(WarningKind::KeptByMerge, KEPT_BY_MERGE, text)
 }
 
 /// Warnings about correlation between pixels and about long tails.
@@ -178,12 +213,15 @@ const ROWS_APART: usize = 16;
 /// Share of cut-off pixels below which there is no warning.
 const MIN_CUT_OFF: f32 = 0.05;
 
-/// Share of pixels at the ends of the range, and a warning if it is large.
+/// Share of pixels at the ends of the range, and a warning if it is large. Where a black level was subtracted, values
+/// reach below 0: the range then ends at a frame's least value.
 pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning>) {
     let (mut black, mut white, mut count) = (0usize, 0usize, 0usize);
     for frame in frames {
-        for row in (0..frame.height()).step_by(ROWS_APART).map(|v| frame.row(v)) {
-            black += row.iter().filter(|&&x| x <= 0.0).count();
+        let rows = || (0..frame.height()).step_by(ROWS_APART).map(|v| frame.row(v));
+        let least = rows().flatten().copied().fold(0.0, f32::min);
+        for row in rows() {
+            black += row.iter().filter(|&&x| x <= least + 0.5 * step * f32::from(u8::from(least < 0.0))).count();
             white += row.iter().filter(|&&x| x >= 1.0 - 0.5 * step).count();
             count += row.len();
         }
@@ -218,7 +256,7 @@ mod tests {
 
     #[test]
     fn each_kind_of_frame_is_said_with_its_number() {
-        let mut survey = FrameSurvey { flicker: 0.1, correlation: 0.5, ..FrameSurvey::default() };
+        let mut survey = FrameSurvey { flicker: 0.1, correlations: vec![0.5], ..FrameSurvey::default() };
         let why = [None, Some(LeftOut::Duplicate(0)), Some(LeftOut::Black), Some(LeftOut::Noisy(25.0)), None];
         survey.frames = why.map(|left_out| FrameFacts { gain: 1.0, relative_variance: 1.0, left_out }).to_vec();
         let warnings = of_frames(&survey, true);
@@ -233,7 +271,13 @@ mod tests {
     #[test]
     fn the_pattern_is_said_with_its_number() {
         let stripes = Some(Stripes { offsets: vec![0.0; 4], deviation: 0.02 });
-        let pattern = FixedPattern { hot_pixels: vec![(1, 2)], columns: stripes, rows: None, inseparable: 7 };
+        let pattern = FixedPattern {
+            hot_pixels: vec![(1, 2)],
+            columns: stripes,
+            rows: None,
+            inseparable: 7,
+            ..FixedPattern::default()
+        };
         let warnings = of_pattern(&pattern);
         assert_eq!(warnings.iter().map(|w| w.number).collect::<Vec<_>>(), [1.0, 0.02, 7.0]);
         assert!(of_pattern(&FixedPattern::default()).is_empty());

@@ -10,9 +10,10 @@
 use crate::burst::Burst;
 use crate::detector::feature::DetectError;
 use crate::detector::noise::{frame_noise, gate_factor};
+use crate::detector::noise_model::warning::of_merge;
 use crate::detector::noise_model::{Examined, ForSearch, NoiseModel, examine};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
-use crate::detector::params::{DetectorParams, NoiseModelKind};
+use crate::detector::params::{DetectorParams, Method, NoiseModelKind};
 use crate::detector::refine::MAX_FITS;
 use crate::detector::scale_space::planes::SlopeStack;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
@@ -150,7 +151,8 @@ pub(in crate::detector) fn known_noise(
     match local {
         Some(examined) => Ok(examined),
         None => {
-            let model = NoiseModel::white(frame_noise(burst, used, monitor)?);
+            let mut model = NoiseModel::white(frame_noise(burst, used, monitor)?);
+            model.warnings.extend((params.method == Method::Merge).then(of_merge));
             Ok(Examined { model, frames: frames.to_vec(), kept: (0..frames.len()).collect() })
         }
     }

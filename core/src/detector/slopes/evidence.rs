@@ -6,9 +6,10 @@
 //! are too faint for a small one.
 //!
 //! A window counts when it is significant, determines its slope in both directions, and is not ambiguous. If it is not
-//! certain by itself, it counts only when another one agrees, so that one that errs does not widen the range. The range
-//! ends one step beyond the windows that count. If they lie on a line through slope 0, the grid is this line, otherwise
-//! a plane, turned if that makes it much smaller.
+//! certain by itself, it counts only when another one agrees, so that one that errs does not widen the range. If those
+//! that count lie on a line through slope 0, the grid is this line, otherwise a plane, turned if that makes it much
+//! smaller. Its slopes are multiples of the step and end one to two steps beyond the windows that count, so that the
+//! grid of a burst and that of a part of it have their points in common.
 
 use super::peak::{Peak, SearchTable, Track};
 use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};
@@ -60,15 +61,17 @@ pub(super) struct Looking<'a> {
     pub levels: &'a [Vec<Plane>],
     /// Level of the first of them.
     pub first_level: u32,
+    /// Number of lags, from 1 on, that do not count.
+    pub ignored_lags: usize,
 }
 
-/// Collects the evidence of every window at every level.
+/// Collects the evidence of every window at every one of some levels, from all lags but the first few that are ignored.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
 pub(super) fn look(
     frames: &[&Plane],
-    levels: Range<u32>,
+    (levels, ignored_lags): (Range<u32>, usize),
     track: Track,
     fourier: &Fourier,
     monitor: &Monitor,
@@ -77,7 +80,7 @@ pub(super) fn look(
     let table = SearchTable::new(lag_count, track, &fourier.overlap);
     let first_level = levels.start;
     let pyramids = super::spectra::pyramids(frames, levels, monitor)?;
-    let looking = Looking { fourier, table: &table, levels: &pyramids, first_level };
+    let looking = Looking { fourier, table: &table, levels: &pyramids, first_level, ignored_lags };
     let seen = looking.all(monitor)?;
     Ok((seen, table))
 }
@@ -128,7 +131,8 @@ impl Looking<'_> {
         for v in starts(height).into_iter().filter(|v| belongs(*v, height, block / BLOCKS)) {
             for u in starts(width).into_iter().filter(|u| belongs(*u, width, block % BLOCKS)) {
                 monitor.check()?;
-                let products = self.fourier.products(frames, (u, v), &mut scratch);
+                let mut products = self.fourier.products(frames, (u, v), &mut scratch);
+                products.forget_lags(self.ignored_lags);
                 let peak = self.peak(&products, 1.0, &mut scratch);
                 evidence.extend(peak.map(|peak| self.evidence(level, &peak, [u..u + SIDE, v..v + SIDE])));
                 sum.take(&products, [u..u + SIDE, v..v + SIDE]);
@@ -229,14 +233,20 @@ const SURE_AMBIGUITY: f32 = 0.6;
 /// Minimum number of windows beside a line that make the grid a plane.
 const MIN_BESIDE: usize = 3;
 /// Maximum number of slopes on a line, unless the step would exceed [`COARSEST`] times the right one.
-const LINE_SLOPES: usize = 25;
+const LINE_SLOPES: usize = 27;
 /// Maximum number of slopes along each axis of a plane, with that exception.
-const PLANE_SLOPES: usize = 9;
+const PLANE_SLOPES: usize = 11;
 /// Coarsest step, as a multiple of the right one.
 const COARSEST: f64 = 2.0;
+/// Steps to choose from, as multiples of the right one: few, so that the choice rarely changes.
+const COARSER: [f64; 4] = [1.0, 4.0 / 3.0, 5.0 / 3.0, COARSEST];
 /// Angle from an axis below which a direction is taken as the axis, if the evidence allows it: whole pixels are
 /// searched faster.
 const SNAP_DEG: f64 = 5.0;
+/// Multiples, in degrees, to which a direction is rounded: the first one that the evidence allows.
+const ROUND_DEG: [f64; 3] = [15.0, 5.0, 1.0];
+/// Multiples, in degrees, to which the direction of a turned plane is rounded.
+const TURNED_DEG: f64 = 15.0;
 /// Area that a turned plane may have at most, as a part of that of the plane along u and v.
 const MUCH_SMALLER: f64 = 0.6;
 
@@ -295,7 +305,7 @@ pub(super) fn grid_for(evidence: &[SlopeEvidence], steps: Steps, line_deg: Optio
         let [u, v] = [along, across].map(|range| axis(range, steps.search, PLANE_SLOPES));
         SlopeGrid { u, v, direction_deg: degrees as f32 }
     };
-    let (straight, turned) = (plane(0.0), plane(spread_deg(evidence).round()));
+    let (straight, turned) = (plane(0.0), plane((spread_deg(evidence) / TURNED_DEG).round() * TURNED_DEG));
     let area = |grid: &SlopeGrid| f64::from(grid.u.max - grid.u.min) * f64::from(grid.v.max - grid.v.min);
     let smaller = area(&turned) <= MUCH_SMALLER * area(&straight);
     Some(if smaller { turned } else { straight })
@@ -309,7 +319,8 @@ fn line_through(evidence: &[SlopeEvidence], steps: Steps) -> Option<f64> {
         off.min(180.0 - off) <= SNAP_DEG
     };
     let snapped = [0.0, 90.0].into_iter().filter(|a| near(*a));
-    snapped.chain([degrees.round()]).find(|d| off_line(evidence, *d, steps).len() < MIN_BESIDE)
+    let rounded = ROUND_DEG.map(|round| (degrees / round).round() * round);
+    snapped.chain(rounded).find(|d| off_line(evidence, *d, steps).len() < MIN_BESIDE)
 }
 
 /// Confirmed evidence for slopes that are not on the line through 0 in direction `degrees`.
@@ -382,17 +393,34 @@ fn count([min, max]: [f64; 2], step: f64, slopes: usize) -> usize {
     with_step(step).min(slopes.max(with_step(COARSEST * step)))
 }
 
-/// Axis of slopes from one step below `range` to one step above it.
+/// Axis of slopes at multiples of the step, which end one to two steps beyond `range`: slopes that hardly differ, as
+/// those of a burst and of a part of it, give the same points.
 fn axis([min, max]: [f64; 2], step: f64, slopes: usize) -> SlopeAxis {
-    let (min, max) = (min - step, max + step);
-    // Multiples of a hundredth of a pixel per frame are precise enough, and readable.
-    let (min, max) = ((100.0 * min).floor() / 100.0, (100.0 * max).ceil() / 100.0);
-    SlopeAxis { min: min as f32, max: max as f32, count: count([min, max], step, slopes) }
+    let of = |coarser: f64| {
+        let step = readable(coarser * step);
+        ((min / step + ON_A_POINT).floor() - 1.0, (max / step - ON_A_POINT).ceil() + 1.0, step)
+    };
+    let count = |(first, last, _): (f64, f64, f64)| (last - first) as usize + 1;
+    let fits = |coarser: &&f64| count(of(**coarser)) <= slopes;
+    let ends = of(*COARSER.iter().find(fits).unwrap_or(&COARSEST));
+    let (first, last, step) = ends;
+    SlopeAxis { min: (first * step) as f32, max: (last * step) as f32, count: count(ends) }
+}
+
+/// Distance beyond a point of the grid, in steps, up to which a slope lies on it.
+const ON_A_POINT: f64 = 0.05;
+
+/// Largest number that is not above `step` and has two digits, or is a multiple of a hundredth.
+fn readable(step: f64) -> f64 {
+    let digit = 10f64.powf(step.log10().floor() - 1.0).min(0.01);
+    // A step that has two digits already stays as it is.
+    (step / digit + 1e-6).floor() * digit
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn windows_cover_a_line_from_end_to_end() {
@@ -419,11 +447,11 @@ mod tests {
     }
 
     #[test]
-    fn a_range_ends_one_step_beyond_the_evidence() {
+    fn a_range_ends_one_to_two_steps_beyond_the_evidence() {
         let grid = grid_for(&seen(&[(2.1, 0.02), (3.0, -0.03), (2.5, 0.0)]), STEPS, None).expect("evidence");
         assert_eq!((grid.direction_deg, grid.v), (0.0, SlopeAxis::ZERO));
-        assert!((grid.u.min - 1.7).abs() < 0.02 && (grid.u.max - 3.4).abs() < 0.02, "{grid:?}");
-        assert!(grid.u.step() <= 0.4 + 1e-6, "{grid:?}");
+        assert!((grid.u.min - 1.6).abs() < 1e-5 && (grid.u.max - 3.6).abs() < 1e-5, "{grid:?}");
+        assert_eq!((grid.u.count, grid.v.count), (6, 1));
     }
 
     #[test]
@@ -432,22 +460,44 @@ mod tests {
         assert_eq!((grid.direction_deg, grid.is_plane()), (90.0, false));
         let (sin, cos) = 148f32.to_radians().sin_cos();
         let grid = grid_for(&seen(&[(2.0 * cos, 2.0 * sin), (0.8 * cos, 0.8 * sin)]), STEPS, None).expect("evidence");
-        assert_eq!((grid.direction_deg, grid.is_plane()), (148.0, false));
-        assert!((grid.u.min - 0.4).abs() < 0.02 && (grid.u.max - 2.4).abs() < 0.02, "{grid:?}");
+        assert_eq!((grid.direction_deg, grid.is_plane()), (150.0, false));
+        assert!(grid.u.min.abs() < 1e-5 && (grid.u.max - 2.4).abs() < 1e-5, "{grid:?}");
     }
 
     #[test]
     fn several_directions_are_a_plane_which_is_turned_if_that_helps() {
         let grid = grid_for(&seen(&[(1.6, -1.2), (-2.1, 0.0), (0.95, 0.0)]), STEPS, None).expect("evidence");
         assert!(grid.is_plane() && grid.direction_deg == 0.0, "{grid:?}");
-        assert!((grid.v.min + 1.6).abs() < 0.02 && (grid.v.max - 0.4).abs() < 0.02, "{grid:?}");
-        assert!(grid.u.count <= 9 && grid.v.count <= 9);
+        assert!((grid.v.min + 1.6).abs() < 1e-5 && (grid.v.max - 0.4).abs() < 1e-5, "{grid:?}");
+        assert!(grid.u.count <= 11 && grid.v.count <= 11);
         let slanted = seen(&[(3.0, 3.5), (-2.0, -1.5), (0.5, 1.0), (1.8, 2.3)]);
         let grid = grid_for(&slanted, STEPS, None).expect("evidence");
         assert!(grid.is_plane() && (grid.direction_deg - 45.0).abs() < 3.0, "{grid:?}");
         for e in &slanted {
             let [along, across] = turned(e.slope, f64::from(grid.direction_deg)).map(|x| x as f32);
             assert!((grid.u.min..=grid.u.max).contains(&along) && (grid.v.min..=grid.v.max).contains(&across));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn slopes_that_hardly_differ_give_the_same_points(
+            min in -9.0f64..9.0, length in 0.0f64..8.0, step in 0.03f64..0.9, off in -0.02f64..0.02,
+        ) {
+            let of = |by: f64| axis([min + by * step, min + length + by * step], step, LINE_SLOPES);
+            let (first, second) = (of(0.0), of(off));
+            prop_assert!(f64::from(first.step()) <= COARSEST * step + 1e-6);
+            for (axis, by) in [(first, 0.0), (second, off * step)] {
+                let below = (min + by - f64::from(axis.min)) / f64::from(axis.step());
+                let above = (f64::from(axis.max) - min - length - by) / f64::from(axis.step());
+                prop_assert!(below > 0.94 && below < 2.01 && above > 0.94 && above < 2.01, "{below} {above}");
+            }
+            // The grids differ by a point at an end, at most, unless that changes the step.
+            if (first.step() - second.step()).abs() < 1e-5 {
+                let points = |x: f32| f64::from(x) / f64::from(first.step());
+                let moved = points(second.min) - points(first.min);
+                prop_assert!((moved - moved.round()).abs() < 1e-3 && moved.abs() < 1.5, "{first:?} {second:?}");
+            }
         }
     }
 
@@ -461,7 +511,7 @@ mod tests {
     #[test]
     fn long_ranges_have_a_coarser_step_but_not_any() {
         let line = grid_for(&seen(&[(-6.0, 0.0), (6.0, 0.0)]), STEPS, None).expect("evidence");
-        assert_eq!(line.u.count, 25);
+        assert!(line.u.count <= 27 && line.u.step() < 0.6, "{line:?}");
         let long = grid_for(&seen(&[(-20.0, 0.0), (20.0, 0.0)]), STEPS, None).expect("evidence");
         assert!(long.u.step() <= 0.8 + 1e-6 && long.u.count > 25, "{long:?}");
     }

@@ -4,18 +4,21 @@
 //! over the plane of slopes, shows which slopes occur. It is a sum over pairs of frames of their correlation at the
 //! shift that the slope gives them; omitting each frame's product with itself omits the power of its noise. `spectra`
 //! reduces the frames and computes the correlations of small windows by FFT; `peak` finds a window's slope with its
-//! significance, and tests whether the motion is uniform; `evidence` looks at windows of many places and sizes at
+//! significance, and the path of the picture as a whole; `regularity` tells frames out of order, missing frames and a
+//! picture that turns or grows; `evidence` looks at windows of many places and sizes at
 //! several scales, and chooses the slopes to search. A histogram of features would not work: in the dark it is flat.
 //!
 //! (The paper gives the range of slopes by hand.)
 
 mod evidence;
 mod peak;
+mod regularity;
 mod spectra;
 #[cfg(test)]
 mod tests;
 
 pub use evidence::SlopeEvidence;
+pub use regularity::{MotionWarning, MotionWarningKind};
 
 use super::feature::DetectError;
 use super::params::{DetectorParams, Method, SearchParams, SlopeChoice};
@@ -25,7 +28,7 @@ use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use evidence::{Seen, Steps, confirmed, direction_deg, grid_for, is_clear, is_significant, look, turned};
-use peak::{SearchTable, Track};
+use peak::{Path, SearchTable, Track};
 use serde::Serialize;
 use spectra::{Fourier, MAX_LAG, SIDE};
 
@@ -39,6 +42,13 @@ const STRAIGHT_PX: f64 = 1.4;
 const FILM_PART: f64 = 1.0 / 3.0;
 /// Motion of the picture from the first to the last frame, pixels, up to which it stands still.
 const STILL_PX: f64 = 0.95;
+/// Slope, in its uncertainty, above which it is surely not 0.
+const SURELY: f64 = 2.5;
+/// Number of confirmed windows that move from which on a picture whose most stands still does not.
+const MIN_MOVING: usize = 3;
+/// Distance from a uniform motion, in pixels of the pyramid's level, up to which a picture whose windows stand still does
+/// so: the path of sparse, large structures is less exact than its noise.
+const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
 /// from +u towards +v) or anywhere in the plane.
@@ -67,13 +77,24 @@ pub fn find_slopes(
         Track::Line([cos, sin])
     });
     let levels = spectra::levels_for(burst.size(), SIDE);
-    let (seen, table) = look(&frames, levels.clone(), track, &fourier, monitor)?;
+    let (mut seen, mut table) = look(&frames, (levels.clone(), 0), track, &fourier, monitor)?;
+    let shared = seen.wholes.first().map_or(0, |whole| peak::lags_of_shared_noise(whole, &fourier));
+    if shared > 0 {
+        (seen, table) = look(&frames, (levels.clone(), shared), track, &fourier, monitor)?;
+    }
     let gaps = (frames.len() - 1) as f64;
     let steps = steps_of(params, frames.len());
-    let finding = conclude(&seen, steps, direction_deg, Size { gaps, pixels: burst.size() });
-    let deviation = straightness(&seen, &fourier, levels.start);
+    let size = Size { gaps, pixels: burst.size() };
+    let finding = conclude(&seen, steps, direction_deg, size);
+    let path = path_of(&seen, &fourier, levels.start).filter(|_| shared == 0);
+    let mut warnings = regularity::of_places(&seen.evidence, steps, size);
+    let order = path.as_ref().and_then(|path| regularity::of_order(&path.way, path.error));
+    let still = finding.verdict == SlopeVerdict::Still && order.is_none();
+    warnings.extend(order);
+    let deviation = path.map(|path| (path.deviation(), path.limit(still)));
     monitor.report(Stage::Slopes, 1.0);
-    Ok(SlopeFinding { spectrum: spectrum(&seen, &table, levels.start), ..finding.with_deviation(deviation) })
+    let spectrum = spectrum(&seen, &table, levels.start);
+    Ok(SlopeFinding { spectrum, warnings, ..finding.with_deviation(deviation) })
 }
 
 /// Steps that define near and far slopes for a search with `params` of `frames` frames.
@@ -157,7 +178,7 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     let Some(grid) = grid_for(&kept, steps, line_deg) else {
         return SlopeFinding { evidence: seen.evidence.clone(), ..SlopeFinding::nothing(max) };
     };
-    let still = kept.iter().all(|e| f64::from(e.slope.magnitude()) * size.gaps <= STILL_PX);
+    let still = stands_still(&kept, steps, size.gaps);
     let grid = if still { SlopeGrid::single(Slope::default()) } else { grid };
     let moved_px = typical(&kept, |e| f64::from(e.slope.magnitude())) * size.gaps;
     let part = typical(&kept, |e| {
@@ -175,10 +196,25 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
         direction_deg: (!still).then(|| direction_deg(&kept) as f32),
         moved_px: moved_px as f32,
         deviation_px: None,
+        warnings: Vec::new(),
         evidence: seen.evidence.clone(),
         spectrum: SlopeSpectrum::default(),
         grid,
     }
+}
+
+/// Whether nothing moves: the evidence lies around slope 0, most of it no farther away than its uncertainty, and what is
+/// surely farther is too little to be confirmed.
+fn stands_still(evidence: &[SlopeEvidence], steps: Steps, gaps: f64) -> bool {
+    let still = STILL_PX / gaps;
+    let middle = typical(evidence, |e| f64::from(e.slope.u)).hypot(typical(evidence, |e| f64::from(e.slope.v)));
+    let beyond = |e: &SlopeEvidence, least: f64, uncertainties: f64| {
+        f64::from(e.slope.magnitude()) > least.max(uncertainties * f64::from(e.uncertainty))
+    };
+    let may_move = typical(evidence, |e| f64::from(u8::from(beyond(e, still, 1.0)))) > 0.5;
+    let surely: Vec<SlopeEvidence> =
+        evidence.iter().filter(|e| beyond(e, still.max(0.5 * steps.search), SURELY)).copied().collect();
+    middle <= still && !may_move && confirmed(&surely, steps).len() < MIN_MOVING
 }
 
 /// Whether a point at mid-burst that moves by `slope` is still inside the picture at the burst's ends.
@@ -214,13 +250,14 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
     sum(&mut significant.iter().filter(holds)) / sum(&mut significant.iter()).max(f32::MIN_POSITIVE)
 }
 
-/// Largest distance from a uniform motion, and the limit above which it is not straight, image pixels, at the finest
-/// level that can measure it.
-fn straightness(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<[f64; 2]> {
+/// Path of the picture, image pixels, at the finest level that can measure it.
+fn path_of(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<Path> {
     let mut levels = seen.wholes.iter().zip(first_level..);
     levels.find_map(|(whole, level)| {
-        let [distance, noise] = peak::deviation(whole, fourier)?.map(|x| x * f64::from(1u32 << level));
-        Some([distance, STRAIGHT_PX.max(3.0 * noise)])
+        let Path { way, error, noise, .. } = peak::path(whole, fourier)?;
+        let unit = f64::from(1u32 << level);
+        let way = way.iter().map(|x| x.map(|x| x * unit)).collect();
+        Some(Path { way, error: error * unit, noise: noise * unit, pixel: unit })
     })
 }
 
@@ -249,7 +286,8 @@ pub enum SlopeVerdict {
     Still,
     /// The frames have nothing significant in common; the grid is the usual one.
     NothingSeen,
-    /// The picture does not move uniformly: no slope aligns all frames.
+    /// The picture does not move uniformly: no slope aligns all frames. The finding's warnings name the reason where it is
+    /// known.
     NotStraight,
     /// The frames move by more than a third of the picture: a film that should be cut into bursts.
     Film,
@@ -286,6 +324,8 @@ pub struct SlopeFinding {
     /// Largest distance of the picture's path from a uniform motion, pixels; `None` where single frames are too noisy
     /// to measure it.
     pub deviation_px: Option<f32>,
+    /// Irregularities of the motion: frames out of order, missing frames, a picture that turns or grows.
+    pub warnings: Vec<MotionWarning>,
     /// Evidence of each window.
     #[serde(skip)]
     pub evidence: Vec<SlopeEvidence>,
@@ -311,6 +351,7 @@ impl SlopeFinding {
             direction_deg: None,
             moved_px: 0.0,
             deviation_px: None,
+            warnings: Vec::new(),
             evidence: Vec::new(),
             spectrum: SlopeSpectrum::default(),
         }
@@ -318,23 +359,30 @@ impl SlopeFinding {
 
     /// Sets the distance from a uniform motion. `deviation` is this distance and the limit above which it changes the
     /// verdict, in pixels.
-    fn with_deviation(self, deviation: Option<[f64; 2]>) -> Self {
-        let bent = deviation.is_some_and(|[distance, limit]| distance > limit);
+    fn with_deviation(self, deviation: Option<(f64, f64)>) -> Self {
+        let bent = deviation.is_some_and(|(distance, limit)| distance > limit);
         let verdict = match self.verdict {
             SlopeVerdict::Found | SlopeVerdict::Still if bent => SlopeVerdict::NotStraight,
             verdict => verdict,
         };
-        Self { verdict, deviation_px: deviation.map(|[distance, _]| distance as f32), ..self }
+        Self { verdict, deviation_px: deviation.map(|(distance, _)| distance as f32), ..self }
     }
 
-    /// One line of text: the verdict, the grid, and the confidence.
+    /// Texts of the warnings.
+    pub fn irregularities(&self) -> String {
+        self.warnings.iter().map(|warning| &warning.text[..]).collect::<Vec<_>>().join("; ")
+    }
+
+    /// One line of text: the verdict, the grid, the confidence, and the irregularities.
     pub fn summary(&self) -> String {
         let grid = grid_text(&self.grid);
         let sure = format!("{:.0} % of what is seen agrees", 100.0 * self.confidence);
-        match self.verdict {
+        let verdict = match self.verdict {
             SlopeVerdict::Found => format!("found: {grid}; {sure}"),
             SlopeVerdict::Still => "nothing moves: slope 0".to_owned(),
             SlopeVerdict::NothingSeen => format!("nothing to be seen: {grid}"),
+            // The irregularities are the reason.
+            SlopeVerdict::NotStraight if !self.warnings.is_empty() => grid,
             SlopeVerdict::NotStraight => format!(
                 "the motion is not straight (up to {:.1} px off): {grid}; use fewer frames",
                 self.deviation_px.unwrap_or(0.0)
@@ -343,7 +391,8 @@ impl SlopeFinding {
                 "the frames move by {:.0} px, more than a third of the picture: {grid}; cut the film into bursts",
                 self.moved_px
             ),
-        }
+        };
+        if self.warnings.is_empty() { verdict } else { format!("{verdict}; {}", self.irregularities()) }
     }
 }
 

@@ -286,9 +286,35 @@ const FINEST_STEP: f64 = 0.02;
 /// curvature.
 const SHIFT_ERROR: f64 = 1.2;
 
-/// Largest distance of the picture's path from a uniform one, and the distance that noise alone would cause, in level
-/// pixels; `None` where single pairs of frames are too noisy to measure it.
-pub(super) fn deviation(products: &CrossSpectra, fourier: &Fourier) -> Option<[f64; 2]> {
+/// Path of the picture as a whole; all lengths in one unit.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Path {
+    /// Position of each frame.
+    pub way: Vec<[f64; 2]>,
+    /// Error of a single position relative to the next one.
+    pub error: f64,
+    /// Distance from a uniform motion that noise alone would cause.
+    pub noise: f64,
+    /// Width of a pixel of the level at which it was measured.
+    pub pixel: f64,
+}
+
+impl Path {
+    /// Largest distance from the uniform motion that fits the path best.
+    pub fn deviation(&self) -> f64 {
+        distance_from_a_line(&self.way)
+    }
+
+    /// Distance from a uniform motion above which the motion is not straight, for a path in image pixels and windows
+    /// that stand still or not.
+    pub fn limit(&self, still: bool) -> f64 {
+        let least = if still { super::STILL_LEVEL_PX * self.pixel } else { 0.0 };
+        super::STRAIGHT_PX.max(3.0 * self.noise).max(least)
+    }
+}
+
+/// Path of the picture as a whole, level pixels; `None` where single pairs of frames are too noisy to measure it.
+pub(super) fn path(products: &CrossSpectra, fourier: &Fourier) -> Option<Path> {
     let frame_count = products.neighbours.len() + 1;
     let variance = products.variance.first()? / products.neighbours.len() as f64;
     if frame_count < 3 || variance <= 0.0 {
@@ -303,8 +329,29 @@ pub(super) fn deviation(products: &CrossSpectra, fourier: &Fourier) -> Option<[f
         way.push([x + u, y + v]);
     }
     // Each shift has an error of about a pixel divided by its significance; the errors add up along the path.
-    let noise = SHIFT_ERROR / min * (planes.len() as f64).sqrt();
-    Some([distance_from_a_line(&way), noise])
+    let error = SHIFT_ERROR / min;
+    Some(Path { way, error, noise: error * (planes.len() as f64).sqrt(), pixel: 1.0 })
+}
+
+/// Part of the correlation at one lag that the next one has at least, where it comes from a scene.
+const SAME_SCENE: f64 = 0.5;
+
+/// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0 and far
+/// smaller at the next lag, whatever the shift. That of a scene does not depend on the lag.
+pub(super) fn lags_of_shared_noise(products: &CrossSpectra, fourier: &Fourier) -> usize {
+    let frames = products.neighbours.len() + 1;
+    let planes = fourier.correlations(&products.lags, &mut fourier.scratch(0));
+    let largest = |lag: usize| {
+        let plane = &planes[lag - 1];
+        let at = (0..plane.len()).max_by(|a, b| plane[*a].total_cmp(&plane[*b])).unwrap_or(0);
+        let pairs = (frames - lag) as f64;
+        (at, f64::from(plane[at]) / pairs, products.variance[lag - 1].sqrt() / pairs)
+    };
+    let is_noise = |lag: usize| {
+        let ((at, value, error), (_, next, next_error)) = (largest(lag), largest(lag + 1));
+        at == 0 && value > MIN_SIGNIFICANCE * error && next + next_error < SAME_SCENE * value
+    };
+    (1..planes.len()).take_while(|lag| is_noise(*lag)).count()
 }
 
 /// Shift at which a correlation is largest, and its significance; `None` where that is too small.

@@ -77,6 +77,16 @@ impl CrossSpectra {
         }
     }
 
+    /// Removes the products of the first `count` lags, at which frames have noise in common. Products at other lags then
+    /// repeat each other, so that their noise is larger.
+    pub fn forget_lags(&mut self, count: usize) {
+        self.lags.iter_mut().take(count).for_each(|lag| *lag = Spectrum::zeros());
+        let repeated = ((count + 1) * (count + 1)) as f64;
+        for (lag, variance) in self.variance.iter_mut().enumerate() {
+            *variance *= if lag < count { 0.0 } else { repeated };
+        }
+    }
+
     /// Adds the products of other windows.
     pub fn add(&mut self, other: &Self) {
         self.lags.iter_mut().zip(&other.lags).for_each(|(a, b)| a.add(b));

@@ -1,6 +1,6 @@
 use super::*;
 use crate::synth::random::Stream;
-use crate::synth::{ChartParams, Motion, SceneParams, demo_burst, synth_chart, synth_scene};
+use crate::synth::{ChartParams, Motion, NoiseCase, SceneParams, demo_burst, synth_chart, synth_scene};
 
 fn find(burst: &Burst) -> SlopeFinding {
     find_slopes(burst, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled")
@@ -25,6 +25,14 @@ fn holds(grid: &SlopeGrid, slope: Slope, around: f64) -> bool {
 
 /// Frames of a picture made of waves that fade with their frequency, moved by `at`, each with its own noise.
 fn moved(size: (usize, usize), noise: f32, frames: usize, at: impl Fn(usize) -> (f64, f64)) -> Burst {
+    seen_from(size, noise, frames, |t, u, v| {
+        let (du, dv) = at(t);
+        (u - du, v - dv)
+    })
+}
+
+/// Frames of the same picture; frame t shows at (u, v) its place `from(t, u, v)`.
+fn seen_from(size: (usize, usize), noise: f32, frames: usize, from: impl Fn(usize, f64, f64) -> (f64, f64)) -> Burst {
     let mut stream = Stream::new(5, 0);
     let waves: Vec<[f64; 4]> = (0..60)
         .map(|_| {
@@ -36,9 +44,9 @@ fn moved(size: (usize, usize), noise: f32, frames: usize, at: impl Fn(usize) -> 
     let value = |u: f64, v: f64| waves.iter().map(|w| w[3] * (w[0] * u + w[1] * v + w[2]).cos()).sum::<f64>();
     let planes = (0..frames)
         .map(|t| {
-            let (du, dv) = at(t);
             Plane::from_fn(size.0, size.1, |u, v| {
-                (0.5 + value(u as f64 - du, v as f64 - dv)) as f32 + noise * stream.normal() as f32
+                let (x, y) = from(t, u as f64, v as f64);
+                (0.5 + value(x, y)) as f32 + noise * stream.normal() as f32
             })
         })
         .collect();
@@ -55,7 +63,7 @@ fn the_demo_needs_a_plane_that_holds_all_its_layers() {
         assert!(holds(&finding.grid, Slope::new(u, v), -0.5 * step(&burst)), "{u} {v}: {:?}", finding.grid);
     }
     let (u, v) = (finding.grid.u, finding.grid.v);
-    assert!(u.min > -3.0 && u.max < 2.6 && v.min > -2.1 && v.max < 0.9, "{:?}", finding.grid);
+    assert!(u.min > -3.3 && u.max < 2.9 && v.min > -2.4 && v.max < 1.2, "{:?}", finding.grid);
     assert!(finding.confidence > 0.8, "{}", finding.confidence);
 }
 
@@ -69,9 +77,9 @@ fn uniform_motion_in_any_direction_is_a_short_line() {
         assert!(!grid.is_plane() && grid.u.count <= 6, "{u} {v}: {grid:?}");
         let direction = f64::from(finding.direction_deg.expect("it moves"));
         assert!((v.atan2(u).to_degrees() - direction).abs() < 5.0, "{u} {v}: {direction}");
-        // The grid holds the slope with half a step to spare and ends about a step beyond it.
+        // The grid holds the slope with half a step to spare and ends one to two steps beyond what is seen of it.
         assert!(holds(&grid, Slope::new(u as f32, v as f32), -half), "{u} {v}: {grid:?}");
-        assert!(f64::from(grid.u.max - grid.u.min) <= 2.0 * step(&burst) + 2.0 * half, "{u} {v}: {grid:?}");
+        assert!(f64::from(grid.u.max - grid.u.min) <= 5.0 * step(&burst), "{u} {v}: {grid:?}");
         assert!(finding.deviation_px.is_some_and(|d| d < 0.5), "{u} {v}: {:?}", finding.deviation_px);
     }
 }
@@ -107,9 +115,115 @@ fn a_bent_way_is_not_straight_and_a_long_one_a_film() {
     let finding = find(&moved((320, 240), 0.02, 5, |t| (shifts[t], 0.0)));
     assert_eq!(finding.verdict, SlopeVerdict::NotStraight, "{finding:?}");
     assert!((finding.deviation_px.expect("seen") - 2.0).abs() < 0.4, "{:?}", finding.deviation_px);
+    assert!(finding.summary().contains("out of order"), "{}", finding.summary());
+    let bent = find(&moved((320, 240), 0.02, 6, |t| (0.4 * (t * t) as f64, 0.0)));
+    assert!(bent.verdict == SlopeVerdict::NotStraight && bent.warnings.is_empty(), "{}", bent.summary());
     let film = find(&moved((240, 180), 0.02, 30, |t| (-4.0 * t as f64, 0.0)));
     assert_eq!(film.verdict, SlopeVerdict::Film, "{film:?}");
     assert!((film.moved_px - 116.0).abs() < 6.0, "{}", film.moved_px);
+}
+
+#[test]
+fn exchanged_and_missing_frames_are_named() {
+    let warned = |times: &[usize], noise: f32| {
+        let finding = find(&moved((320, 240), noise, times.len(), |t| (1.8 * times[t] as f64, -0.6 * times[t] as f64)));
+        finding.warnings.iter().map(|w| (w.kind, w.frames.clone())).collect::<Vec<_>>()
+    };
+    for noise in [0.02, 0.1] {
+        assert_eq!(warned(&[0, 1, 2, 3, 4, 5, 6, 7], noise), []);
+        assert_eq!(warned(&[0, 1, 2, 4, 3, 5, 6, 7], noise), [(MotionWarningKind::OutOfOrder, vec![3, 4])]);
+        assert_eq!(warned(&[0, 1, 2, 3, 4, 6, 7, 8], noise), [(MotionWarningKind::MissingFrames, vec![4])]);
+    }
+}
+
+#[test]
+fn a_picture_that_turns_or_grows_is_named() {
+    let turned = |degrees: f64, growth: f64| {
+        let burst = seen_from((480, 360), 0.02, 8, |t, u, v| {
+            let part = t as f64 / 7.0;
+            let (sin, cos) = (-degrees * part).to_radians().sin_cos();
+            let scale = 1.0 / (1.0 + growth * part);
+            let (x, y) = (u - 239.5, v - 179.5);
+            (239.5 + scale * (x * cos - y * sin) - 1.5 * t as f64, 179.5 + scale * (x * sin + y * cos))
+        });
+        find(&burst)
+    };
+    let finding = turned(1.2, 0.0);
+    assert_eq!(finding.warnings.iter().map(|w| w.kind).collect::<Vec<_>>(), [MotionWarningKind::Turns]);
+    assert!((finding.warnings[0].number - 1.2).abs() < 0.1, "{}", finding.summary());
+    assert!(finding.summary().contains("the frames turn by 1."), "{}", finding.summary());
+    let finding = turned(0.0, 0.03);
+    assert_eq!(finding.warnings.iter().map(|w| w.kind).collect::<Vec<_>>(), [MotionWarningKind::Grows]);
+    assert!((finding.warnings[0].number - 3.0).abs() < 0.3, "{}", finding.summary());
+    assert_eq!(turned(0.0, 0.0).warnings, []);
+}
+
+#[test]
+fn a_crop_by_a_pixel_leaves_the_grids_points_in_place() {
+    let cropped = |burst: &Burst, (du, dv): (usize, usize)| {
+        let (width, height) = burst.size();
+        let crop = |frame: &Plane| Plane::from_fn(width - du, height - dv, |u, v| frame.at(u + du, v + dv));
+        find(&Burst::from_planes("cropped", burst.frames.iter().map(|f| crop(f)).collect())).grid
+    };
+    for burst in [demo_burst(), moved((320, 240), 0.1, 8, |t| (1.3 * t as f64, 0.0))] {
+        let grid = cropped(&burst, (0, 0));
+        for by in [(1, 0), (0, 1), (1, 1)] {
+            let other = cropped(&burst, by);
+            assert_eq!(grid.direction_deg, other.direction_deg, "{by:?}");
+            for (axis, other) in [(grid.u, other.u), (grid.v, other.v)] {
+                assert!((axis.step() - other.step()).abs() < 1e-5, "{by:?}: {axis:?} {other:?}");
+                let moved = (other.min - axis.min) / axis.step().max(1e-6);
+                assert!((moved - moved.round()).abs() < 1e-3 && moved.abs() < 1.5, "{by:?}: {axis:?} {other:?}");
+            }
+        }
+    }
+}
+
+/// A frame of white noise.
+fn noise(seed: u64, size: (usize, usize)) -> Plane {
+    let mut stream = Stream::new(seed, 9);
+    Plane::from_fn(size.0, size.1, |_, _| 0.5 + 0.05 * stream.normal() as f32)
+}
+
+#[test]
+fn noise_that_frames_have_in_common_does_not_move() {
+    let (width, height) = (320, 240);
+    let check = |name: &str, frames: Vec<Plane>| {
+        let finding = find(&Burst::from_planes(name, frames));
+        let shows_motion = finding.verdict != SlopeVerdict::NothingSeen && finding.grid.len() > 1;
+        assert!(!shows_motion, "{name}: {}", finding.summary());
+    };
+    for seed in 0..3 {
+        for case in [NoiseCase::Smoothed, NoiseCase::HotPixels, NoiseCase::FlickeringPixels] {
+            let burst = case.burst((width, height), 8, 0.02, seed + 1, &Monitor::default()).expect("not cancelled");
+            check(&case.name(), burst.frames.iter().map(|f| (**f).clone()).collect());
+        }
+        let some: Vec<Plane> = (0..9).map(|t| noise(10 * seed + t, (width, height))).collect();
+        // Fields: each frame has every other row of the frame before, or rows that were interpolated.
+        let fields = |t: usize| Plane::from_fn(width, height, |u, v| some[t + (v + t + 1) % 2].at(u, v));
+        check("interlaced", (0..8).map(fields).collect());
+        let interpolated = |t: usize| {
+            let between =
+                |u: usize, v: usize| some[t].at(u, v.saturating_sub(1)) + some[t].at(u, (v + 1).min(height - 1));
+            Plane::from_fn(width, height, |u, v| if v % 2 == t % 2 { some[t].at(u, v) } else { 0.5 * between(u, v) })
+        };
+        check("interpolated", (0..8).map(interpolated).collect());
+        // Copies: each frame twice, some in turn, and one that is turned by half a turn each time.
+        check("doubled", (0..8).map(|t| some[t / 2].clone()).collect());
+        check("in turn", (0..8).map(|t| some[t % 4].clone()).collect());
+        let turned = Plane::from_fn(width, height, |u, v| some[0].at(width - 1 - u, height - 1 - v));
+        check("turned", (0..8).map(|t| if t % 2 == 0 { some[0].clone() } else { turned.clone() }).collect());
+    }
+}
+
+#[test]
+fn a_still_scene_in_the_dark_does_not_move() {
+    for seed in 0..3 {
+        let params = ChartParams { snr: 0.2, max_slope: 0.0, seed, ..ChartParams::default() };
+        let (burst, _) = synth_chart(&params, &Monitor::default()).expect("a chart");
+        let finding = find(&burst);
+        assert!(finding.verdict == SlopeVerdict::Still && finding.grid.len() == 1, "{seed}: {}", finding.summary());
+    }
 }
 
 #[test]
@@ -124,7 +238,7 @@ fn dark_charts_show_the_range_of_their_discs() {
         let held = slopes.filter(|s| holds(&finding.grid, *s, 0.0)).count();
         assert!(held * 100 >= 96 * truth.features.len(), "{motion:?} {snr}: {held}, {:?}", finding.grid);
         let max = f64::from(finding.grid.u.max.max(-finding.grid.u.min));
-        assert!(max < 3.0 + 1.6 * step(&burst), "{motion:?} {snr}: {:?}", finding.grid);
+        assert!(max < 3.0 + 2.6 * step(&burst), "{motion:?} {snr}: {:?}", finding.grid);
     }
 }
 

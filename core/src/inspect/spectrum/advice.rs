@@ -153,6 +153,7 @@ impl Telling<'_> {
                 "the picture moves by {} px over the frames, more than a third of it",
                 number(finding.moved_px, 0)
             ),
+            _ if !finding.warnings.is_empty() => finding.irregularities(),
             _ => format!(
                 "the motion is not straight: it deviates from a uniform one by up to {} px",
                 number(finding.deviation_px.unwrap_or(0.0), 1)

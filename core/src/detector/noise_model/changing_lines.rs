@@ -1,0 +1,254 @@
+//! Columns or rows whose offsets change from frame to frame: stripes that drift, as after stabilisation, single columns
+//! with noise of their own, and bands, as lamps that flicker make them while a frame is read row by row.
+//!
+//! In a motion stack such lines add up like any structure. Unlike a scene they have the same offset from one end of the
+//! image to the other. So they are measured in eight bands across them, and what the even and the odd bands have in
+//! common is compared with what the bands differ by. Two kinds are told from a scene: sharp lines, whose neighbours
+//! have little in common, since no lens makes structure so sharp; and wide ones, if all bands agree closely and the
+//! amplitude is small. Taking off what is constant along a line changes no blob.
+
+use super::fixed_pattern::less_local_mean;
+use super::reading::{Lines, lines_of};
+use crate::plane::Plane;
+use serde::Serialize;
+
+/// Offsets of columns or rows that change from frame to frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ChangingLines {
+    /// Standard deviation of the offsets, fraction of full scale.
+    pub deviation: f32,
+    /// Share of their power that remains in the mean of the frames, at the slope at which most remains.
+    pub lasting: f32,
+    /// Variance of coarse means of the offsets relative to that of independent lines: above 1 where lines share them
+    /// with the next one.
+    #[serde(skip)]
+    coarse: f32,
+    /// Extent of the offsets.
+    pub extent: Extent,
+}
+
+/// Extent of a pattern of lines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Extent {
+    /// Neighbouring lines differ.
+    Sharp,
+    /// Neighbouring lines hardly differ.
+    Wide,
+}
+
+/// Number of standard errors above which what the bands have in common is significant.
+const SURE: f32 = 6.0;
+/// Correlation with the next line, and with the one after it, up to which lines are sharp. Interpolation between
+/// columns, as where stripes drift, shares up to a half with the next one.
+const SHARP: [f32; 2] = [0.6, 0.4];
+/// Minimum ratio of the power that the bands share to the variance between them, for sharp and for wide lines.
+const SHARED: [f32; 2] = [0.25, 4.0];
+/// Maximum amplitude of wide lines, relative to the brightness.
+const MAX_WIDE: f32 = 0.05;
+/// Inverse of the share of white offsets' power that two linear interpolations may leave.
+const INTERPOLATED: f32 = 2.0;
+/// Maximum number of slopes at which the power that remains is computed.
+const MAX_TRIED: f32 = 200.0;
+/// Number of lines to each side over which wide offsets are smoothed.
+const SMOOTHED: usize = 4;
+
+impl ChangingLines {
+    /// Finds the offsets in the `frames`' lines, given the mean `brightness` of the frames and the slopes of the
+    /// search across the lines, `slopes`, lines per frame.
+    pub fn find(frames: &[Lines], brightness: f32, slopes: &[f32]) -> Option<Self> {
+        [Extent::Sharp, Extent::Wide].into_iter().find_map(|extent| {
+            let found: Vec<Shared> = frames.iter().map(|frame| Shared::of(frame, extent)).collect();
+            let n = found.iter().map(|frame| frame.even.len()).sum::<usize>() as f32;
+            let sum = |of: &dyn Fn(&Shared) -> f32| found.iter().map(of).sum::<f32>() / n;
+            let common = sum(&|frame| dot(&frame.even, &frame.odd));
+            let error =
+                (sum(&|frame| dot(&frame.even, &frame.even)) * sum(&|frame| dot(&frame.odd, &frame.odd)) / n).sqrt();
+            let between = sum(&|frame| frame.between);
+            let is_common = common > SURE * error;
+            let tells = match extent {
+                Extent::Sharp => {
+                    let next = |by: usize| sum(&|frame| dot(&frame.even, &frame.odd[by.min(frame.odd.len())..]));
+                    common > SHARED[0] * between && next(1) <= SHARP[0] * common && next(2) <= SHARP[1] * common
+                }
+                Extent::Wide => common > SHARED[1] * between && common.sqrt() <= MAX_WIDE * brightness.abs(),
+            };
+            (is_common && tells).then(|| {
+                let offsets: Vec<Vec<f32>> = frames.iter().map(|frame| offsets(frame, extent)).collect();
+                let next = sum(&|frame| dot(&frame.even, &frame.odd[1..])).max(0.0);
+                let coarse = 1.0 + 2.0 * next / common;
+                Self { deviation: common.sqrt(), lasting: lasting(&offsets, slopes), coarse, extent }
+            })
+        })
+    }
+
+    /// Takes the offsets of this extent off the columns (`axis` 0) or rows (1) of a frame.
+    pub fn remove_from(&self, frame: &mut Plane, axis: usize) {
+        let offsets = offsets(&lines_of(frame)[axis], self.extent);
+        for v in 0..frame.height() {
+            let row = frame.row_mut(v);
+            if axis == 0 {
+                row.iter_mut().zip(&offsets).for_each(|(x, offset)| *x -= offset);
+            } else {
+                row.iter_mut().for_each(|x| *x -= offsets[v]);
+            }
+        }
+    }
+
+    /// Variance of independent lines that have the same coarse means as the offsets in the mean of the frames, before
+    /// they are taken off. Interpolation takes a part of what lasts, but not of coarse means.
+    pub fn variance_in_mean(&self) -> f32 {
+        self.deviation.powi(2) * self.coarse * (INTERPOLATED * self.lasting).min(1.0)
+    }
+}
+
+/// What the bands of one frame have in common.
+struct Shared {
+    /// Offsets by the even and by the odd bands.
+    even: Vec<f32>,
+    odd: Vec<f32>,
+    /// Variance between the bands, summed over the lines.
+    between: f32,
+}
+
+impl Shared {
+    fn of(frame: &Lines, extent: Extent) -> Self {
+        let bands: Vec<Vec<f32>> = frame.iter().map(|band| less_surroundings(band, extent)).collect();
+        let half = |first: usize| median(&bands.iter().skip(first).step_by(2).collect::<Vec<_>>());
+        let count = bands.len() as f32;
+        let between = (0..bands[0].len())
+            .map(|i| {
+                let (sum, squares) = bands.iter().fold((0.0, 0.0), |(a, b), band| (a + band[i], b + band[i] * band[i]));
+                (squares - sum * sum / count) / (count - 1.0)
+            })
+            .sum();
+        Self { even: half(0), odd: half(1), between }
+    }
+}
+
+/// Offsets of a frame's lines: the median over the bands.
+fn offsets(frame: &Lines, extent: Extent) -> Vec<f32> {
+    let bands: Vec<Vec<f32>> = frame.iter().map(|band| less_surroundings(band, extent)).collect();
+    let offsets = median(&bands.iter().collect::<Vec<_>>());
+    match extent {
+        Extent::Sharp => offsets,
+        Extent::Wide => (0..offsets.len())
+            .map(|i| {
+                let around = &offsets[i.saturating_sub(SMOOTHED)..(i + SMOOTHED + 1).min(offsets.len())];
+                around.iter().sum::<f32>() / around.len() as f32
+            })
+            .collect(),
+    }
+}
+
+/// Values less the mean of those around, or, for wide offsets, less their straight line.
+fn less_surroundings(values: &[f32], extent: Extent) -> Vec<f32> {
+    match extent {
+        Extent::Sharp => less_local_mean(values),
+        Extent::Wide => {
+            let n = values.len() as f32;
+            let (middle, mean) = (0.5 * (n - 1.0), values.iter().sum::<f32>() / n);
+            let (mut along, mut spread) = (0.0, 0.0);
+            for (i, x) in values.iter().enumerate() {
+                let t = i as f32 - middle;
+                (along, spread) = (along + t * (x - mean), spread + t * t);
+            }
+            let slope = along / spread.max(1.0);
+            values.iter().enumerate().map(|(i, x)| x - mean - slope * (i as f32 - middle)).collect()
+        }
+    }
+}
+
+/// Median of the bands, line by line.
+fn median(bands: &[&Vec<f32>]) -> Vec<f32> {
+    let mut values = vec![0.0; bands.len()];
+    (0..bands[0].len())
+        .map(|i| {
+            values.iter_mut().zip(bands).for_each(|(value, band)| *value = band[i]);
+            values.sort_by(f32::total_cmp);
+            0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
+        })
+        .collect()
+}
+
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Largest share of the frames' power that their mean keeps if each is shifted by a slope.
+fn lasting(frames: &[Vec<f32>], slopes: &[f32]) -> f32 {
+    let (n, lines) = (frames.len() as f32, frames[0].len());
+    let power = frames.iter().map(|frame| dot(frame, frame)).sum::<f32>() / n;
+    let kept = |slope: f32| {
+        let mean = |i: usize| {
+            let at = |(t, frame): (usize, &Vec<f32>)| {
+                let x = (i as f32 + (t as f32 - 0.5 * (n - 1.0)) * slope).clamp(0.0, lines as f32 - 1.001).max(0.0);
+                let part = x.fract();
+                (1.0 - part) * frame[x as usize] + part * frame[(x as usize + 1).min(lines - 1)]
+            };
+            frames.iter().enumerate().map(at).sum::<f32>() / n
+        };
+        (0..lines).map(|i| mean(i).powi(2)).sum::<f32>() / power.max(f32::MIN_POSITIVE)
+    };
+    // Between the slopes searched too, since coarse octaves, where most remains, tell them apart less well.
+    let (min, max) = slopes.iter().fold((0.0f32, 0.0f32), |(a, b), s| (a.min(*s), b.max(*s)));
+    let count = ((max - min) * n).ceil().min(MAX_TRIED);
+    let tried = (0..=count as usize).map(|i| min + (max - min) * i as f32 / count.max(1.0));
+    tried.map(kept).fold(1.0 / n, f32::max).min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Monitor;
+    use crate::synth::{NoiseCase, SceneParams, demo_burst, synth_scene};
+
+    const SLOPES: [f32; 5] = [-3.0, -0.3, 0.0, 0.3, 3.0];
+
+    fn found(frames: &[Plane]) -> [Option<ChangingLines>; 2] {
+        let lines: Vec<[Lines; 2]> = frames.iter().map(lines_of).collect();
+        [0, 1].map(|axis| {
+            let of_axis: Vec<Lines> = lines.iter().map(|frame| frame[axis].clone()).collect();
+            ChangingLines::find(&of_axis, 0.5, &SLOPES)
+        })
+    }
+
+    fn case(case: NoiseCase) -> Vec<Plane> {
+        let burst = case.burst((480, 360), 8, 0.02, 5, &Monitor::default()).expect("not cancelled");
+        burst.frames.iter().map(|f| (**f).clone()).collect()
+    }
+
+    #[test]
+    fn noise_and_scenes_have_no_such_lines() {
+        for noise in [NoiseCase::White, NoiseCase::Correlated, NoiseCase::Varying(6), NoiseCase::Jpeg(60)] {
+            assert_eq!(found(&case(noise)), [None, None], "{noise:?}");
+        }
+        let scene = SceneParams { width: 320, height: 240, layers: 2, ..SceneParams::default() };
+        let (scene, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
+        for burst in [scene, demo_burst()] {
+            assert_eq!(found(&burst.frames.iter().map(|f| (**f).clone()).collect::<Vec<_>>()), [None, None]);
+        }
+    }
+
+    #[test]
+    fn stripes_columns_and_bands_are_found_and_taken_off() {
+        for (noise, axis, extent, deviation, lasts) in [
+            (NoiseCase::DriftingStripes, 0, Extent::Sharp, 0.0165, true),
+            (NoiseCase::NoisyColumns, 0, Extent::Sharp, 0.0028, false),
+            (NoiseCase::Banding, 1, Extent::Wide, 0.0071, false),
+            (NoiseCase::StillBanding, 1, Extent::Wide, 0.0071, true),
+        ] {
+            let mut frames = case(noise);
+            let lines = found(&frames);
+            let of_axis = lines[axis].unwrap_or_else(|| panic!("{noise:?}: {lines:?}"));
+            assert!(lines[1 - axis].is_none() && of_axis.extent == extent, "{noise:?}: {lines:?}");
+            assert!((of_axis.deviation / deviation - 1.0).abs() < 0.3, "{noise:?}: {of_axis:?}");
+            assert_eq!(of_axis.lasting > 0.5, lasts, "{noise:?}: {of_axis:?}");
+            frames.iter_mut().for_each(|frame| of_axis.remove_from(frame, axis));
+            assert_eq!(found(&frames), [None, None], "{noise:?}");
+            let n = frames[3].data().len() as f32;
+            let left = (frames[3].data().iter().map(|x| (x - 0.5).powi(2)).sum::<f32>() / n).sqrt();
+            assert!((left / 0.02 - 1.0).abs() < 0.06, "{noise:?}: {left}");
+        }
+    }
+}

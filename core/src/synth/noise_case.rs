@@ -1,0 +1,482 @@
+//! Noise as cameras and files produce it: bursts with one deviation from white noise.
+//!
+//! Every frame of a [`NoiseCase`] is a grey level with white Gaussian noise, except for the changes of the case. There
+//! are no objects, so every feature of such a burst is false. Values are floats without rounding unless the case is
+//! about files.
+
+use super::noise::{quantisation_step, quantised_word};
+use super::random::Stream;
+use crate::burst::Burst;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use serde::{Serialize, Serializer};
+use std::f64::consts::TAU;
+use std::io::Cursor;
+
+/// Deviation of a burst's noise from white noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NoiseCase {
+    /// No deviation: white noise of equal strength in every frame, around half of full scale.
+    #[default]
+    White,
+    /// Every frame occurs twice.
+    Doubled,
+    /// Frames are stored as JPEG files of this quality (1 … 100), 8 bits.
+    Jpeg(u8),
+    /// Each pixel shares its noise with the neighbouring pixels, with weights 1, 2, 1 along both axes; as strong as
+    /// white noise.
+    Correlated,
+    /// The middle frame is black.
+    BlackFrame,
+    /// The middle frame has five times the noise.
+    NoisyFrame,
+    /// The right half has three times the noise.
+    NoisyHalf,
+    /// Each column has its own offset, as strong as the noise, the same in all frames.
+    ColumnStripes,
+    /// 200 pixels are brighter by 5 to 20 standard deviations, the same in all frames.
+    HotPixels,
+    /// Each frame has its own exposure, with a spread of 10 %.
+    GainFlicker,
+    /// The level is black, so that half of the noise is clipped.
+    ClippedBlack,
+    /// The level is white, so that half of the noise is clipped.
+    Saturated,
+    /// The middle frame has no noise, like a dropped one that was filled.
+    ConstantFrame,
+    /// No frame has noise.
+    Constant,
+    /// As [`Self::ColumnStripes`], but the stripes move by 0.3 px/frame to the right.
+    DriftingStripes,
+    /// The standard deviation varies over 250 px along both axes, from its usual value to this multiple of it (2 … 9).
+    Varying(u8),
+    /// The brightness of the rows varies by ±2 % with a period of 180 rows; the bands move by a seventh of a period from
+    /// frame to frame.
+    Banding,
+    /// As [`Self::Banding`], but the bands stay where they are.
+    StillBanding,
+    /// Each frame after the first consists of 0.8 of the frame before and 0.2 of a new one, so that the noise falls to a
+    /// third.
+    Smoothed,
+    /// One pixel in a thousand is brighter by 5 to 20 standard deviations, in half of the frames, at random.
+    FlickeringPixels,
+    /// One column in fifty has an offset as strong as the noise, a new one in each frame.
+    NoisyColumns,
+    /// The level is black, and values below it are negative, as after subtraction of a black level.
+    Negative,
+}
+
+/// Ratio of the noise of the middle frame of [`NoiseCase::NoisyFrame`] to that of the others.
+const NOISY_FRAME: f64 = 5.0;
+/// Ratio of the noise of the right half of [`NoiseCase::NoisyHalf`] to that of the left.
+const NOISY_HALF: f64 = 3.0;
+/// Motion of the stripes of [`NoiseCase::DriftingStripes`], px/frame.
+const DRIFT: f64 = 0.3;
+/// Period of [`NoiseCase::Varying`], px.
+const VARYING_PERIOD: f64 = 250.0;
+/// Amplitude of the bands of [`NoiseCase::Banding`], relative to the level.
+const BANDS: f64 = 0.02;
+/// Period of these bands, rows.
+const BAND_ROWS: f64 = 180.0;
+/// Motion of these bands, periods per frame.
+const BANDS_A_FRAME: f64 = 1.0 / 7.0;
+/// Share of the frame before in a frame of [`NoiseCase::Smoothed`].
+const SMOOTHING: f64 = 0.8;
+/// Number of pixels for each pixel that flickers in [`NoiseCase::FlickeringPixels`].
+const PIXELS_A_FLICKERING: usize = 1000;
+/// Number of columns for each one that is noisy in [`NoiseCase::NoisyColumns`].
+const COLUMNS_A_NOISY: usize = 50;
+/// Number of hot pixels of [`NoiseCase::HotPixels`].
+const HOT_PIXELS: usize = 200;
+/// Spread of exposures of [`NoiseCase::GainFlicker`].
+const FLICKER: f64 = 0.1;
+/// Grey level of the scene, fraction of full scale.
+const LEVEL: f64 = 0.5;
+
+impl NoiseCase {
+    /// All cases, with the JPEG qualities and the variations of strength that are commonly measured.
+    pub const ALL: [Self; 25] = [
+        Self::White,
+        Self::Doubled,
+        Self::Jpeg(90),
+        Self::Jpeg(60),
+        Self::Jpeg(30),
+        Self::Correlated,
+        Self::BlackFrame,
+        Self::NoisyFrame,
+        Self::NoisyHalf,
+        Self::ColumnStripes,
+        Self::HotPixels,
+        Self::GainFlicker,
+        Self::ClippedBlack,
+        Self::Saturated,
+        Self::ConstantFrame,
+        Self::Constant,
+        Self::DriftingStripes,
+        Self::Varying(6),
+        Self::Varying(2),
+        Self::Banding,
+        Self::StillBanding,
+        Self::Smoothed,
+        Self::FlickeringPixels,
+        Self::NoisyColumns,
+        Self::Negative,
+    ];
+
+    /// Name on the command line and in reports; [`str::parse`] reads it.
+    pub fn name(self) -> String {
+        let word = match self {
+            Self::White => "white",
+            Self::Doubled => "doubled",
+            Self::Jpeg(quality) => return format!("jpeg-{quality}"),
+            Self::Correlated => "correlated",
+            Self::BlackFrame => "black-frame",
+            Self::NoisyFrame => "noisy-frame",
+            Self::NoisyHalf => "noisy-half",
+            Self::ColumnStripes => "column-stripes",
+            Self::HotPixels => "hot-pixels",
+            Self::GainFlicker => "gain-flicker",
+            Self::ClippedBlack => "clipped-black",
+            Self::Saturated => "saturated",
+            Self::ConstantFrame => "constant-frame",
+            Self::Constant => "constant",
+            Self::DriftingStripes => "drifting-stripes",
+            Self::Varying(times) => return format!("varying-{times}"),
+            Self::Banding => "banding",
+            Self::StillBanding => "still-banding",
+            Self::Smoothed => "smoothed",
+            Self::FlickeringPixels => "flickering-pixels",
+            Self::NoisyColumns => "noisy-columns",
+            Self::Negative => "negative",
+        };
+        word.to_owned()
+    }
+
+    /// Makes a burst of `frames` frames of `size` = (columns, rows), with noise of standard deviation `sigma` (fraction
+    /// of full scale) unless the case changes it.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn burst(
+        self,
+        size: (usize, usize),
+        frames: usize,
+        sigma: f64,
+        seed: u64,
+        monitor: &Monitor,
+    ) -> Result<Burst, Cancelled> {
+        // Stream 0 is for the pattern shared by all frames; frame t has stream t + 1.
+        let pattern = self.pattern(size, sigma, &mut Stream::new(seed, 0));
+        let mut exposures = Stream::new(seed, frames as u64 + 1);
+        let mut planes: Vec<Plane> = Vec::with_capacity(frames);
+        for t in 0..frames {
+            monitor.check()?;
+            if self == Self::Doubled && t % 2 == 1 {
+                planes.push(planes[t - 1].clone());
+                continue;
+            }
+            let gain = if self == Self::GainFlicker { 1.0 + FLICKER * exposures.normal() } else { 1.0 };
+            let stream = &mut Stream::new(seed, t as u64 + 1);
+            let frame = self.frame(size, sigma, &pattern, (t, frames), stream);
+            planes.push(match self {
+                Self::GainFlicker => mapped(&frame, |x| (f64::from(x) * gain) as f32),
+                Self::Jpeg(quality) => through_jpeg(&frame, quality),
+                Self::Correlated => with_shared_noise(&frame),
+                Self::ClippedBlack | Self::Saturated => mapped(&frame, |x| x.clamp(0.0, 1.0)),
+                Self::Smoothed => planes.last().map(|before| smoothed(before, &frame)).unwrap_or(frame),
+                Self::NoisyColumns => with_noisy_columns(frame, sigma, stream),
+                _ => frame,
+            });
+        }
+        let mut burst = Burst::from_planes(self.name(), planes);
+        if matches!(self, Self::Jpeg(_)) {
+            burst.quantisation_step = quantisation_step(8) as f32;
+        }
+        Ok(burst)
+    }
+
+    /// The pattern added to every frame.
+    fn pattern(self, (width, height): (usize, usize), sigma: f64, stream: &mut Stream) -> Plane {
+        let mut pattern = Plane::zeros(width, height);
+        match self {
+            Self::ColumnStripes => {
+                let columns: Vec<f32> = (0..width).map(|_| (sigma * stream.normal()) as f32).collect();
+                (0..height).for_each(|v| pattern.row_mut(v).copy_from_slice(&columns));
+            }
+            Self::HotPixels => {
+                for _ in 0..HOT_PIXELS {
+                    let (u, v) = (stream.below(width), stream.below(height));
+                    pattern.row_mut(v)[u] = (sigma * stream.within(5.0, 20.0)) as f32;
+                }
+            }
+            Self::FlickeringPixels => {
+                for _ in 0..width * height / PIXELS_A_FLICKERING {
+                    let (u, v) = (stream.below(width), stream.below(height));
+                    pattern.row_mut(v)[u] = (sigma * stream.within(5.0, 20.0)) as f32;
+                }
+            }
+            Self::DriftingStripes => {
+                // Twice as many columns as are seen, so that the stripes can move.
+                let columns: Vec<f32> = (0..2 * width).map(|_| (sigma * stream.normal()) as f32).collect();
+                pattern = Plane::from_vec(2 * width, 1, columns);
+            }
+            _ => {}
+        }
+        pattern
+    }
+
+    /// Frame `t` of `frames` before the effects of files and exposures.
+    fn frame(
+        self,
+        size: (usize, usize),
+        sigma: f64,
+        pattern: &Plane,
+        (t, frames): (usize, usize),
+        stream: &mut Stream,
+    ) -> Plane {
+        let middle = t == frames / 2;
+        let level = match self {
+            Self::ClippedBlack | Self::Negative => 0.0,
+            Self::Saturated => 1.0,
+            Self::BlackFrame if middle => 0.0,
+            _ => LEVEL,
+        };
+        let factor = |u: usize, v: usize| match self {
+            Self::NoisyFrame if middle => NOISY_FRAME,
+            Self::NoisyHalf if 2 * u >= size.0 => NOISY_HALF,
+            Self::ConstantFrame if middle => 0.0,
+            Self::BlackFrame if middle => 0.0,
+            Self::Constant => 0.0,
+            Self::Varying(times) => {
+                let wave = |x: usize| libm::sin(TAU * x as f64 / VARYING_PERIOD);
+                libm::pow(f64::from(times), 0.5 + 0.5 * wave(u) * wave(v))
+            }
+            _ => 1.0,
+        };
+        // Frame 0 shows the stripes from half of their columns on, so that they can come in from the left.
+        let drifted = |u: usize| (u + size.0 / 2) as f64 - DRIFT * t as f64;
+        let band = |v: usize| {
+            let phase = if self == Self::Banding { BANDS_A_FRAME * t as f64 } else { 0.0 };
+            level * BANDS * libm::sin(TAU * (v as f64 / BAND_ROWS + phase))
+        };
+        let added = |u: usize, v: usize, stream: &mut Stream| match self {
+            Self::DriftingStripes => {
+                let (whole, part) = (drifted(u).max(0.0) as usize, drifted(u).max(0.0).fract() as f32);
+                (1.0 - part) * pattern.at(whole, 0) + part * pattern.at(whole + 1, 0)
+            }
+            Self::Banding | Self::StillBanding => band(v) as f32,
+            Self::FlickeringPixels if pattern.at(u, v) > 0.0 && stream.uniform() < 0.5 => 0.0,
+            _ => pattern.at(u, v),
+        };
+        Plane::from_fn(size.0, size.1, |u, v| {
+            let noise = sigma * factor(u, v) * stream.normal();
+            (level + noise) as f32 + added(u, v, stream)
+        })
+    }
+}
+
+impl std::str::FromStr for NoiseCase {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let quality = text.strip_prefix("jpeg-").and_then(|q| q.parse().ok());
+        if let Some(quality @ 1..=100) = quality {
+            return Ok(Self::Jpeg(quality));
+        }
+        let times = text.strip_prefix("varying-").and_then(|times| times.parse().ok());
+        if let Some(times @ 2..=9) = times {
+            return Ok(Self::Varying(times));
+        }
+        Self::ALL.into_iter().find(|case| case.name() == text).ok_or_else(|| {
+            let names: Vec<String> = Self::ALL.iter().map(|case| case.name()).collect();
+            format!(
+                "'{text}' is none of {} (any quality from 1 to 100, and any multiple from 2 to 9)",
+                names.join(", ")
+            )
+        })
+    }
+}
+
+impl Serialize for NoiseCase {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.name())
+    }
+}
+
+fn mapped(plane: &Plane, value: impl Fn(f32) -> f32) -> Plane {
+    Plane::from_vec(plane.width(), plane.height(), plane.data().iter().map(|&x| value(x)).collect())
+}
+
+/// The frame after storage in an 8-bit grey JPEG file of `quality`.
+fn through_jpeg(frame: &Plane, quality: u8) -> Plane {
+    let (width, height) = frame.size();
+    let grey: Vec<u8> = frame.data().iter().map(|&x| (quantised_word(f64::from(x), 8) >> 8) as u8).collect();
+    let mut file = Vec::new();
+    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut file, quality)
+        .encode(&grey, width as u32, height as u32, image::ExtendedColorType::L8)
+        .expect("a grey picture of a burst's size can be a JPEG file");
+    let decoded = image::load(Cursor::new(file), image::ImageFormat::Jpeg).expect("the file was just written");
+    Plane::from_vec(width, height, decoded.to_luma8().iter().map(|&x| f32::from(x) / 255.0).collect())
+}
+
+/// Next frame of [`NoiseCase::Smoothed`] after `before`, from the new noise of `frame`.
+fn smoothed(before: &Plane, frame: &Plane) -> Plane {
+    let share = SMOOTHING as f32;
+    let values = before.data().iter().zip(frame.data()).map(|(b, x)| share * b + (1.0 - share) * x);
+    Plane::from_vec(frame.width(), frame.height(), values.collect())
+}
+
+fn with_noisy_columns(mut frame: Plane, sigma: f64, stream: &mut Stream) -> Plane {
+    for u in (COLUMNS_A_NOISY / 2..frame.width()).step_by(COLUMNS_A_NOISY) {
+        let offset = (sigma * stream.normal()) as f32;
+        (0..frame.height()).for_each(|v| frame.row_mut(v)[u] += offset);
+    }
+    frame
+}
+
+/// The frame around [`LEVEL`] filtered by 1, 2, 1 along both axes and scaled to its previous strength.
+fn with_shared_noise(frame: &Plane) -> Plane {
+    let (width, height) = frame.size();
+    let at = |u: i64, v: i64| frame.at(u.clamp(0, width as i64 - 1) as usize, v.clamp(0, height as i64 - 1) as usize);
+    // The weights' squares sum to (1 + 4 + 1)².
+    let scale = 1.0 / 6.0;
+    Plane::from_fn(width, height, |u, v| {
+        let line = |dv: i64| {
+            let at = |du: i64| at(u as i64 + du, v as i64 + dv) - LEVEL as f32;
+            at(-1) + 2.0 * at(0) + at(1)
+        };
+        LEVEL as f32 + scale * (line(-1) + 2.0 * line(0) + line(1))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: (usize, usize) = (200, 120);
+
+    fn burst(case: NoiseCase) -> Burst {
+        case.burst(SIZE, 10, 0.02, 3, &Monitor::default()).expect("not cancelled")
+    }
+
+    /// Mean and standard deviation of the columns `columns` of frame `t`.
+    fn of_frame(burst: &Burst, t: usize, columns: std::ops::Range<usize>) -> (f64, f64) {
+        let frame = &burst.frames[t];
+        let values: Vec<f64> =
+            (0..SIZE.1).flat_map(|v| frame.row(v)[columns.clone()].iter().map(|&x| f64::from(x))).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        (mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt())
+    }
+
+    #[test]
+    fn names_are_read_back_and_others_are_refused() {
+        for case in NoiseCase::ALL {
+            assert_eq!(case.name().parse(), Ok(case));
+        }
+        assert_eq!("jpeg-77".parse(), Ok(NoiseCase::Jpeg(77)));
+        assert_eq!("varying-3".parse(), Ok(NoiseCase::Varying(3)));
+        for bad in ["jpeg-0", "jpeg-101", "varying-1", "varying-x", "grey", ""] {
+            let error = bad.parse::<NoiseCase>().expect_err(bad);
+            assert!(error.contains("column-stripes"), "{error}");
+        }
+    }
+
+    #[test]
+    fn every_case_is_what_it_says() {
+        let all = 0..SIZE.0;
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.03;
+        let doubled = burst(NoiseCase::Doubled);
+        assert!(doubled.frames[4] == doubled.frames[5] && doubled.frames[5] != doubled.frames[6]);
+        assert_eq!(of_frame(&burst(NoiseCase::BlackFrame), 5, all.clone()), (0.0, 0.0));
+        assert!(near(of_frame(&burst(NoiseCase::NoisyFrame), 5, all.clone()).1, 0.1));
+        assert!(near(of_frame(&burst(NoiseCase::NoisyFrame), 4, all.clone()).1, 0.02));
+        let half = burst(NoiseCase::NoisyHalf);
+        assert!(near(of_frame(&half, 2, 0..100).1, 0.02) && near(of_frame(&half, 2, 100..200).1, 0.06));
+        assert!(near(of_frame(&burst(NoiseCase::Correlated), 1, all.clone()).1, 0.02));
+        assert!(near(of_frame(&burst(NoiseCase::ClippedBlack), 1, all.clone()).0, 0.02 * 0.398_9));
+        assert!(near(1.0 - of_frame(&burst(NoiseCase::Saturated), 1, all.clone()).0, 0.02 * 0.398_9));
+        assert_eq!(of_frame(&burst(NoiseCase::ConstantFrame), 5, all.clone()).1, 0.0);
+        assert_eq!(of_frame(&burst(NoiseCase::Constant), 1, all.clone()), (0.5, 0.0));
+        let flicker = burst(NoiseCase::GainFlicker);
+        let means: Vec<f64> = (0..10).map(|t| of_frame(&flicker, t, all.clone()).0 / 0.5 - 1.0).collect();
+        let spread = (means.iter().map(|x| x * x).sum::<f64>() / 10.0).sqrt();
+        assert!((0.04..0.2).contains(&spread), "{spread}");
+    }
+
+    #[test]
+    fn what_changes_from_frame_to_frame_is_what_it_says() {
+        let of_columns = |case: NoiseCase, t: usize| -> Vec<f64> {
+            let burst = burst(case);
+            (0..SIZE.0).map(|u| of_frame(&burst, t, u..u + 1).0 - LEVEL).collect()
+        };
+        let power = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64;
+        // Ten frames later the stripes are three pixels farther to the right.
+        let (first, last) = (of_columns(NoiseCase::DriftingStripes, 0), of_columns(NoiseCase::DriftingStripes, 9));
+        let shared = |by: usize| first.iter().zip(&last[by..]).map(|(a, b)| a * b).sum::<f64>() / SIZE.0 as f64;
+        assert!(
+            shared(3) > 0.6 * power(&first) && shared(0).abs() < 0.4 * power(&first),
+            "{} {}",
+            shared(3),
+            shared(0)
+        );
+        let noisy = of_columns(NoiseCase::NoisyColumns, 2);
+        assert!((0..SIZE.0).all(|u| noisy[u].abs() < 0.01 || u % 50 == 25), "{noisy:?}");
+        assert_ne!(noisy[25], of_columns(NoiseCase::NoisyColumns, 3)[25]);
+        let smoothed = burst(NoiseCase::Smoothed);
+        assert!((of_frame(&smoothed, 0, 0..200).1 / 0.02 - 1.0).abs() < 0.03);
+        assert!((of_frame(&smoothed, 9, 0..200).1 / 0.02 - 0.355).abs() < 0.02, "{:?}", of_frame(&smoothed, 9, 0..200));
+        // A pixel that flickers is bright in half of the frames.
+        let bright = |t: usize| -> Vec<bool> {
+            let burst = burst(NoiseCase::FlickeringPixels);
+            burst.frames[t].data().iter().map(|x| *x > 0.5 + 0.1).collect()
+        };
+        let (a, b) = (bright(1), bright(2));
+        let [in_a, in_b, in_both] = [
+            a.iter().filter(|x| **x).count(),
+            b.iter().filter(|x| **x).count(),
+            a.iter().zip(&b).filter(|(a, b)| **a && **b).count(),
+        ];
+        assert!((5..=20).contains(&in_a) && in_both < in_a && in_both > 0 && in_b > 0, "{in_a} {in_b} {in_both}");
+    }
+
+    #[test]
+    fn bands_and_varying_noise_have_their_amplitude() {
+        let (bands, still) = (burst(NoiseCase::Banding), burst(NoiseCase::StillBanding));
+        let row = |burst: &Burst, t: usize, v: usize| burst.frames[t].row(v).iter().sum::<f32>() / SIZE.0 as f32;
+        assert!((row(&still, 3, 45) - 0.51).abs() < 0.005 && (row(&still, 8, 45) - 0.51).abs() < 0.005);
+        assert!((row(&bands, 0, 45) - 0.51).abs() < 0.005 && row(&bands, 4, 45) < 0.5, "{}", row(&bands, 4, 45));
+        let around = |burst: &Burst, (u, v): (usize, usize)| {
+            let near = (v - 8..v + 8).flat_map(|y| burst.frames[2].row(y)[u - 8..u + 8].iter());
+            (near.map(|x| (x - 0.5).powi(2)).sum::<f32>() / 256.0).sqrt()
+        };
+        let varying = burst(NoiseCase::Varying(6));
+        let (most, least) = (around(&varying, (62, 62)), around(&varying, (187, 62)));
+        assert!(most > 4.5 * least && (most / 0.12 - 1.0).abs() < 0.25, "{most} {least}");
+        let negative = burst(NoiseCase::Negative);
+        let below = negative.frames[0].data().iter().filter(|x| **x < 0.0).count();
+        assert!((below as f32 / (SIZE.0 * SIZE.1) as f32 - 0.5).abs() < 0.02);
+    }
+
+    #[test]
+    fn fixed_patterns_stay_and_jpeg_files_lose_fine_noise() {
+        let mean_of = |case: NoiseCase| {
+            let burst = burst(case);
+            Plane::from_fn(SIZE.0, SIZE.1, |u, v| burst.frames.iter().map(|f| f.at(u, v)).sum::<f32>() / 10.0)
+        };
+        let stripes = mean_of(NoiseCase::ColumnStripes);
+        let columns: Vec<f32> =
+            (0..SIZE.0).map(|u| (0..SIZE.1).map(|v| stripes.at(u, v)).sum::<f32>() / SIZE.1 as f32 - 0.5).collect();
+        let spread = (columns.iter().map(|x| x * x).sum::<f32>() / SIZE.0 as f32).sqrt();
+        assert!((spread / 0.02 - 1.0).abs() < 0.15, "{spread}");
+        let hot = mean_of(NoiseCase::HotPixels).data().iter().filter(|&&x| x > 0.5 + 0.08).count();
+        assert!((HOT_PIXELS * 9 / 10..=HOT_PIXELS).contains(&hot), "{hot}");
+        // Neighbouring pixels differ less with stronger compression.
+        let difference = |case| {
+            let frame = &burst(case).frames[0];
+            let differences = frame.data().windows(2).map(|w| (w[1] - w[0]).powi(2));
+            differences.sum::<f32>() / (frame.data().len() - 1) as f32
+        };
+        let [white, fine, coarse] = [NoiseCase::White, NoiseCase::Jpeg(90), NoiseCase::Jpeg(30)].map(difference);
+        assert!(coarse < 0.1 * fine && fine < 1.1 * white, "{white} {fine} {coarse}");
+    }
+}
