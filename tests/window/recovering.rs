@@ -1,6 +1,7 @@
 //! Things planted in the open burst, the set-up from which slopes are computed, and cases.
 
 use crate::support::{Start, Window};
+use burstscope::app::project::BottomTab;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::detector::{DetectorParams, NoiseGate, SlopeChoice, SlopeGrid};
 use burstscope::export::case::{Case, write_case};
@@ -99,10 +100,10 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
 
 #[test]
 fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
-    let mut window = Start::automatic().open();
-    window.run_action("slopes");
+    let mut window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
+    window.app_mut().model.bottom_tab = BottomTab::Slopes;
     window.settle();
-    window.harness.get_by_label_contains("Slopes from the set-up").click();
+    window.harness.get_by_label("Slopes from the set-up").click();
     window.settle();
     let expected = {
         let model = &window.app().model;
