@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs each package of the folder that is named in a bare system of its own and starts it there; `make try-dist` calls it.
-# Needs root and debootstrap. The system is Debian's smallest, with Python for the wheel.
+# Needs root; debootstrap is installed if it is missing. The system is Debian's smallest, with Python for the wheel.
 set -euo pipefail
+cd "$(dirname "$0")/.."
 out=$(realpath "${1:?name the folder with the packages}")
 
 if [ "$(id -u)" != 0 ]; then
@@ -60,9 +61,9 @@ for package in "$out"/burstscope-*.whl; do
     fresh
     # numpy comes as a wheel beside it, for the Python of the bare system, which has no network.
     python=$(chroot "$base/root" python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')
-    "${PYTHON:-python3}" -m pip download --quiet --disable-pip-version-check --only-binary :all: --python-version "$python" \
+    "${PIP:-target/python/bin/pip}" download --quiet --disable-pip-version-check --only-binary :all: --python-version "$python" \
         --dest "$base/root/packages" numpy
-    chroot "$base/root" sh -euc "
+    chroot "$base/root" /usr/bin/env -i HOME=/root PATH=/usr/bin:/bin sh -euc "
         python3 -m venv /opt/venv
         /opt/venv/bin/pip install --quiet --no-index --find-links /packages /packages/$(basename "$package")"
     start "wheel" /opt/venv/bin

@@ -28,7 +28,7 @@ pub(crate) fn synthesise(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(RawBurst, String)> {
     let (burst, truth) = run(py, progress, move |monitor| {
-        let (burst, truth) = cli::synth::made(&arguments, monitor)?;
+        let (burst, truth) = cli::synthetic_burst(&arguments, monitor)?;
         let truth = serde_json::to_string(&truth).map_err(|error| cli::Failure::Failed(error.into()))?;
         Ok((burst, truth))
     })?;

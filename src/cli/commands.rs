@@ -17,7 +17,6 @@ use super::render::RenderArgs;
 use super::search_options::ParamsFileArg;
 use super::synth::SynthArgs;
 use clap::{Args, CommandFactory, Parser, Subcommand};
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
@@ -112,18 +111,6 @@ pub struct CompletionsArgs {
     /// The shell.
     #[arg(value_name = "SHELL")]
     pub shell: clap_complete::Shell,
-}
-
-/// Parses `arguments`, the program's name and what follows it.
-///
-/// # Errors
-/// When they make no sense; the message is one line.
-pub(super) fn parsed(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, Failure> {
-    Cli::try_parse_from(arguments).map_err(|error| {
-        let text = error.to_string();
-        let message = text.split("\n\n").next().unwrap_or_default();
-        Failure::usage(message.trim_start_matches("error: ").replace('\n', " "))
-    })
 }
 
 /// Name of the program, as typed.

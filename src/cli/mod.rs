@@ -43,11 +43,13 @@ mod signals;
 mod stack;
 mod study;
 pub mod synth;
+mod synthetic;
 #[cfg(feature = "app")]
 mod window;
 
 pub use failure::Failure;
 pub use report::burst_document;
+pub use synthetic::synthetic_burst;
 
 use crate::burst::{DecodeWorker, serve_decoding};
 use crate::plane::memory;

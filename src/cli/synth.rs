@@ -2,21 +2,18 @@
 
 use super::args::{CalibrationArgs, INPUT_HELP, OutputArgs};
 use super::charts_args::{DiscsArgs, motions};
-use super::commands::{Command, parsed};
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, opened, resolve};
 use crate::burst::Burst;
 use crate::export::{OutputRules, Overwrite, safe_file_name};
 use crate::files::path_text;
-use crate::monitor::Monitor;
 use crate::synth::{
     ChartParams, FrameLevels, Light, Motion, NoisyParams, SceneParams, Trajectory, TrajectoryParams, Truth,
     synth_chart, synth_scene, write_burst, write_noisy, write_trajectory,
 };
 use clap::{Args, Subcommand};
 use serde_json::json;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
@@ -33,25 +30,6 @@ pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
         }
         SynthKind::Noisy(args) => noisy(args),
         SynthKind::Trajectory(args) => trajectory(args),
-    }
-}
-
-/// Makes the burst that `synth` with these `arguments`, the kind and its options, writes into a folder, and its truth.
-///
-/// # Errors
-/// When the arguments make no sense, when they name another kind than a chart or a scene, and when `monitor` was
-/// cancelled.
-pub fn made(arguments: &[String], monitor: &Monitor) -> Result<(Burst, Truth), Failure> {
-    // The folder is not used.
-    let line = ["burstscope", "synth"].into_iter().chain(arguments.iter().map(String::as_str)).chain(["--out", "."]);
-    match parsed(line.map(OsString::from))?.command {
-        Some(Command::Synth(SynthArgs { kind: SynthKind::Chart(args) })) => {
-            Ok(synth_chart(&chart_params(&args), monitor)?)
-        }
-        Some(Command::Synth(SynthArgs { kind: SynthKind::Scene(args) })) => {
-            Ok(synth_scene(&scene_params(&args), monitor)?)
-        }
-        _ => Err(Failure::usage("this makes no burst; make a chart or a scene")),
     }
 }
 
@@ -122,7 +100,8 @@ fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
     }))
 }
 
-fn chart_params(args: &ChartArgs) -> ChartParams {
+/// Parameters of the chart that `args` describe.
+pub(super) fn chart_params(args: &ChartArgs) -> ChartParams {
     let ChartArgs {
         out: _,
         discs,
@@ -142,7 +121,8 @@ fn chart_params(args: &ChartArgs) -> ChartParams {
     discs.put_on(chart)
 }
 
-fn scene_params(args: &SceneArgs) -> SceneParams {
+/// Parameters of the scene that `args` describe.
+pub(super) fn scene_params(args: &SceneArgs) -> SceneParams {
     let SceneArgs {
         out: _,
         width,
