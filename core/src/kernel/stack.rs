@@ -8,8 +8,8 @@
 //! (`WeightedRows`); the pixels that belong together and their weights are the same for all rows that the same frames
 //! cover, so they are computed once. Each frame pixel adds to two pixels of the sum, the one at its place and the one
 //! before, in proportion to the frame's fraction of a column. So two sums are made of the frames, both from the same
-//! loads and in registers, and finally added, the second one shifted by a pixel. Where no frame has a fraction there is
-//! one sum. The search and the patches around its features both use this, so a pixel has the same bits in either.
+//! loads and in registers, and finally added, the second one shifted by a pixel. Where no frame has a fraction, or all
+//! have the same one, there is one sum. The search and the patches around its features both use this, so a pixel has the same bits in either.
 //!
 //! At the sides, where fewer and fewer frames cover the columns, frames are added one after the other and divided by
 //! their number.
@@ -261,6 +261,27 @@ impl<'a> Tap<'a> {
     }
 }
 
+/// Fractions of a column at which the taps of a sum are read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Between {
+    /// None: one sum.
+    Never,
+    /// The same one, so that the pixels are summed once; the weights of all taps.
+    Alike([f32; 2]),
+    /// Several: two sums.
+    Apart,
+}
+
+impl Between {
+    fn of(taps: &[Tap<'_>]) -> Self {
+        if taps.iter().all(|tap| tap.weights[1] == 0.0) {
+            return Self::Never;
+        }
+        let weights = taps[0].weights;
+        if taps.iter().all(|tap| tap.weights == weights) { Self::Alike(weights) } else { Self::Apart }
+    }
+}
+
 /// Buffers for a row of both sums, and the processor's kind; reused from row to row.
 #[derive(Debug)]
 pub(crate) struct WeightedRows {
@@ -290,7 +311,7 @@ impl WeightedRows {
         let [here, shifted] = &mut self.sums;
         here.grow(columns + LONGEST);
         shifted.grow(columns + LONGEST);
-        let between = taps.iter().any(|tap| tap.weights[1] != 0.0);
+        let between = Between::of(taps);
         if columns < LONGEST {
             for (out, v) in out.chunks_mut(stride).zip(rows) {
                 short_row(taps, v * width, between, &mut out[..columns]);
@@ -302,12 +323,17 @@ impl WeightedRows {
 }
 
 /// Computes a row too short for vectors.
-fn short_row(taps: &[Tap<'_>], row: usize, between: bool, out: &mut [f32]) {
+fn short_row(taps: &[Tap<'_>], row: usize, between: Between, out: &mut [f32]) {
+    let plain = |i: usize| taps.iter().fold(0.0f32, |sum, tap| sum + tap.pixels[row + i]);
     let sum = |i: usize, which: usize| {
         taps.iter().fold(0.0f32, |sum, tap| tap.weights[which].mul_add(tap.pixels[row + i], sum))
     };
     for (i, out) in out.iter_mut().enumerate() {
-        *out = if between { sum(i, 0) + sum(i + 1, 1) } else { sum(i, 0) };
+        *out = match between {
+            Between::Never => sum(i, 0),
+            Between::Alike([here, shifted]) => shifted.mul_add(plain(i + 1), here * plain(i)),
+            Between::Apart => sum(i, 0) + sum(i + 1, 1),
+        };
     }
 }
 
@@ -317,8 +343,7 @@ struct RowsJob<'a> {
     /// At least [`LONGEST`].
     columns: usize,
     rows: std::ops::Range<usize>,
-    /// Whether a second sum is needed.
-    between: bool,
+    between: Between,
     here: &'a mut [f32],
     shifted: &'a mut [f32],
     out: &'a mut [f32],
@@ -332,28 +357,47 @@ impl WithSimd for RowsJob<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         for (index, v) in self.rows.enumerate() {
             let (out, row) = (&mut self.out[index * self.stride..][..self.columns], v * self.width);
-            if self.between {
-                // The second sum needs one value more.
-                in_vectors!(S, self.columns + 1, |V, places| {
-                    let sums = two_sums::<S, V>(simd, self.taps, row, places);
-                    for i in 0..V {
-                        store::<S>(self.here, places[i], sums[0][i]);
-                        store::<S>(self.shifted, places[i], sums[1][i]);
-                    }
-                });
-                in_vectors!(S, self.columns, |V, places| {
-                    for at in places {
-                        let sum = simd.add_f32s(load::<S>(self.here, at), load::<S>(self.shifted, at + 1));
-                        store::<S>(out, at, sum);
-                    }
-                });
-            } else {
-                in_vectors!(S, self.columns, |V, places| {
-                    let sums = one_sum::<S, V>(simd, self.taps, row, places);
-                    for i in 0..V {
-                        store::<S>(out, places[i], sums[i]);
-                    }
-                });
+            match self.between {
+                Between::Apart => {
+                    // The second sum needs one value more.
+                    in_vectors!(S, self.columns + 1, |V, places| {
+                        let sums = two_sums::<S, V>(simd, self.taps, row, places);
+                        for i in 0..V {
+                            store::<S>(self.here, places[i], sums[0][i]);
+                            store::<S>(self.shifted, places[i], sums[1][i]);
+                        }
+                    });
+                    in_vectors!(S, self.columns, |V, places| {
+                        for at in places {
+                            let sum = simd.add_f32s(load::<S>(self.here, at), load::<S>(self.shifted, at + 1));
+                            store::<S>(out, at, sum);
+                        }
+                    });
+                }
+                Between::Alike(weights) => {
+                    in_vectors!(S, self.columns + 1, |V, places| {
+                        let sums = plain_sum::<S, V>(simd, self.taps, row, places);
+                        for i in 0..V {
+                            store::<S>(self.here, places[i], sums[i]);
+                        }
+                    });
+                    let weights = weights.map(|weight| simd.splat_f32s(weight));
+                    in_vectors!(S, self.columns, |V, places| {
+                        for at in places {
+                            let first = simd.mul_f32s(weights[0], load::<S>(self.here, at));
+                            let sum = simd.mul_add_f32s(weights[1], load::<S>(self.here, at + 1), first);
+                            store::<S>(out, at, sum);
+                        }
+                    });
+                }
+                Between::Never => {
+                    in_vectors!(S, self.columns, |V, places| {
+                        let sums = one_sum::<S, V>(simd, self.taps, row, places);
+                        for i in 0..V {
+                            store::<S>(out, places[i], sums[i]);
+                        }
+                    });
+                }
             }
         }
     }
@@ -383,6 +427,19 @@ fn one_sum<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, place
         let (weight, pixels) = (simd.splat_f32s(tap.weights[0]), &tap.pixels[row..]);
         for i in 0..V {
             sums[i] = simd.mul_add_f32s(weight, load::<S>(pixels, places[i]), sums[i]);
+        }
+    }
+    sums
+}
+
+/// Vectors of the sum of the pixels, without weights, at `places`.
+#[inline(always)]
+fn plain_sum<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, places: [usize; V]) -> [S::f32s; V] {
+    let mut sums = [simd.splat_f32s(0.0); V];
+    for tap in taps {
+        let pixels = &tap.pixels[row..];
+        for i in 0..V {
+            sums[i] = simd.add_f32s(sums[i], load::<S>(pixels, places[i]));
         }
     }
     sums
@@ -506,7 +563,7 @@ mod tests {
                 maker.make(&taps, 133, columns, 1..3, &mut out, 131);
                 for (v, row) in out.chunks(131).enumerate() {
                     let mut expected = vec![0.0; columns];
-                    short_row(&taps, (v + 1) * 133, parts.iter().any(|&part| part > 0.0), &mut expected);
+                    short_row(&taps, (v + 1) * 133, Between::of(&taps), &mut expected);
                     assert_eq!(row[..columns], expected, "{parts:?} {columns}");
                     // No other values are written.
                     assert!(row[columns..].iter().all(|x| x.is_nan()), "{parts:?} {columns}");
