@@ -8,7 +8,7 @@
 //! | --- | --- | --- | --- |
 //! | `MAX_VECTORS` | 16 vector registers | sums that hide one another's latency, against spilled registers | `stages` |
 //! | `BLOCK_COLUMNS`, `WIDEST_VECTOR` | the widest vectors | whole vectors of any kind | `stages` |
-//! | `BATCH_ROWS`, `MAX_LEVEL_ROWS`, `CELL_ROWS` | second cache, registers | rows that are shared, against their size | `stages` |
+//! | `BATCH_ROWS`, `MAX_LEVEL_ROWS` | second cache, registers | rows that are shared, against their size | `stages` |
 //! | `TILE_COLUMNS`, `TILE_ROWS` | second cache | what the filters need around a tile, against its size | `cpu_time` |
 //! | `WINDOW_BYTES`, `WINDOWS_BYTES` | third cache, memory | slopes held for the joint search | `cpu_time` |
 //! | `STACKED_SLOPES` | second cache | rows of the frames that slopes share | `cpu_time` |
@@ -27,8 +27,6 @@ pub(crate) const BLOCK_COLUMNS: usize = 32;
 /// Rows that the filter bank finishes before it begins the next ones: few enough that the values between the passes
 /// stay in the second cache.
 pub(crate) const BATCH_ROWS: usize = 112;
-/// Rows of a cell of a level that is computed in parts: as many as are computed at once.
-pub(crate) const CELL_ROWS: usize = MAX_LEVEL_ROWS;
 /// Maximum number of rows of one level computed at once; half of them where vectors are shorter and registers fewer.
 pub(crate) const MAX_LEVEL_ROWS: usize = 8;
 /// Rows of a patch that are combined together: neighbouring rows read the same source rows but one.

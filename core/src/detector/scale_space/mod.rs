@@ -194,11 +194,6 @@ impl OctaveFilters {
         Self { along_u: bank.axis(size.0), along_v: bank.axis(size.1), next }
     }
 
-    /// Number of levels of D that they make.
-    pub(crate) fn differences(&self) -> usize {
-        self.along_u.level_count() - 1
-    }
-
     /// Pixels that the values of `region` depend on.
     pub fn inputs(&self, region: &Region) -> Region {
         Region { columns: self.along_u.inputs(&region.columns), rows: self.along_v.inputs(&region.rows) }
@@ -240,24 +235,12 @@ pub fn dog_tile(
     next: Option<&mut Tile>,
     batch_done: &mut dyn FnMut(&[Tile], Range<usize>),
 ) {
-    dog.levels.resize_with(filters.differences(), Tile::default);
-    differences(filters, pixels, region, scratch, (&mut dog.levels, next), batch_done);
-}
-
-/// As [`dog_tile`], into as many tiles as the filters make differences.
-pub(crate) fn differences(
-    filters: &OctaveFilters,
-    pixels: Pixels<'_>,
-    region: &Region,
-    scratch: &mut FilterScratch,
-    (tiles, next): (&mut [Tile], Option<&mut Tile>),
-    batch_done: &mut dyn FnMut(&[Tile], Range<usize>),
-) {
+    dog.levels.resize_with(filters.along_u.level_count() - 1, Tile::default);
     let axes = (&filters.along_u, &filters.along_v);
     let keep = next.map(|tile| (filters.next.expect("the level is among those made"), tile));
     match pixels {
-        Pixels::Stacked(tile) => filter_tile(axes, tile, region, scratch, tiles, keep, batch_done),
-        Pixels::Level(plane) => filter_tile(axes, plane, region, scratch, tiles, keep, batch_done),
+        Pixels::Stacked(tile) => filter_tile(axes, tile, region, scratch, &mut dog.levels, keep, batch_done),
+        Pixels::Level(plane) => filter_tile(axes, plane, region, scratch, &mut dog.levels, keep, batch_done),
     }
 }
 

@@ -9,7 +9,6 @@ use crate::detector::feature::{Tally, Test};
 use crate::detector::scale_space::DogTile;
 use crate::plane::tile::{Region, Tile};
 use multiversion::multiversion;
-use std::ops::Range;
 
 /// A sample that is an extremum in space and scale at its own slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,14 +30,6 @@ pub struct Thresholds {
     pub peak: f32,
     /// Noise gate where all frames cover, by DoG level index.
     pub gate: Vec<f32>,
-}
-
-impl Thresholds {
-    /// Lower limit of |D| at DoG level index `level_index`. A sample of exactly 0 is no extremum, whatever the
-    /// thresholds.
-    fn limit(&self, level_index: usize) -> f32 {
-        self.peak.max(self.gate[level_index]).max(f32::MIN_POSITIVE)
-    }
 }
 
 /// Number of columns that are skipped together when none of them reaches the thresholds.
@@ -71,15 +62,8 @@ fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f3
         let (g, h, i) = (&below[start..][..n], &below[start + 1..][..n], &below[start + 2..][..n]);
         let (mut below_peak, mut below_any) = (0u32, 0u32);
         for value in e {
+            below_peak += u32::from(value.abs() < peak);
             below_any += u32::from(value.abs() < limit);
-        }
-        // Where one threshold decides alone, nothing is counted twice.
-        if peak >= limit {
-            below_peak = below_any;
-        } else if peak > 0.0 {
-            for value in e {
-                below_peak += u32::from(value.abs() < peak);
-            }
         }
         counts.below_peak += below_peak;
         counts.below_any += below_any;
@@ -150,6 +134,13 @@ fn around(level: &Tile, x: usize, v: usize) -> &[f32] {
     &level.row(v)[first..first + 3]
 }
 
+/// Whether the sample beats its neighbours at the levels above and below.
+fn is_scale_extremum(value: f32, levels: &[Tile], x: usize, y: usize, level_index: usize) -> bool {
+    [&levels[level_index - 1], &levels[level_index + 1]]
+        .iter()
+        .all(|level| (y - 1..=y + 1).all(|v| beats_three(value, around(level, x, v))))
+}
+
 /// Appends the samples of `region` that pass the thresholds and are extrema at their own slope, and counts the others.
 /// `levels` are the tiles of D; they hold at least one pixel more on each side of the region, inside the octave of
 /// `size`.
@@ -171,77 +162,41 @@ pub fn own_slope_extrema(
 fn level_extrema(
     (levels, level_index): (&[Tile], usize),
     region: &Region,
-    size: (usize, usize),
-    thresholds: &Thresholds,
-    tally: &mut Tally,
-    found: &mut Vec<u32>,
-    out: &mut Vec<Candidate>,
-) {
-    let first = out.len();
-    level_space_extrema((&levels[level_index], level_index), region, size, thresholds, tally, found, out);
-    let neighbours = [&levels[level_index - 1], &levels[level_index + 1]];
-    let mut stay = first;
-    for at in first..out.len() {
-        if neighbours.iter().all(|level| beats_level(&out[at], level)) {
-            out[stay] = out[at];
-            stay += 1;
-        }
-    }
-    tally.reject(Test::ScaleExtremum, (out.len() - stay) as u64);
-    out.truncate(stay);
-}
-
-/// Appends the samples of one level in `region` that pass the thresholds and are extrema in space, and counts the
-/// others. The level's tile, given with its index, holds a pixel more on each side of the region, inside the octave of
-/// `size`. `found` is a reusable buffer.
-pub(in crate::detector) fn level_space_extrema(
-    (own, level_index): (&Tile, usize),
-    region: &Region,
     (width, height): (usize, usize),
     thresholds: &Thresholds,
     tally: &mut Tally,
     found: &mut Vec<u32>,
     out: &mut Vec<Candidate>,
 ) {
-    let columns = region.columns.start.max(1)..region.columns.end.min(width - 1);
-    if columns.is_empty() {
+    let (first, end) = (region.columns.start.max(1), region.columns.end.min(width - 1));
+    if first >= end {
         return;
     }
-    let limits = (thresholds.peak, thresholds.limit(level_index));
+    let count = end - first;
+    // A sample of exactly 0 is no extremum, whatever the thresholds.
+    let limit = thresholds.peak.max(thresholds.gate[level_index]).max(f32::MIN_POSITIVE);
+    let own = &levels[level_index];
+    let left = first - 1 - own.region().columns.start;
+    let line = |v: usize| &own.row(v)[left..left + count + 2];
     for y in region.rows.start.max(1)..region.rows.end.min(height - 1) {
-        row_extrema(own, (y, columns.clone()), limits, tally, found);
-        let candidate = |&column: &u32| {
-            let x = columns.start + column as usize;
-            Candidate { x, y, level_index, value: own.at(x, y) }
-        };
-        out.extend(found.iter().map(candidate));
+        found.clear();
+        let counts = space_extrema(line(y - 1), line(y), line(y + 1), thresholds.peak, limit, found);
+        let (below_peak, below_any) = (u64::from(counts.below_peak), u64::from(counts.below_any));
+        tally.samples += count as u64;
+        tally.reject(Test::PeakThreshold, below_peak);
+        tally.reject(Test::NoiseGate, below_any - below_peak);
+        for &column in found.iter() {
+            let x = first + column as usize;
+            let value = own.at(x, y);
+            if is_scale_extremum(value, levels, x, y, level_index) {
+                out.push(Candidate { x, y, level_index, value });
+            } else {
+                tally.reject(Test::ScaleExtremum, 1);
+            }
+        }
+        let extrema = found.len() as u64;
+        tally.reject(Test::SpaceExtremum, count as u64 - below_any - extrema);
     }
-}
-
-/// Finds the samples of row `y`, columns `columns`, of one level that reach `limit` and are extrema in space: their
-/// indices among the columns replace those in `found`. Counts all samples, and those that fail these tests.
-fn row_extrema(
-    own: &Tile,
-    (y, columns): (usize, Range<usize>),
-    (peak, limit): (f32, f32),
-    tally: &mut Tally,
-    found: &mut Vec<u32>,
-) {
-    let left = columns.start - 1 - own.region().columns.start;
-    let line = |v: usize| &own.row(v)[left..left + columns.len() + 2];
-    found.clear();
-    let counts = space_extrema(line(y - 1), line(y), line(y + 1), peak, limit, found);
-    let (below_peak, below_any) = (u64::from(counts.below_peak), u64::from(counts.below_any));
-    tally.samples += columns.len() as u64;
-    tally.reject(Test::PeakThreshold, below_peak);
-    tally.reject(Test::NoiseGate, below_any - below_peak);
-    tally.reject(Test::SpaceExtremum, columns.len() as u64 - below_any - found.len() as u64);
-}
-
-/// Whether a candidate beats the 3×3 samples around it of another level.
-pub(in crate::detector) fn beats_level(candidate: &Candidate, level: &Tile) -> bool {
-    let Candidate { x, y, value, .. } = *candidate;
-    (y - 1..=y + 1).all(|v| beats_three(value, around(level, x, v)))
 }
 
 /// Result of the tests of the sample (x, y) at `level_index` at its own slope: the candidate, or the test that rejects

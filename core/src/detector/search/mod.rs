@@ -8,11 +8,9 @@
 //! not allow that for all slopes, groups of slopes go through all octaves one after the other.
 //!
 //! [`extrema`] compares samples of one slope; [`slope_window`] compares slopes and holds their tiles; `setup` prepares
-//! both. Where slopes are not compared, `outermost` computes the lowest and the highest level of D only where they are
-//! read.
+//! both.
 
 pub mod extrema;
-mod outermost;
 pub(super) mod setup;
 pub mod slope_window;
 
@@ -20,11 +18,8 @@ use crate::detector::feature::{Keypoint, Tally};
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::refine::{Limits, Refined, refine};
-use crate::detector::scale_space::{
-    Base, DogTile, OctaveFilters, Pixels, dog_tile, octave_pixel, octave_size, stack_tiles,
-};
+use crate::detector::scale_space::{Base, OctaveFilters, Pixels, dog_tile, octave_pixel, octave_size, stack_tiles};
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
-use crate::detector::search::outermost::{PartFilters, PartScratch};
 use crate::detector::search::setup::{FirstLevels, HELD, Search, SlopeGroup, TileScratch};
 use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
 use crate::detector::stack::coverage;
@@ -156,7 +151,6 @@ impl Search<'_> {
             filter: FilterScratch::default(),
             next: Tile::default(),
             window: SlopeWindow::new(self.grid, OtherSlopes::of(self.params)),
-            parts: PartScratch::default(),
         })
     }
 
@@ -189,16 +183,13 @@ impl Search<'_> {
         let (columns, rows) = self.tile_cuts(size);
         let sigma_d: Vec<Vec<f32>> =
             (0..self.space.levels + 2).map(|level_index| self.sigma_d(octave, level_index)).collect();
-        let first = octave == self.space.first_octave;
-        let bank = if first { &self.banks.0 } else { &self.banks.1 };
-        let parts = self.part_banks.as_ref().map(|banks| if first { &banks.0 } else { &banks.1 });
+        let bank = if octave == self.space.first_octave { &self.banks.0 } else { &self.banks.1 };
         let job = Octave {
             octave,
             size,
             group,
             bases,
             filters: OctaveFilters::new(&self.space, bank, &self.space.all_levels(), size),
-            parts: parts.map(|banks| PartFilters::new(&self.space, banks, size)),
             sigma_d,
         };
         let mut next: Vec<Plane> = (0..if wants_next { group.visited.len() } else { 0 })
@@ -242,50 +233,6 @@ impl Search<'_> {
 /// Part of the peak threshold that the first test uses: the refinement may add to a sample's value.
 pub const FIRST_PEAK_PART: f32 = 0.8;
 
-/// A tile of an octave at one slope.
-struct SlopeTile<'a> {
-    pixels: Pixels<'a>,
-    /// Samples that are searched.
-    region: &'a Region,
-    /// Samples that refinement may read.
-    held: &'a Region,
-    /// Size (columns, rows) of the octave.
-    size: (usize, usize),
-    thresholds: &'a Thresholds,
-}
-
-impl SlopeTile<'_> {
-    /// Rows from `first` on that can be searched once the rows `finished` are: not the last of them, unless no more
-    /// follow.
-    fn searchable(&self, first: usize, finished: &Range<usize>) -> Range<usize> {
-        let end = if finished.end == self.held.rows.end { self.region.rows.end } else { finished.end - 1 };
-        first..end.min(self.region.rows.end).max(first)
-    }
-
-    /// Computes D of all samples that are held into `dog`, and the level from which the next octave starts into `next`.
-    /// If the tile is `searched`, appends the samples that pass the thresholds and are extrema, and counts the others.
-    fn search_everywhere(
-        &self,
-        filters: &OctaveFilters,
-        filter: &mut FilterScratch,
-        dog: &mut DogTile,
-        mut searched: Option<(&mut Vec<Candidate>, &mut Tally)>,
-        next: Option<&mut Tile>,
-    ) {
-        let Self { region, held, .. } = *self;
-        // Rows are searched while they are still in the cache, as soon as the row below them is finished.
-        let mut rows = region.rows.start..region.rows.start;
-        let mut search = |levels: &[Tile], finished: Range<usize>| {
-            let Some((candidates, tally)) = &mut searched else { return };
-            rows = self.searchable(rows.end, &finished);
-            let rows = rows.clone();
-            let part = Region { columns: region.columns.clone(), rows };
-            own_slope_extrema(levels, &part, self.size, self.thresholds, tally, candidates);
-        };
-        dog_tile(filters, self.pixels, held, filter, dog, next, &mut search);
-    }
-}
-
 /// Data that the tiles of an octave share.
 pub(crate) struct Octave<'a> {
     pub(crate) octave: i32,
@@ -296,8 +243,6 @@ pub(crate) struct Octave<'a> {
     /// First level of the octave at the slopes that are visited; none for the first octave.
     pub(crate) bases: &'a FirstLevels,
     pub(crate) filters: OctaveFilters,
-    /// Filters that leave out the lowest and the highest level of D, unless slopes are compared.
-    parts: Option<PartFilters>,
     /// σ_D by DoG level index and slope of the grid, at the place of least noise.
     pub(crate) sigma_d: Vec<Vec<f32>>,
 }
@@ -320,10 +265,9 @@ impl Search<'_> {
         let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
         let SlopeGroup { own, visited } = job.group;
         scratch.window.begin(visited);
-        let mut parts = job.parts.as_ref();
         for (place, index) in visited.clone().enumerate() {
             self.monitor.check()?;
-            let TileScratch { stacked, filter, next: level, window, parts: part_scratch } = &mut *scratch;
+            let TileScratch { stacked, filter, next: level, window, .. } = &mut *scratch;
             if first && place % together == 0 {
                 let slopes = &self.offsets[index..(index + together).min(visited.end)];
                 stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
@@ -332,16 +276,20 @@ impl Search<'_> {
                 if first { Pixels::Stacked(&stacked[place % together]) } else { Pixels::Level(job.bases.at(index)) };
             let thresholds = self.thresholds(&job.sigma_d, index);
             let (dog, candidates) = window.slot_mut(index);
+            // Rows are searched while they are still in the cache, as soon as the row below them is finished.
+            let mut searched = region.rows.start;
+            let mut search = |levels: &[Tile], finished: Range<usize>| {
+                if !own.contains(&index) {
+                    return;
+                }
+                let end = if finished.end == held.rows.end { region.rows.end } else { finished.end - 1 };
+                let rows = searched..end.min(region.rows.end).max(searched);
+                searched = rows.end;
+                let part = Region { columns: region.columns.clone(), rows };
+                own_slope_extrema(levels, &part, job.size, &thresholds, &mut tally, candidates);
+            };
             let keep = (!next.is_empty()).then_some(&mut *level);
-            let tile = SlopeTile { pixels, region, held: &held, size: job.size, thresholds: &thresholds };
-            if let Some(filters) = parts {
-                let (buffers, found) = ((filter, part_scratch), (candidates, &mut tally));
-                // The next slope shows much the same.
-                parts = parts.filter(|_| tile.search_inner_first(filters, buffers, dog, found, keep));
-            } else {
-                let searched = own.contains(&index).then_some((candidates, &mut tally));
-                tile.search_everywhere(&job.filters, filter, dog, searched, keep);
-            }
+            dog_tile(&job.filters, pixels, &held, filter, dog, keep, &mut search);
             if let Some(out) = next.get_mut(place) {
                 let left = region.columns.start - held.columns.start;
                 for (v, row) in out.iter_mut().enumerate() {

@@ -17,8 +17,7 @@ use crate::detector::params::{DetectorParams, Method, NoiseModelKind};
 use crate::detector::refine::MAX_FITS;
 use crate::detector::scale_space::planes::SlopeStack;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
-use crate::detector::search::outermost::{PartBanks, PartScratch};
-use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow};
+use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::{FrameTimes, frame_offsets};
 use crate::kernel::gaussian_bank::{FilterBank, FilterScratch};
 use crate::kernel::stack::FrameOffset;
@@ -42,9 +41,6 @@ pub(crate) struct Search<'a> {
     pub(crate) space: ScaleSpace,
     /// Filters of the first octave and of the later ones.
     pub(crate) banks: (FilterBank, FilterBank),
-    /// Filters of parts of the levels likewise; `None` where samples are compared with those at other slopes, for which
-    /// D is computed everywhere.
-    pub(crate) part_banks: Option<(PartBanks, PartBanks)>,
     pub(crate) params: &'a DetectorParams,
     pub(crate) noise: &'a NoiseModel,
     pub(crate) gate_factor: f32,
@@ -60,7 +56,6 @@ pub(crate) struct TileScratch {
     /// The level from which the next octave starts.
     pub(crate) next: Tile,
     pub(in crate::detector) window: SlopeWindow,
-    pub(in crate::detector) parts: PartScratch,
 }
 
 impl<'a> Search<'a> {
@@ -76,8 +71,6 @@ impl<'a> Search<'a> {
             grid,
             offsets: grid.slopes().map(offsets).collect(),
             banks: (space.bank(true, space.all_levels()), space.bank(false, space.all_levels())),
-            part_banks: (OtherSlopes::of(params) == OtherSlopes::Unseen)
-                .then(|| (PartBanks::new(space, true), PartBanks::new(space, false))),
             space: space.clone(),
             params,
             noise,

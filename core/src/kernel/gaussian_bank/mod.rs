@@ -154,10 +154,8 @@ impl<L: Lines + ?Sized> WithSimd for FilterJob<'_, L> {
         let rows = self.region.rows.clone();
         let room = (BATCH_ROWS + 2 * self.along_v.radius).min(self.along_v.n);
         let FilterScratch { line, bands, level } = &mut *self.scratch;
-        // Bands of more levels stay for the next call.
-        let count = self.along_u.levels.len();
-        bands.resize_with(count.max(bands.len()), Band::default);
-        bands[..count].iter_mut().for_each(|band| band.reset(self.stride / BLOCK, room));
+        bands.resize_with(self.along_u.levels.len(), Band::default);
+        bands.iter_mut().for_each(|band| band.reset(self.stride / BLOCK, room));
         line.grow(self.stride + 2 * self.along_u.radius);
         level.grow(BATCH_ROWS * BLOCK);
         self.held = self.along_v.inputs(&rows);
