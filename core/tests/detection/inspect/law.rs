@@ -117,9 +117,12 @@ fn assert_agrees(fate: &Fate, first_failed: Option<Test>) {
     for report in &fate.tests {
         let before = first_failed.is_none_or(|failed| report.test < failed);
         // Samples that are no extrema in the image are only compared with the minimum noise of their level; the gate at
-        // their own place is applied to extrema.
-        let gate_of_place =
-            report.test == Test::NoiseGate && matches!(first_failed, Some(Test::SpaceExtremum | Test::ScaleExtremum));
+        // their own place is applied to extrema, and to the refined value after the comparison with other slopes.
+        let gate_of_place = report.test == Test::NoiseGate
+            && matches!(
+                first_failed,
+                Some(Test::SpaceExtremum | Test::ScaleExtremum | Test::SlopeExtremum | Test::Refinement)
+            );
         if before && !gate_of_place {
             assert_ne!(report.outcome, Outcome::Fails, "{first_failed:?}: {report:?}");
         }
