@@ -75,7 +75,7 @@ that is given is BuFF 1D's; a plane is BuFF 2D's, and its u axis BuFF 1D's.
 JSON (--json):
   {\"version\", \"command\": \"evaluate chart\", \"chart\", \"first_seed\", \"seeds\", \"ranking\", \"false_fraction\", \"detector\": {as in the parameter file},
    \"slopes_1d\", \"slopes_2d\", \"rows\": [{\"snr\", \"methods\": [{\"method\", \"true_positives\": {\"mean\", \"standard_error\"},
-     \"default_true_positives\", \"default_false_features\", \"noise_estimate_ratio\", \"roc\": [mean discs found with at most 0, 1, … false features],
+     \"default_true_positives\", \"default_false_features\", \"default_false_per_disc\", \"noise_estimate_ratio\", \"roc\": [mean discs found with at most 0, 1, … false features],
      \"charts\": [{\"seed\", \"true_positives\", \"default_true_positives\", \"default_false_features\", \"noise_estimate_ratio\"}]}]}]}";
 
 const ACCURACY_HELP: &str = "\

@@ -114,6 +114,10 @@ fn write_found(
     write_columns(out, rows, |method| {
         format!("{:.1} + {:.1}", method.default_true_positives.mean, method.default_false_features.mean)
     })?;
+    writeln!(out, "\nFalse features a disc among all that was detected (mean)")?;
+    write_columns(out, rows, |method| {
+        method.default_false_per_disc.map_or_else(|| "–".into(), |n| format!("{:.2}", n.mean))
+    })?;
     writeln!(out, "\nEstimated over true noise of a frame")?;
     write_columns(out, rows, |method| {
         method.noise_estimate_ratio.map_or_else(|| "–".into(), |r| format!("{:.3}", r.mean))

@@ -245,6 +245,10 @@ impl ChartStudy {
             true_positives: mean(|chart| chart.true_positives),
             default_true_positives: mean(|chart| chart.default_true_positives),
             default_false_features: mean(|chart| chart.default_false_features),
+            default_false_per_disc: (self.chart.discs > 0).then(|| {
+                let discs = self.chart.discs as f64;
+                Mean::of(&charts.iter().map(|chart| chart.default_false_features as f64 / discs).collect::<Vec<_>>())
+            }),
             noise_estimate_ratio: (!ratios.is_empty()).then(|| Mean::of(&ratios)),
             roc: mean_curve(&curves, self.chart.discs.div_ceil(2)),
             charts,
@@ -348,6 +352,8 @@ pub struct MethodReport {
     pub default_true_positives: Mean,
     /// False features among all features that the detector returned.
     pub default_false_features: Mean,
+    /// The same for each disc of the chart; absent for charts without discs.
+    pub default_false_per_disc: Option<Mean>,
     /// Ratio of the detector's estimate of a frame's noise to the true one at the background; absent for mean and
     /// merged images and for charts without noise.
     pub noise_estimate_ratio: Option<Mean>,

@@ -90,10 +90,10 @@ pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
     plots.push(against(&rows, title, SNR, found_label(report.chart.discs), |method| method.true_positives));
     plots.push(against(
         &rows,
-        "False features at the default threshold".to_owned(),
+        "False features a disc at the default threshold".to_owned(),
         SNR,
-        "false features".to_owned(),
-        |method| method.default_false_features,
+        "false features a disc".to_owned(),
+        |method| method.default_false_per_disc.unwrap_or(method.default_false_features),
     ));
     plots
 }

@@ -7,7 +7,8 @@
 
 use super::telling::margin_of;
 use crate::detector::scale_space::octave_pixel;
-use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
+use crate::detector::search::ascends;
+use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
 use crate::detector::stack::coverage;
 use crate::detector::{Neighbourhood, Sample, Slope, Tally, Test, Trail};
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -143,7 +144,8 @@ fn pixels(trail: &Trail, octave: i32) -> f32 {
 /// The candidates of a part of the picture, with their judgements.
 fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
     let levels = trail.space().levels;
-    let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2] };
+    let scale_ease = scale_ease(ascends(trail.params(), around.octave));
+    let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2], scale_ease };
     let mut samples = Vec::new();
     for (slope_index, dog) in around.tiles.iter().enumerate() {
         let mut found: Vec<Candidate> = Vec::new();

@@ -10,7 +10,8 @@ use super::shares::{Shares, Slice, across, direction_of, shares, slice};
 use super::suspicion::{Suspicion, suspicions};
 use super::verdict::Judged;
 use crate::detector::scale_space::octave_pixel;
-use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
+use crate::detector::search::ascends;
+use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
 use crate::detector::{Sample, Slope, Tally, Test, Trail};
 use crate::inspect::telling::fate;
 use crate::inspect::words::{counted, number, slope_text};
@@ -373,7 +374,8 @@ fn candidates_near(
     let (x, y) = (middle(place[0], size.0), middle(place[1], size.1));
     let region = Region { columns: x..x + 1, rows: y..y + 1 }.widened(widest, size);
     let around = trail.neighbourhood(octave, &region, monitor)?;
-    let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2] };
+    let scale_ease = scale_ease(ascends(trail.params(), octave));
+    let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2], scale_ease };
     let mut samples = Vec::new();
     for (slope_index, dog) in around.tiles.iter().enumerate() {
         let mut found: Vec<Candidate> = Vec::new();

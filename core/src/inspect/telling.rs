@@ -9,6 +9,8 @@ use crate::detector::params::doc;
 use crate::detector::pipeline::{FIRST_PEAK_PART, strongest_around};
 use crate::detector::refine::{Limits, MAX_OFFSET};
 use crate::detector::scale_space::octave_pixel;
+use crate::detector::search::extrema::scale_ease;
+use crate::detector::search::{ascends, first_gate_part};
 use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, SlopeExtrema, SlopeNeighbours, Test, Trail};
 use crate::monitor::Monitor;
 
@@ -130,13 +132,20 @@ impl Telling<'_> {
 
     fn gate(&self) -> TestReport {
         let factor = self.trail.detection().noise_gate_factor;
-        let value = self.judgement.value.abs();
-        let passes = value >= factor * self.judgement.sigma_d.max(self.judgement.sigma_d_min);
+        let sample = self.judgement.value.abs();
+        let (sigma_d, first_part) = (self.judgement.sigma_d, first_gate_part(self.trail.params()));
+        let passes_first =
+            sample >= first_part * (factor * sigma_d) && sample >= first_part * factor * self.judgement.sigma_d_min;
+        // The refined value is compared with the gate, and the sample with a part of it.
+        let fit = self.judgement.fit.filter(|fit| first_part < 1.0 && fit.largest_offset() < MAX_OFFSET);
+        let fit = fit.map(|fit| fit.value.abs() as f32);
+        let passes = passes_first && fit.is_none_or(|fit| fit >= factor * sigma_d);
+        let value = (sample / first_part).min(fit.unwrap_or(f32::INFINITY));
         TestReport {
             test: Test::NoiseGate,
             // A sample of exactly 0 is no extremum, whatever the gate.
             outcome: if factor <= 0.0 && value > 0.0 { Outcome::NotAsked } else { outcome(passes && value > 0.0) },
-            value: Some(f64::from(over(value, self.judgement.sigma_d))),
+            value: Some(f64::from(over(value, sigma_d))),
             limit: Some(f64::from(factor)),
             side: Side::AtLeast,
             unit: doc::NOISE_GATE.unit,
@@ -158,15 +167,17 @@ impl Telling<'_> {
             .filter(|place| *place != (x, y, index))
             .map(|(u, v, s)| ((u, v, s), sign * dog.at(s, u, v)))
             .max_by(|a, b| a.1.total_cmp(&b.1));
-        let (place, limit) = strongest.expect("there are neighbours");
+        let (place, rival) = strongest.expect("there are neighbours");
+        let ascends = ascends(self.trail.params(), self.sample.octave);
+        let ease = scale_ease(ascends && test == Test::ScaleExtremum);
         TestReport {
             test,
-            outcome: outcome(self.magnitude() > f64::from(limit)),
+            outcome: outcome(ease * self.judgement.value.abs() > rival),
             value: Some(self.magnitude()),
-            limit: Some(f64::from(limit)),
+            limit: Some(f64::from(rival) / f64::from(ease)),
             side: Side::AtLeast,
             unit: "of full scale",
-            rival: Some(self.rival_sample(place, slope_index, sign * limit)),
+            rival: Some(self.rival_sample(place, slope_index, sign * rival)),
         }
     }
 
@@ -216,7 +227,7 @@ impl Telling<'_> {
 
     fn fitted(&self, test: Test) -> TestReport {
         let params = self.trail.params();
-        let limits = Limits { peak_threshold: params.peak_threshold, edge_threshold: params.edge_threshold };
+        let limits = Limits { gate: 0.0, peak_threshold: params.peak_threshold, edge_threshold: params.edge_threshold };
         let levels = self.trail.space().levels + 2;
         let size = self.around.size;
         let (value, limit, side, unit) = match (test, self.judgement.fit) {

@@ -9,6 +9,7 @@
 pub mod compact_kernel;
 pub(crate) mod conjugate_products;
 pub mod gaussian_bank;
+pub mod gaussian_jet;
 pub(crate) mod gradient;
 pub(crate) mod machine;
 pub mod patch;

@@ -13,4 +13,5 @@ mod noise_model;
 mod reconstruction;
 mod rejudged;
 mod slopes;
+mod stays;
 mod under_load;

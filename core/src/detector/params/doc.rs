@@ -401,7 +401,7 @@ param!(
     "",
     "refinement",
     "How the place, scale and slope between the samples are found: continuous or quadratic.",
-    "Continuous is several times as exact: a small filter says where and how fast, D between its levels how large; quadratic reproduces VLFeat and LiFF.",
+    "Continuous is several times as exact, and coarse octaves keep their features when the burst is cropped or moved by a pixel; quadratic reproduces VLFeat and LiFF.",
     Param::<DetectorParams>::new("WORD", Stage::Search, |p| Field::Word(&mut p.localisation))
 );
 param!(

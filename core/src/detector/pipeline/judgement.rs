@@ -9,11 +9,14 @@ use crate::detector::feature::{Keypoint, Test};
 use crate::detector::params::SlopeNeighbours;
 use crate::detector::refine::{Fit, Limits, Refined, fit, refine};
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
 use crate::detector::search::setup::{HELD, Search};
 use crate::detector::search::slope_window::{OtherSlopes, refined_slope};
+use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::gaussian_bank::FilterScratch;
 use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use rayon::prelude::*;
 
@@ -50,6 +53,28 @@ pub struct Neighbourhood {
     pub region: Region,
     /// One tile a slope, with the region and the pixels that its refinement may read.
     pub tiles: Vec<DogTile>,
+    /// The octave's first level around, one part a slope; none in the first octave.
+    pixels: Vec<PartOfLevel>,
+}
+
+/// Part of an octave's first level.
+#[derive(Debug)]
+struct PartOfLevel {
+    plane: Plane,
+    /// Column and row of its first pixel.
+    first: (usize, usize),
+}
+
+impl PartOfLevel {
+    fn of(level: &Plane, region: &Region) -> Self {
+        let (u, v) = (region.columns.start, region.rows.start);
+        let plane = Plane::from_fn(region.columns.len(), region.rows.len(), |x, y| level.at(u + x, v + y));
+        Self { plane, first: (u, v) }
+    }
+
+    fn view(&self) -> PixelView<'_> {
+        PixelView { left: self.first.0 as i64, top: self.first.1 as i64, ..PixelView::of(&self.plane) }
+    }
 }
 
 /// Results of the search's tests of one sample.
@@ -96,7 +121,11 @@ impl Trail {
             let one = |pixels: Pixels<'_>, scratch: &mut FilterScratch| {
                 let mut dog = DogTile::default();
                 dog_tile(&filters, pixels, &held, scratch, &mut dog, None, &mut |_, _| ());
-                dog
+                let part = match pixels {
+                    Pixels::Stacked(_) => None,
+                    Pixels::Level(level) => Some(PartOfLevel::of(level, &inputs)),
+                };
+                (dog, part)
             };
             let bases = self.left.bases.as_ref().map(|bases| &bases[(octave - search.space.first_octave) as usize]);
             let of_slope = |index: usize, scratch: &mut FilterScratch, stacked: &mut Vec<Tile>| {
@@ -111,7 +140,7 @@ impl Trail {
                 Ok(one(pixels, scratch))
             };
             let slopes = 0..search.grid.len();
-            let tiles = if first || bases.is_some() {
+            let made: Vec<(DogTile, Option<PartOfLevel>)> = if first || bases.is_some() {
                 let space = || (FilterScratch::default(), Vec::new());
                 let of_slope = |(scratch, stacked): &mut _, index| of_slope(index, scratch, stacked);
                 slopes.into_par_iter().map_init(space, of_slope).collect::<Result<_, Cancelled>>()?
@@ -125,7 +154,9 @@ impl Trail {
                 };
                 slopes.map(&mut of_slope).collect::<Result<_, Cancelled>>()?
             };
-            Ok(Neighbourhood { octave, size, region: region.clone(), tiles })
+            let (tiles, pixels): (Vec<_>, Vec<_>) = made.into_iter().unzip();
+            let pixels = pixels.into_iter().flatten().collect();
+            Ok(Neighbourhood { octave, size, region: region.clone(), tiles, pixels })
         })
     }
 
@@ -143,7 +174,7 @@ impl Trail {
         let level_index = sample.level_index();
         let own = &around.tiles[slope_index];
         let sigma_d = &self.sigma_d[(octave - search.space.first_octave) as usize];
-        let thresholds = search.thresholds(sigma_d, slope_index);
+        let thresholds = search.thresholds(octave, sigma_d, slope_index);
         let at_own = own_slope_verdict(&own.levels, (x, y, level_index), around.size, &thresholds)?;
         let value = own.at(level_index, x, y);
         let candidate = Candidate { x, y, level_index, value };
@@ -151,7 +182,10 @@ impl Trail {
         let sigma_d = sigma_d_min * search.place_factor(octave, slope_index, x, y);
         let others = OtherSlopes::of(search.params);
         let beaten_by = self.beaten_by(search, around, slope_index, &candidate, others);
-        let refined = refine(own, (x, y), level_index, around.size, search.limits()).map(|_| ());
+        let part = around.pixels.get(slope_index).filter(|_| ascends(search.params, octave));
+        let first = part.map(|part| search.first_level(part.view()));
+        let samples = (own, first.as_ref());
+        let refined = refine(samples, (x, y), level_index, around.size, search.limits(sigma_d)).map(|_| ());
         let rejected_by = match at_own {
             Err(test) => Some(test),
             Ok(_) if !search.passes_gate(&candidate, sigma_d) => Some(Test::NoiseGate),
@@ -159,8 +193,8 @@ impl Trail {
             Ok(_) => refined.err(),
         };
         // No thresholds: every fit passes.
-        let open = Limits { peak_threshold: -1.0, edge_threshold: f32::INFINITY };
-        let fit = fit(own, (x, y), level_index, around.size);
+        let open = Limits { gate: 0.0, peak_threshold: -1.0, edge_threshold: f32::INFINITY };
+        let fit = fit(samples, (x, y), level_index, around.size);
         let settled = fit.filter(|fit| {
             let tests = fit.tests(around.size, own.levels.len(), open);
             tests.iter().all(|(test, passes)| *passes || matches!(test, Test::Edge | Test::InterpolatedContrast))

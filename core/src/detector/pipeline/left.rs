@@ -12,7 +12,7 @@ use crate::detector::noise::gate_factor;
 use crate::detector::params::DetectorParams;
 use crate::detector::refine::edge_limit;
 use crate::detector::search::setup::{FirstLevels, Search, SlopeGroup};
-use crate::detector::search::{Evidence, FIRST_PEAK_PART, Searched};
+use crate::detector::search::{Evidence, FIRST_PEAK_PART, Searched, first_gate_part};
 use crate::plane::Plane;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -109,7 +109,7 @@ impl Left {
     pub(super) fn passing(&self, search: &Search<'_>, sigma_d: &SigmaD) -> Option<Passing> {
         let (params, factor) = (search.params, search.gate_factor);
         let (own_factor, own_sigma_d) = self.gate.as_ref().filter(|_| follows(params, &self.params))?;
-        let peak = FIRST_PEAK_PART * params.peak_threshold;
+        let (peak, first_part) = (FIRST_PEAK_PART * params.peak_threshold, first_gate_part(params));
         let edge = edge_limit(params.edge_threshold);
         let gates = sigma_d.iter().flatten().flatten().zip(own_sigma_d.iter().flatten().flatten());
         if gates.into_iter().any(|(sigma_d, own)| factor * sigma_d < own_factor * own) {
@@ -124,7 +124,11 @@ impl Left {
             let sample = sample_value.abs();
             let tests = [
                 (Test::PeakThreshold, sample >= peak),
-                (Test::NoiseGate, sample >= factor * sigma_d_min && sample >= factor * sigma_d),
+                (
+                    Test::NoiseGate,
+                    sample >= first_part * factor * sigma_d_min && sample >= first_part * (factor * sigma_d),
+                ),
+                (Test::NoiseGate, first_part >= 1.0 || keypoint.value.abs() >= factor * sigma_d),
                 (Test::InterpolatedContrast, keypoint.value.abs() > params.peak_threshold),
                 (Test::Edge, edge_quotient < edge),
             ];

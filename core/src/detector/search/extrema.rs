@@ -30,6 +30,15 @@ pub struct Thresholds {
     pub peak: f32,
     /// Noise gate where all frames cover, by DoG level index.
     pub gate: Vec<f32>,
+    /// Factor of a sample that is compared with the adjacent levels: see [`scale_ease`].
+    pub scale_ease: f32,
+}
+
+/// Factor of a sample that is compared with the adjacent levels. In an octave that [ascends](super::ascends), whose
+/// samples lie far apart, one that is nearly as strong goes on to the ascent, which finds the exact scale: no peak is
+/// missed for the place of the samples on it.
+pub fn scale_ease(ascends: bool) -> f32 {
+    if ascends { 1.03 } else { 1.0 }
 }
 
 /// Number of columns that are skipped together when none of them reaches the thresholds.
@@ -134,7 +143,7 @@ fn around(level: &Tile, x: usize, v: usize) -> &[f32] {
     &level.row(v)[first..first + 3]
 }
 
-/// Whether the sample beats its neighbours at the levels above and below.
+/// Whether `value` at the sample beats its neighbours at the levels above and below.
 fn is_scale_extremum(value: f32, levels: &[Tile], x: usize, y: usize, level_index: usize) -> bool {
     [&levels[level_index - 1], &levels[level_index + 1]]
         .iter()
@@ -188,7 +197,7 @@ fn level_extrema(
         for &column in found.iter() {
             let x = first + column as usize;
             let value = own.at(x, y);
-            if is_scale_extremum(value, levels, x, y, level_index) {
+            if is_scale_extremum(thresholds.scale_ease * value, levels, x, y, level_index) {
                 out.push(Candidate { x, y, level_index, value });
             } else {
                 tally.reject(Test::ScaleExtremum, 1);

@@ -17,12 +17,17 @@ pub mod slope_window;
 use crate::detector::feature::{Keypoint, Tally};
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::{DetectorParams, Localisation};
+use crate::detector::refine::ascent::FirstLevel;
 use crate::detector::refine::{Limits, Refined, refine};
-use crate::detector::scale_space::{Base, OctaveFilters, Pixels, dog_tile, octave_pixel, octave_size, stack_tiles};
-use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema};
+use crate::detector::scale_space::{
+    Base, DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_pixel, octave_size, stack_tiles,
+};
+use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
 use crate::detector::search::setup::{FirstLevels, HELD, Search, SlopeGroup, TileScratch};
 use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
 use crate::detector::stack::coverage;
+use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::gaussian_bank::FilterScratch;
 use crate::kernel::machine::{STACKED_SLOPES, TILE_COLUMNS, TILE_ROWS, WINDOW_BYTES, WINDOWS_BYTES};
 use crate::kernel::stack::FrameOffset;
@@ -232,6 +237,23 @@ impl Search<'_> {
 
 /// Part of the peak threshold that the first test uses: the refinement may add to a sample's value.
 pub const FIRST_PEAK_PART: f32 = 0.8;
+/// Part of the noise gate that its first test uses, on a sample; the refined value is compared with the whole. So
+/// whether a blob passes does not depend on where the samples fall on it.
+const FIRST_GATE_PART: f32 = 0.85;
+
+/// Part of the noise gate that samples of a search with `params` are compared with. With the quadratic fit alone, as in
+/// the published codes, it is the whole gate, and the refined value is not compared.
+pub fn first_gate_part(params: &DetectorParams) -> f32 {
+    match params.localisation {
+        Localisation::Quadratic => 1.0,
+        Localisation::Continuous => FIRST_GATE_PART,
+    }
+}
+
+/// Whether a search with `params` refines the extrema of `octave` by ascents.
+pub fn ascends(params: &DetectorParams, octave: i32) -> bool {
+    octave != params.first_octave && params.localisation == Localisation::Continuous
+}
 
 /// Data that the tiles of an octave share.
 pub(crate) struct Octave<'a> {
@@ -274,7 +296,7 @@ impl Search<'_> {
             }
             let pixels =
                 if first { Pixels::Stacked(&stacked[place % together]) } else { Pixels::Level(job.bases.at(index)) };
-            let thresholds = self.thresholds(&job.sigma_d, index);
+            let thresholds = self.thresholds(job.octave, &job.sigma_d, index);
             let (dog, candidates) = window.slot_mut(index);
             // Rows are searched while they are still in the cache, as soon as the row below them is finished.
             let mut searched = region.rows.start;
@@ -306,11 +328,13 @@ impl Search<'_> {
         Ok((keypoints, tally))
     }
 
-    /// Thresholds for a sample at slope `slope_index`, where σ_D by level index and slope is `sigma_d`.
-    pub(crate) fn thresholds(&self, sigma_d: &[Vec<f32>], slope_index: usize) -> Thresholds {
+    /// Thresholds for a sample of `octave` at slope `slope_index`, where σ_D by level index and slope is `sigma_d`.
+    pub(crate) fn thresholds(&self, octave: i32, sigma_d: &[Vec<f32>], slope_index: usize) -> Thresholds {
+        let first_part = first_gate_part(self.params);
         Thresholds {
             peak: FIRST_PEAK_PART * self.params.peak_threshold,
-            gate: sigma_d.iter().map(|by_slope| self.gate_factor * by_slope[slope_index]).collect(),
+            scale_ease: scale_ease(ascends(self.params, octave)),
+            gate: sigma_d.iter().map(|by_slope| first_part * self.gate_factor * by_slope[slope_index]).collect(),
         }
     }
 
@@ -320,24 +344,34 @@ impl Search<'_> {
             * self.place_factor(job.octave, slope_index, candidate.x, candidate.y)
     }
 
-    /// Whether a candidate whose noise is `sigma_d` passes the noise gate.
+    /// Whether a sample whose noise is `sigma_d` passes the noise gate's first test.
     pub(crate) fn passes_gate(&self, candidate: &Candidate, sigma_d: f32) -> bool {
-        candidate.value.abs() >= self.gate_factor * sigma_d
+        candidate.value.abs() >= first_gate_part(self.params) * (self.gate_factor * sigma_d)
     }
 
-    /// Limits for a refined candidate.
-    pub(crate) fn limits(&self) -> Limits {
-        Limits { peak_threshold: self.params.peak_threshold, edge_threshold: self.params.edge_threshold }
+    /// Limits for a refined candidate whose noise is `sigma_d`.
+    pub(crate) fn limits(&self, sigma_d: f32) -> Limits {
+        Limits {
+            gate: if first_gate_part(self.params) < 1.0 { self.gate_factor * sigma_d } else { 0.0 },
+            peak_threshold: self.params.peak_threshold,
+            edge_threshold: self.params.edge_threshold,
+        }
     }
 
     /// Compares the slope that was computed last with the others that are held.
     fn compare(&self, job: &Octave<'_>, window: &mut SlopeWindow, made: usize, tally: &mut Tally) {
-        window.compare(
-            made,
-            |candidate| self.passes_gate(candidate, self.sigma_d_at(job, made, candidate)),
-            |dog, candidate| refine(dog, (candidate.x, candidate.y), candidate.level_index, job.size, self.limits()),
-            tally,
-        );
+        let first = ascends(self.params, job.octave).then(|| self.first_level(PixelView::of(job.bases.at(made))));
+        let refined = |dog: &DogTile, candidate: &Candidate| {
+            let limits = self.limits(self.sigma_d_at(job, made, candidate));
+            refine((dog, first.as_ref()), (candidate.x, candidate.y), candidate.level_index, job.size, limits)
+        };
+        let passes = |candidate: &Candidate| self.passes_gate(candidate, self.sigma_d_at(job, made, candidate));
+        window.compare(made, passes, refined, tally);
+    }
+
+    /// Source of exact values of D in an octave after the first, whose first level is `pixels`.
+    pub(crate) fn first_level<'p>(&'p self, pixels: PixelView<'p>) -> FirstLevel<'p> {
+        FirstLevel { pixels, sigma: SIGMA_BASE, space: &self.space }
     }
 
     /// Appends the keypoints among the unbeaten candidates of one slope, and counts the others.

@@ -117,9 +117,12 @@ fn assert_agrees(fate: &Fate, first_failed: Option<Test>) {
     for report in &fate.tests {
         let before = first_failed.is_none_or(|failed| report.test < failed);
         // Samples that are no extrema in the image are only compared with the minimum noise of their level; the gate at
-        // their own place is applied to extrema.
-        let gate_of_place =
-            report.test == Test::NoiseGate && matches!(first_failed, Some(Test::SpaceExtremum | Test::ScaleExtremum));
+        // their own place is applied to extrema, and to the refined value after the comparison with other slopes.
+        let gate_of_place = report.test == Test::NoiseGate
+            && matches!(
+                first_failed,
+                Some(Test::SpaceExtremum | Test::ScaleExtremum | Test::SlopeExtremum | Test::Refinement)
+            );
         if before && !gate_of_place {
             assert_ne!(report.outcome, Outcome::Fails, "{first_failed:?}: {report:?}");
         }
@@ -234,7 +237,9 @@ fn found_missed_repeated_and_false_add_up_and_each_miss_has_a_reason() {
     assert_eq!(all.len(), count, "each feature is one of the three");
     assert!(*is_whole_truth && against.summary().ends_with(&format!("{} false", elsewhere.len())));
     let gated = missed.iter().filter(|m| m.fate.as_ref().is_some_and(|f| f.first_failed == Some(Test::NoiseGate)));
-    assert!(2 * gated.count() > missed.len(), "most were taken by the gate: {missed:#?}");
+    // In coarse octaves the candidate that is told may be a sample at the level beside that of a disc's peak, which its
+    // ascent shows before its value is compared with the gate.
+    assert!(2 * gated.count() >= missed.len(), "half were taken by the gate: {missed:#?}");
     assert!(missed.iter().all(|m| !m.why.is_empty()));
 }
 

@@ -1,11 +1,16 @@
 //! Refinement of an extremum between the samples, in place and scale, then in slope; and the tests that need it.
 //!
 //! Place and scale: Brown and Lowe's quadratic fit as VLFeat does it: up to four moves of a pixel while the fitted
-//! offset exceeds 0.6 pixel in u or v (never in scale), accepted when every offset is below 1.5. Slope: no published
+//! offset exceeds 0.6 pixel in u or v (never in scale), accepted when every offset is below 1.5. In octaves after the
+//! first that fit only begins an [ascent] to the exact maximum, whose place, scale and value do not depend on where the
+//! octave's samples fall. Slope: no published
 //! implementation refines it. Around its peak D over slope is a mean of shifted blob responses, which is close to a
 //! Gaussian bump, so a parabola is fitted to log |D| over the neighbouring slopes (to |D| itself where a neighbour has
 //! the other sign): exact for a Gaussian bump, and the misfit of a plain parabola at coarse slope steps goes away.
 
+pub mod ascent;
+
+use self::ascent::{FirstLevel, Peak};
 use super::feature::Test;
 use crate::detector::scale_space::DogTile;
 
@@ -37,6 +42,8 @@ pub fn edge_limit(edge_threshold: f32) -> f64 {
 /// Limits for an accepted extremum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
+    /// Lower limit of |D| after interpolation due to noise.
+    pub gate: f32,
     /// Lower limit of |D| after interpolation.
     pub peak_threshold: f32,
     /// Upper limit of the ratio of principal curvatures.
@@ -83,6 +90,8 @@ pub struct Fit {
     pub offset: [f64; 3],
     /// DoG level index of the extremum.
     pub level_refined: f64,
+    /// Upper limit of an accepted offset in levels.
+    pub level_reach: f64,
     /// Interpolated D.
     pub value: f64,
     /// Second derivatives of D in the image: uu, uv, vv.
@@ -93,9 +102,12 @@ pub struct Fit {
 pub const MAX_OFFSET: f64 = 1.5;
 
 impl Fit {
-    /// Largest offset in magnitude, which must stay below [`MAX_OFFSET`]. Infinite where an offset is NaN.
+    /// Largest offset in magnitude, which must stay below [`MAX_OFFSET`]; that in levels in units in which
+    /// [`Self::level_reach`] is that limit. Infinite where an offset is NaN.
     pub fn largest_offset(&self) -> f64 {
-        self.offset.iter().map(|d| if d.is_nan() { f64::INFINITY } else { d.abs() }).fold(0.0, f64::max)
+        let [x, y, level] = self.offset;
+        let offsets = [x, y, level * (MAX_OFFSET / self.level_reach)];
+        offsets.iter().map(|d| if d.is_nan() { f64::INFINITY } else { d.abs() }).fold(0.0, f64::max)
     }
 
     /// Squared trace and determinant of the second derivatives in the image. The edge test compares their ratio.
@@ -118,12 +130,13 @@ impl Fit {
 
     /// Applies the tests that follow the fit, each independently, in their order; true where it passes. `size` is the
     /// octave's, `levels` the number of DoG levels.
-    pub fn tests(&self, size: (usize, usize), levels: usize, limits: Limits) -> [(Test, bool); 4] {
+    pub fn tests(&self, size: (usize, usize), levels: usize, limits: Limits) -> [(Test, bool); 5] {
         let (trace_squared, determinant) = self.trace_and_determinant();
         let inside = |at: f64, n: usize| (0.0..=(n - 1) as f64).contains(&at);
         let (x, y) = self.place();
         [
-            (Test::Refinement, !self.offset.iter().any(|d| d.is_nan() || d.abs() >= MAX_OFFSET)),
+            (Test::Refinement, self.largest_offset() < MAX_OFFSET),
+            (Test::NoiseGate, self.value.abs() as f32 >= limits.gate),
             (Test::InterpolatedContrast, self.value.abs() as f32 > limits.peak_threshold),
             (Test::Edge, determinant > 0.0 && trace_squared / determinant < edge_limit(limits.edge_threshold)),
             // Scales from level −1, the outermost DoG level, to level S+1, one step beyond the other end, as in VLFeat.
@@ -150,28 +163,67 @@ impl From<Fit> for Refined {
     }
 }
 
-/// Refines the extremum at (x, y, level index) in place and scale, and applies the tests that follow. `size` is the
-/// octave's.
+/// Refines the extremum at (x, y, level index) in place and scale, and applies the tests that follow. `first` is the
+/// octave's first level where the octave is not the first; `size` is the octave's.
 ///
 /// # Errors
 /// The test that rejects it.
 pub fn refine(
-    dog: &DogTile,
+    (dog, first): (&DogTile, Option<&FirstLevel<'_>>),
     place: (usize, usize),
     level_index: usize,
     size: (usize, usize),
     limits: Limits,
 ) -> Result<Refined, Test> {
-    let fit = fit(dog, place, level_index, size).ok_or(Test::Refinement)?;
+    let fit = fit((dog, first), place, level_index, size).ok_or(Test::Refinement)?;
     match fit.tests(size, dog.levels.len(), limits).into_iter().find(|(_, passes)| !passes) {
         Some((test, _)) => Err(test),
         None => Ok(fit.into()),
     }
 }
 
+/// Distance from the sample, in pixels or levels, at which an ascent begins where the quadratic fit leads farther.
+const LONGEST_START: f64 = 0.7;
+
+/// Distance in levels from which on the quadratic fit shows that a sample is not the nearest to a peak.
+const FARTHEST_FIT: f64 = 1.0;
+
+/// Levels from which an ascent's peak is that of a sample: those to which its level is the nearest, so that of several
+/// samples whose ascents end at one peak one is accepted.
+const NEAREST: f64 = 0.5;
+/// The same below the octave's first level, a little into the finer octave: no peak is lost between them.
+const BELOW_FIRST: f64 = 0.55;
+
+/// Extremum of D around (x, y, level index): that of the quadratic fit, or, with the octave's first level, the exact one
+/// to which the [ascent] from there leads; `None` where there is none. `size` is the octave's.
+pub fn fit(
+    (dog, first): (&DogTile, Option<&FirstLevel<'_>>),
+    place: (usize, usize),
+    level_index: usize,
+    size: (usize, usize),
+) -> Option<Fit> {
+    let quadratic = quadratic(dog, place, level_index, size)?;
+    let Some(first) = first else { return Some(quadratic) };
+    // Most samples that are only nearly as strong as the adjacent level lie on no peak at all, which the fit shows.
+    let quadratic = Fit { level_reach: FARTHEST_FIT, ..quadratic };
+    if quadratic.largest_offset() >= MAX_OFFSET {
+        return Some(quadratic);
+    }
+    let start = |sample: usize, fitted: f64| fitted.clamp(sample as f64 - LONGEST_START, sample as f64 + LONGEST_START);
+    let (x, y) = quadratic.place();
+    let (x, y) = (start(place.0, x), start(place.1, y));
+    let level = start(level_index, quadratic.level_refined);
+    let sign = f64::from(dog.at(level_index, place.0, place.1)).signum();
+    let peak = first.ascend((x, y), level, sign)?;
+    let offset = [peak.x - place.0 as f64, peak.y - place.1 as f64, peak.level - level_index as f64];
+    let level_reach = if level_index == 1 && offset[2] < 0.0 { BELOW_FIRST } else { NEAREST };
+    let Peak { level: level_refined, value, curvature, .. } = peak;
+    Some(Fit { x: place.0, y: place.1, offset, level_refined, level_reach, value, curvature })
+}
+
 /// Quadratic fit in place and scale around (x, y, level index), after up to [`MAX_FITS`] − 1 moves of a pixel; `None`
 /// where its equations have no unique solution. `size` is the octave's.
-pub fn fit(
+fn quadratic(
     dog: &DogTile,
     (mut x, mut y): (usize, usize),
     level_index: usize,
@@ -213,7 +265,8 @@ pub fn fit(
     let here = f64::from(dog.at(level_index, x, y));
     let value = here + 0.5 * (0..3).map(|i| gradient[i] * offset[i]).sum::<f64>();
     let [[xx, xy, _], [_, yy, _], _] = hessian;
-    Some(Fit { x, y, offset, level_refined: level_index as f64 + offset[2], value, curvature: [xx, xy, yy] })
+    let (level_refined, curvature) = (level_index as f64 + offset[2], [xx, xy, yy]);
+    Some(Fit { x, y, offset, level_refined, level_reach: MAX_OFFSET, value, curvature })
 }
 
 /// Offset of the peak of a bump from its middle sample, in steps, from three equally spaced samples of which the middle
@@ -290,12 +343,12 @@ mod tests {
         DogTile { levels }
     }
 
-    const LIMITS: Limits = Limits { peak_threshold: 0.01, edge_threshold: 10.0 };
+    const LIMITS: Limits = Limits { gate: 0.1, peak_threshold: 0.2, edge_threshold: 10.0 };
 
     #[test]
     fn a_bump_is_found_between_samples() {
         let dog = bump((20.3, 18.8, 2.2), -0.5);
-        let refined = refine(&dog, (20, 19), 2, (40, 40), LIMITS).expect("a clean bump");
+        let refined = refine((&dog, None), (20, 19), 2, (40, 40), LIMITS).expect("a clean bump");
         assert!((refined.x_refined - 20.3).abs() < 0.02 && (refined.y_refined - 18.8).abs() < 0.02);
         assert!((refined.level_refined - 2.2).abs() < 0.03);
         assert!((refined.value + 0.5).abs() < 0.01);
@@ -304,16 +357,16 @@ mod tests {
     #[test]
     fn a_start_two_pixels_off_moves_to_the_bump() {
         let dog = bump((22.0, 20.0, 2.0), 0.5);
-        let refined = refine(&dog, (20, 20), 2, (40, 40), LIMITS).expect("it moves");
+        let refined = refine((&dog, None), (20, 20), 2, (40, 40), LIMITS).expect("it moves");
         assert_eq!((refined.x, refined.y), (22, 20));
     }
 
     #[test]
     fn weak_bumps_and_ridges_are_rejected_by_name() {
-        assert_eq!(
-            refine(&bump((20.0, 20.0, 2.0), 0.005), (20, 20), 2, (40, 40), LIMITS),
-            Err(Test::InterpolatedContrast)
-        );
+        for (amplitude, test) in [(0.15, Test::InterpolatedContrast), (0.05, Test::NoiseGate)] {
+            let weak = bump((20.0, 20.0, 2.0), amplitude);
+            assert_eq!(refine((&weak, None), (20, 20), 2, (40, 40), LIMITS), Err(test));
+        }
         let mut ridge = bump((20.0, 20.0, 2.0), 0.5);
         for (s, level) in ridge.levels.iter_mut().enumerate() {
             for v in 0..40 {
@@ -325,7 +378,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(refine(&ridge, (20, 20), 2, (40, 40), LIMITS), Err(Test::Edge));
+        assert_eq!(refine((&ridge, None), (20, 20), 2, (40, 40), LIMITS), Err(Test::Edge));
     }
 
     #[test]
