@@ -11,6 +11,7 @@ program=${PROGRAM:-target/release/burstscope}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$out"
+rm -f "$out"/burstscope-*.tar.gz "$out"/burstscope_*.deb
 
 # The portable package: one folder that runs from anywhere.
 name=burstscope-$version-$triple

@@ -1,5 +1,5 @@
-//! Source of `burstscope/_keywords.py`: the keywords of Python's functions with their types, made from the records of the
-//! parameters and from the options of the commands.
+//! Source of `burstscope/_keywords.py`: the keywords of Python's functions with their types, made from the records of
+//! the parameters and from the options of the commands.
 
 use crate::parameters::keyword;
 use burstscope::cli::commands::Cli;

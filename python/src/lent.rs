@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 
 /// Contiguous array of float32, which lives as long as a plane shows it.
 ///
-/// As everywhere in Python, nothing keeps others from writing into the array meanwhile; the documentation of `Burst` asks
-/// not to.
+/// As everywhere in Python, nothing keeps others from writing into the array meanwhile; the documentation of `Burst`
+/// asks not to.
 pub(crate) struct LentArray {
     /// Keeps the memory.
     _array: Py<PyArray2<f32>>,

@@ -1,5 +1,5 @@
-//! Burstscope as a module of Python: what the package `burstscope` beside this crate is built on. The module is private;
-//! the package gives it names, types and documentation.
+//! Burstscope as a module of Python: what the package `burstscope` beside this crate is built on. The module is
+//! private; the package gives it names, types and documentation.
 
 mod burst;
 mod commands;

@@ -1,4 +1,5 @@
-//! Long work for Python: on a thread of its own, so that Python's other threads run, with progress, and ended by Ctrl-C.
+//! Long work for Python: on a thread of its own, so that Python's other threads run, with progress, and ended by
+//! Ctrl-C.
 
 use crate::failure::raised;
 use burstscope::cli::Failure;

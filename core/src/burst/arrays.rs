@@ -74,9 +74,9 @@ pub struct Arrays {
 
 impl Burst {
     /// Makes a burst of arrays. Values, bias and flat frame are converted as those of files of the same type are
-    /// ([`Burst::open_with`]), so that a `.npy` file of the same array gives the same bits; in error messages the arrays
-    /// are named `frames`, `bias` and `flat`. Floats that need no conversion are not copied. Of the options, those about
-    /// levels and limits count.
+    /// ([`Burst::open_with`]), so that a `.npy` file of the same array gives the same bits; in error messages the
+    /// arrays are named `frames`, `bias` and `flat`. Floats that need no conversion are not copied. Of the options,
+    /// those about levels and limits count.
     ///
     /// # Errors
     /// See [`OpenError`].

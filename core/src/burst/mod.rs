@@ -2,8 +2,8 @@
 //!
 //! All code that knows file formats is in this module; the detector sees only the frames. [`find_bursts`] lists the
 //! bursts that an input names, [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens
-//! one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack. [`Burst::from_arrays`] makes one of
-//! arrays in memory.
+//! one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack. [`Burst::from_arrays`] makes one
+//! of arrays in memory.
 
 mod arrays;
 mod decode;

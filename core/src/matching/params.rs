@@ -95,8 +95,8 @@ impl TextValue for Option<Camera> {
 const MAX_ITERATION_COUNT: f64 = 10_000_000.0;
 
 impl MatchParams {
-    /// Parameters for a `camera`, where it is known, with the `given` values, as typed on the command line; checked. With
-    /// a camera and no geometry, matches are verified by the essential matrix.
+    /// Parameters for a `camera`, where it is known, with the `given` values, as typed on the command line; checked.
+    /// With a camera and no geometry, matches are verified by the essential matrix.
     ///
     /// # Errors
     /// The first value that cannot be read, or the first parameter that makes no sense.

@@ -82,9 +82,9 @@ impl SearchParams {
 
     /// These parameters with the `given` values in place of their own, as typed on the command line; checked.
     ///
-    /// Slopes are found from each burst unless ranges are given here or in these parameters; a direction alone restricts
-    /// the search to a line in that direction. An axis of slopes that is missing is that of these parameters, or 0 where
-    /// they have no ranges.
+    /// Slopes are found from each burst unless ranges are given here or in these parameters; a direction alone
+    /// restricts the search to a line in that direction. An axis of slopes that is missing is that of these parameters,
+    /// or 0 where they have no ranges.
     ///
     /// # Errors
     /// The first value that cannot be read, or the first parameter that makes no sense.
