@@ -5,8 +5,8 @@
 //! folder given as the first argument, then reads commands from standard input, one a line: `METHOD THREADS
 //! [PEAK_THRESHOLD]`, with METHOD one of `1d`, `2d`, `1d-doubled`, `sift` on the scene, or `1d-day`, `2d-day`: the
 //! defaults by day, the 3000 strongest kept. Answers each with a line of `METHOD features cpu_secs wall_secs
-//! peak_bytes_over_burst`. The burst by day is made of a picture of `../shared` (or `BURSTSCOPE_SHARED`); without it there
-//! is none.
+//! peak_bytes_over_burst`. The burst by day is made of a picture of `../shared` (or `BURSTSCOPE_SHARED`); without it
+//! there is none.
 
 mod common;
 
@@ -70,7 +70,7 @@ fn main() {
         let (Some(method), Some(threads)) = (words.first(), words.get(1).and_then(|n| n.parse().ok())) else { break };
         let peak = words.get(2).and_then(|n| n.parse().ok()).unwrap_or(0.0003);
         let Some(params) = params(method, peak) else { break };
-        let burst = match (method, &day) {
+        let burst = match (*method, &day) {
             ("1d-day", Some((along_u, _))) => along_u,
             ("2d-day", Some((_, along_both))) => along_both,
             ("1d-day" | "2d-day", None) => break,

@@ -79,8 +79,9 @@ JSON (--json):
 
 /// Write the motion-stack image at a slope, or its DoG response.
 ///
-/// The image is the mean of the frames shifted by the slope, or what --combine says; with --octave and --level it is the DoG response of that
-/// image, on the octave's pixels. Values are fractions of full scale, written as 32-bit float TIFF.
+/// The image is the mean of the frames shifted by the slope, or what --combine says; with --octave and --level it is
+/// the DoG response of that image, on the octave's pixels. Values are fractions of full scale, written as 32-bit float
+/// TIFF.
 #[derive(Debug, Args)]
 pub struct StackArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
@@ -95,8 +96,8 @@ pub struct StackArgs {
     /// Level of the DoG response within its octave.
     #[arg(long, value_name = "S", allow_hyphen_values = true, requires = "octave")]
     pub level: Option<i32>,
-    /// How the shifted frames are combined: mean (what the detector uses), median, clipped-mean, max, min, deviation, or
-    /// mean-minus-median, which shows what is in some frames only.
+    /// How the shifted frames are combined: mean (what the detector uses), median, clipped-mean, max, min, deviation,
+    /// or mean-minus-median, which shows what is in some frames only.
     #[arg(long, value_name = "HOW", value_parser = words::<Combine>(COMBINES), default_value = "mean", conflicts_with = "octave")]
     pub combine: Combine,
     /// The TIFF file to write.

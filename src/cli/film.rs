@@ -24,7 +24,8 @@ pub struct FilmArgs {
     #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// What changes from picture to picture: slope-u=MIN:MAX:COUNT or slope-v=MIN:MAX:COUNT in pixels per frame; scale,
-    /// the DoG of every octave and level; frames, added one by one; flip, the middle frame and the motion stack in turn.
+    /// the DoG of every octave and level; frames, added one by one; flip, the middle frame and the motion stack in
+    /// turn.
     #[arg(long, value_name = "WHAT", value_parser = <Sweep as std::str::FromStr>::from_str)]
     pub sweep: Sweep,
     /// Slope of the pictures, where that does not change, pixels per frame to the right and down.

@@ -39,8 +39,8 @@ pub struct RecoverArgs {
     /// Radii, pixels, separated by commas [default: 2 to 16].
     #[arg(long, value_name = "PX,…", value_delimiter = ',')]
     pub radius: Vec<f64>,
-    /// Slopes of the things along the grid's first axis, pixels per frame [default: those of the grid, half-way between,
-    /// and a step beyond].
+    /// Slopes of the things along the grid's first axis, pixels per frame [default: those of the grid, half-way
+    /// between, and a step beyond].
     #[arg(long, value_name = "MIN:MAX:COUNT", allow_hyphen_values = true, value_parser = SlopeAxis::from_str)]
     pub planted_slopes: Option<SlopeAxis>,
     /// SNR of things of several slopes or radii [default: 1.7 times the one of which half are expected to be found].

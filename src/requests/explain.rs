@@ -6,6 +6,7 @@ use super::error::JobError;
 use super::open::BurstId;
 use super::request::{Kept, Request, Urgency, Work};
 use super::trail::{DetectionSource, trail_and_rest};
+use crate::detector::Test;
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions, survey};
 use crate::inspect::probe::Wanted;
 use crate::inspect::spectrum::{Spectrum, spectrum};
@@ -223,12 +224,14 @@ pub struct Probed {
     pub probe: Arc<Probe>,
 }
 
-/// The candidate with the largest |D| over its noise; in a burst without noise with the largest |D|.
+/// The candidate with the largest |D| over its noise, of those at a maximum of their own; in a burst without noise with
+/// the largest |D|.
 fn strongest(cache: &ProbeCache, monitor: &Monitor) -> Result<CandidateMark, JobError> {
     let strength = |mark: &CandidateMark| if mark.snr.is_finite() { mark.snr } else { mark.value.abs() };
     for min_snr in [SurveyOptions::default().min_snr, 0.0] {
         let marks = survey(&cache.trail, &SurveyOptions { min_snr, test: None }, monitor)?.marks;
-        if let Some(mark) = marks.into_iter().max_by(|a, b| strength(a).total_cmp(&strength(b))) {
+        let own = marks.into_iter().filter(|mark| mark.first_failed != Some(Test::Refinement));
+        if let Some(mark) = own.max_by(|a, b| strength(a).total_cmp(&strength(b))) {
             return Ok(mark);
         }
     }

@@ -263,7 +263,8 @@ mod tests {
 
     #[test]
     fn every_sweep_has_its_steps_in_pictures_of_one_size() {
-        let counts = [("slope-u=-2:2:5", 5), ("slope-v=0:1:2", 2), ("frames", 4), ("flip", 2), ("scale", 12)];
+        // Three octaves of five levels.
+        let counts = [("slope-u=-2:2:5", 5), ("slope-v=0:1:2", 2), ("frames", 4), ("flip", 2), ("scale", 15)];
         for (text, count) in counts {
             let film = film(text.parse().expect(text));
             let pictures = film.pictures(&Monitor::default()).expect("made");

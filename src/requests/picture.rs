@@ -116,7 +116,8 @@ pub struct PictureRequest {
     pub kind: PictureKind,
     /// The parameters; only those that decide the picture make two requests differ.
     pub params: DetectorParams,
-    /// Standard deviation of the Gaussian by which the picture is smoothed for looking at it, in input pixels; 0 for none.
+    /// Standard deviation of the Gaussian by which the picture is smoothed for looking at it, in input pixels; 0 for
+    /// none.
     pub smoothing_px: f32,
     minus: Option<Box<PictureRequest>>,
 }
@@ -231,8 +232,8 @@ impl Picture {
         drawn + if self.motion.is_some() { 5 * pixels } else { pixels }
     }
 
-    /// Renders the picture as it is shown: one opaque pixel for each value, in `display`'s range and colours unless it has its own
-    /// colours.
+    /// Renders the picture as it is shown: one opaque pixel for each value, in `display`'s range and colours unless it
+    /// has its own colours.
     pub fn rgba(&self, display: &Display) -> RgbaImage {
         self.motion.as_ref().map_or_else(|| to_rgba8(&self.drawn, display), |motion| motion.colours.clone())
     }

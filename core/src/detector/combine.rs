@@ -1,9 +1,9 @@
-//! Ways to combine the shifted frames at a slope: the mean, which the detector uses, and others, which show what is in some
-//! frames only.
+//! Ways to combine the shifted frames at a slope: the mean, which the detector uses, and others, which show what is in
+//! some frames only.
 //!
-//! The frames' rows are read at their offsets into a buffer of one row for each frame. A network of comparisons sorts the
-//! buffer column by column; every comparison is a loop over a row, so that it runs in vectors. Where not all frames cover a
-//! column, its few values are sorted one by one. The mean is that of [`motion_stack`], to the bit.
+//! The frames' rows are read at their offsets into a buffer of one row for each frame. A network of comparisons sorts
+//! the buffer column by column; every comparison is a loop over a row, so that it runs in vectors. Where not all frames
+//! cover a column, its few values are sorted one by one. The mean is that of [`motion_stack`], to the bit.
 
 use super::stack::{frame_offsets, motion_stack};
 use crate::detector::params::Interpolation;

@@ -17,8 +17,8 @@
 //!
 //! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
 //! over them and returns a report that can be written as JSON. [`score`] decides which discs count as found,
-//! [`figure`] and [`curves`] draw the curves. The same study gives the same report for any number of threads, and memory
-//! holds at most one burst for each thread.
+//! [`figure`] and [`curves`] draw the curves. The same study gives the same report for any number of threads, and
+//! memory holds at most one burst for each thread.
 
 pub mod accuracy;
 pub mod chart;

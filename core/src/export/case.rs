@@ -1,9 +1,9 @@
 //! A case: a burst, or the part of it around a place, with the settings and the question about it, in one file.
 //!
 //! The file is a ZIP without compression of its own: `case.toml`, and one 16-bit grey PNG for each frame,
-//! `frames/00000.png` and on. Values are `offset + word·scale`; those of 8 and 16-bit files come back as they were, those of
-//! calibrated ones within rounding. Reading is bounded: the sizes that `case.toml` declares are checked before frames are
-//! decoded, and no entry is read further than a frame of that size can need.
+//! `frames/00000.png` and on. Values are `offset + word·scale`; those of 8 and 16-bit files come back as they were,
+//! those of calibrated ones within rounding. Reading is bounded: the sizes that `case.toml` declares are checked before
+//! frames are decoded, and no entry is read further than a frame of that size can need.
 
 use super::atomic::write_whole;
 use super::error::ExportError;
@@ -80,7 +80,8 @@ pub enum CaseError {
 }
 
 impl Case {
-    /// A case of `burst`, or of the square of `around` pixels to each side of `place` in it, with the burst of its frames.
+    /// A case of `burst`, or of the square of `around` pixels to each side of `place` in it, with the burst of its
+    /// frames.
     pub fn of(
         burst: &Burst,
         search: &SearchParams,
@@ -132,8 +133,8 @@ impl Case {
     }
 }
 
-/// Offset and scale of the words that hold the values of a burst: those of 8 and 16-bit files and of the burst's full scale
-/// where they hold every value exactly, otherwise the lattice of the files' steps, otherwise equal steps.
+/// Offset and scale of the words that hold the values of a burst: those of 8 and 16-bit files and of the burst's full
+/// scale where they hold every value exactly, otherwise the lattice of the files' steps, otherwise equal steps.
 fn words_of(burst: &Burst) -> (f64, f64) {
     let values = || burst.frames.iter().flat_map(|frame| frame.data()).copied().filter(|x| x.is_finite());
     let holds = |scale: f64| {
@@ -162,7 +163,8 @@ fn words_of(burst: &Burst) -> (f64, f64) {
 /// Writes a case; `burst` has its frames.
 ///
 /// # Errors
-/// When the file cannot be written; an older one is then unchanged. [`ExportError::Write`] with the reason when cancelled.
+/// When the file cannot be written; an older one is then unchanged. [`ExportError::Write`] with the reason when
+/// cancelled.
 pub fn write_case(path: &Path, case: &Case, burst: &Burst, monitor: &Monitor) -> Result<(), ExportError> {
     let text = toml::to_string(case).expect("a case is plain values, which TOML can always hold");
     write_whole(path, |out| {

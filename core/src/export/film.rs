@@ -1,7 +1,7 @@
 //! Films: pictures of one size one after the other, for ever, as GIF or animated PNG.
 //!
-//! A GIF has 256 colours a picture and is shown everywhere; an animated PNG has all of them, is two to four times as large,
-//! and is shown by browsers; other programs show its first picture.
+//! A GIF has 256 colours a picture and is shown everywhere; an animated PNG has all of them, is two to four times as
+//! large, and is shown by browsers; other programs show its first picture.
 
 use super::atomic::write_whole;
 use super::error::ExportError;

@@ -1,11 +1,11 @@
 //! Changes in the world by which a candidate below the noise gate would pass: more frames, a longer exposure, or
 //! a slower motion.
 //!
-//! All three follow from the noise. The noise of the mean of n frames falls with √n. With e times the exposure the signal
-//! grows e times; of the noise, shot noise grows with √e, and read noise stays, so that the gain is e where read noise
-//! decides and √e where shot noise does: the measured variance over brightness says which. A thing of 1/e of the speed
-//! allows an exposure e times as long with as much motion in a frame. Requirements are such that nine of ten candidates
-//! like this one pass, because noise is added to each.
+//! All three follow from the noise. The noise of the mean of n frames falls with √n. With e times the exposure the
+//! signal grows e times; of the noise, shot noise grows with √e, and read noise stays, so that the gain is e where read
+//! noise decides and √e where shot noise does: the measured variance over brightness says which. A thing of 1/e of the
+//! speed allows an exposure e times as long with as much motion in a frame. Requirements are such that nine of ten
+//! candidates like this one pass, because noise is added to each.
 
 use super::fate::{Fate, Outcome};
 use super::words::{counted, number};

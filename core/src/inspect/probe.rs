@@ -526,7 +526,9 @@ mod tests {
         let large = plain.larger_fates().iter().find(|fate| fate.sigma > 10.0).expect("over the place");
         let near_sigma = Some(large.sigma);
         let scaled = at(&cache, place, ProbeOptions { near_sigma, ..ProbeOptions::default() });
-        assert!((scaled.fates[0].sigma / large.sigma).ln().abs() < SAME_SCALE.ln(), "{:?}", scaled.fates[0]);
+        // Samples that lead to another one's maximum do not count.
+        let first = scaled.fates.iter().find(|fate| fate.first_failed != Some(Test::Refinement)).expect("candidates");
+        assert!((first.sigma / large.sigma).ln().abs() < SAME_SCALE.ln(), "{first:?}");
         assert!(scaled.near > 0 && scaled.fates.len() == plain.fates.len());
         let apart = (scaled.subject.pos_image[0] - place[0]).hypot(scaled.subject.pos_image[1] - place[1]);
         assert!(apart <= AT_PLACE_PX, "{:?}", scaled.subject);

@@ -1,5 +1,5 @@
-//! From metres to slopes: the range, direction and step that speed, turning, frame rate, lens and depths ask for, and the
-//! depth that a slope then means.
+//! From metres to slopes: the range, direction and step that speed, turning, frame rate, lens and depths ask for, and
+//! the depth that a slope then means.
 //!
 //! A pinhole camera of focal length f (pixels) moves with the speed s (metres per second) parallel to its picture, in a
 //! direction φ (degrees from +u towards +v), and turns to the right with ω (radians per second). A still point at the
@@ -9,8 +9,8 @@
 //! λ(z) = −(f·s/z)/r·(cos φ, sin φ) − (f·ω/r)·(1, 0)
 //! ```
 //!
-//! pixels per frame at r frames per second, near the middle of the picture. Motion towards the scene moves points away from
-//! the middle, each by its own slope, and has no such line.
+//! pixels per frame at r frames per second, near the middle of the picture. Motion towards the scene moves points away
+//! from the middle, each by its own slope, and has no such line.
 
 use super::words::number;
 use crate::detector::scale_space::ScaleSpace;

@@ -30,7 +30,8 @@ pub enum Study {
     Recover(Box<RecoverStudy>, BurstsOfStudy),
 }
 
-/// The bursts of [`Study::BurstFrames`] and [`Study::Recover`]. Only identical ones are equal, not ones with equal content.
+/// The bursts of [`Study::BurstFrames`] and [`Study::Recover`]. Only identical ones are equal, not ones with equal
+/// content.
 #[derive(Debug, Clone)]
 pub struct BurstsOfStudy {
     /// The burst.

@@ -1,8 +1,8 @@
 //! Gaussian jets: a place's sums of pixels under two Gaussians and under their derivatives up to the fourth order.
 //!
 //! Sampled Gaussians and their derivatives are separable, so all 30 sums take one pass over the pixels: each row is
-//! multiplied by ten weights, and what remains by ten weights a column. A jet shows how D changes with place and, by the
-//! heat equation, with scale, without a picture of D.
+//! multiplied by ten weights, and what remains by ten weights a column. A jet shows how D changes with place and, by
+//! the heat equation, with scale, without a picture of D.
 
 use crate::kernel::compact_kernel::PixelView;
 use multiversion::multiversion;
@@ -78,8 +78,8 @@ impl JetPixels {
 /// narrower ones do not sum to 0. There these orders are those of a slightly smoother image.
 const MIN_VARIANCE_OF_HIGH_ORDERS: f64 = 0.8;
 
-/// Calls `write(i, order, weight)` with the derivatives, with respect to its centre, of a Gaussian of `variance` at `count`
-/// whole distances from `d` on.
+/// Calls `write(i, order, weight)` with the derivatives, with respect to its centre, of a Gaussian of `variance` at
+/// `count` whole distances from `d` on.
 fn weights(variance: f64, d: f64, count: usize, mut write: impl FnMut(usize, usize, f32)) {
     if variance >= MIN_VARIANCE_OF_HIGH_ORDERS {
         return weights_of_orders(0..ORDERS, variance, d, count, &mut write);

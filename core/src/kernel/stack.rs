@@ -9,7 +9,8 @@
 //! cover, so they are computed once. Each frame pixel adds to two pixels of the sum, the one at its place and the one
 //! before, in proportion to the frame's fraction of a column. So two sums are made of the frames, both from the same
 //! loads and in registers, and finally added, the second one shifted by a pixel. Where no frame has a fraction, or all
-//! have the same one, there is one sum. The search and the patches around its features both use this, so a pixel has the same bits in either.
+//! have the same one, there is one sum. The search and the patches around its features both use this, so a pixel has
+//! the same bits in either.
 //!
 //! At the sides, where fewer and fewer frames cover the columns, frames are added one after the other and divided by
 //! their number.

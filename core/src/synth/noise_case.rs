@@ -50,13 +50,13 @@ pub enum NoiseCase {
     DriftingStripes,
     /// The standard deviation varies over 250 px along both axes, from its usual value to this multiple of it (2 … 9).
     Varying(u8),
-    /// The brightness of the rows varies by ±2 % with a period of 180 rows; the bands move by a seventh of a period from
-    /// frame to frame.
+    /// The brightness of the rows varies by ±2 % with a period of 180 rows; the bands move by a seventh of a period
+    /// from frame to frame.
     Banding,
     /// As [`Self::Banding`], but the bands stay where they are.
     StillBanding,
-    /// Each frame after the first consists of 0.8 of the frame before and 0.2 of a new one, so that the noise falls to a
-    /// third.
+    /// Each frame after the first consists of 0.8 of the frame before and 0.2 of a new one, so that the noise falls to
+    /// a third.
     Smoothed,
     /// One pixel in a thousand is brighter by 5 to 20 standard deviations, in half of the frames, at random.
     FlickeringPixels,

@@ -37,8 +37,8 @@ fn params() -> DetectorParams {
     }
 }
 
-/// Whether `found` is the same feature as `expected`: within half its σ and a fifth of its scale, with the same sign, and
-/// with a slope within half a step of the grid or half its σ in the outermost frames.
+/// Whether `found` is the same feature as `expected`: within half its σ and a fifth of its scale, with the same sign,
+/// and with a slope within half a step of the grid or half its σ in the outermost frames.
 fn is_partner(found: &Feature, expected: &Feature) -> bool {
     (found.u - expected.u).hypot(found.v - expected.v) <= 0.5 * expected.sigma
         && (found.sigma / expected.sigma).ln().abs() < 0.2
@@ -78,7 +78,8 @@ fn kept(
     counts
 }
 
-/// Asserts that of all features the share `all` is kept, and of those of each octave with at least 100 the share `worst`.
+/// Asserts that of all features the share `all` is kept, and of those of each octave with at least 100 the share
+/// `worst`.
 fn assert_kept(law: &str, counts: &[(usize, usize)], all: f64, worst: f64) {
     let share = |(count, kept): (usize, usize)| kept as f64 / count.max(1) as f64;
     let shares: Vec<String> = counts.iter().map(|&both| format!("{:.3} of {}", share(both), both.0)).collect();

@@ -7,8 +7,7 @@
 //! have little in common, since no lens makes structure so sharp; and wide ones, if all bands agree closely and the
 //! amplitude is small. Taking off what is constant along a line changes no blob.
 
-use super::fixed_pattern::less_local_mean;
-use super::reading::{Lines, lines_of};
+use super::reading::{Lines, less_local_mean, lines_of};
 use crate::plane::Plane;
 use serde::Serialize;
 

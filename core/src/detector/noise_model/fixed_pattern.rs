@@ -1,5 +1,6 @@
-//! Fixed pattern of a sensor: hot pixels, which are far brighter or darker than all pixels around them in every frame, or
-//! in some if they flicker; and stripes, columns and rows with an offset of their own, as from converters that serve one column each.
+//! Fixed pattern of a sensor: hot pixels, which are far brighter or darker than all pixels around them in every frame,
+//! or in some if they flicker; and stripes, columns and rows with an offset of their own, as from converters that serve
+//! one column each.
 //!
 //! A fixed pattern stays where it is while the scene moves, and it is sharper than any image through a lens. So it is
 //! detected in the mean of the frames at slope 0, separately in the first and the second half of the burst, and must be
@@ -7,15 +8,15 @@
 
 use super::changing_lines::ChangingLines;
 use super::high_pass::{FREE_VALUES, HighPass, quiet_variance};
-use super::reading::{BoxPyramid, Lines, Reading};
+use super::reading::{BoxPyramid, Lines, REACH, Reading, less_local_mean};
 use crate::plane::Plane;
 use serde::Serialize;
 
 /// The pattern of a sensor, in the units of the frames.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct FixedPattern {
-    /// Columns and rows of pixels that are far brighter or darker than all pixels around them, in every frame or in some;
-    /// row by row.
+    /// Columns and rows of pixels that are far brighter or darker than all pixels around them, in every frame or in
+    /// some; row by row.
     pub hot_pixels: Vec<(usize, usize)>,
     /// Offset of each column.
     pub columns: Option<Stripes>,
@@ -241,8 +242,6 @@ pub struct Stripes {
     pub deviation: f32,
 }
 
-/// Number of columns to each side from whose mean an offset is measured: slower changes may be the scene.
-pub const REACH: usize = 16;
 /// Number of standard errors above which the stripes that both halves share are significant.
 const STRIPES: f32 = 6.0;
 
@@ -272,20 +271,6 @@ fn offsets(bands: &[Vec<f32>]) -> Vec<f32> {
             let mut values: Vec<f32> = sharp.iter().map(|band| band[u]).collect();
             values.sort_by(f32::total_cmp);
             0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
-        })
-        .collect()
-}
-
-/// Subtracts from each value the mean of those within [`REACH`].
-pub(super) fn less_local_mean(values: &[f32]) -> Vec<f32> {
-    let mut sums = vec![0.0f64];
-    for x in values {
-        sums.push(sums[sums.len() - 1] + f64::from(*x));
-    }
-    (0..values.len())
-        .map(|u| {
-            let (start, end) = (u.saturating_sub(REACH), (u + REACH + 1).min(values.len()));
-            values[u] - ((sums[end] - sums[start]) / (end - start) as f64) as f32
         })
         .collect()
 }

@@ -1,8 +1,8 @@
 //! Single pass over the frames that are examined closely: computes everything that needs all of their pixels.
 //!
 //! Frames come from memory row by row. Each pair of rows goes into the pyramids (means over squares of 2, 4, 8 …
-//! pixels, for measuring noise and brightness) and, for the sensor's pattern, into the means of each frame's columns and
-//! rows; pixels that stand out of their row in the sum of the frames are listed.
+//! pixels, for measuring noise and brightness) and, for the sensor's pattern, into the means of each frame's columns
+//! and rows; pixels that stand out of their row in the sum of the frames are listed.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -291,6 +291,23 @@ pub fn sample_at(plane: &Plane, square: f32, u: f32, v: f32) -> f32 {
     let (right, below) = ((x + 1).min(plane.width() - 1), (y + 1).min(plane.height() - 1));
     let along = |y: usize| (1.0 - fx) * plane.at(x, y) + fx * plane.at(right, y);
     (1.0 - fy) * along(y) + fy * along(below)
+}
+
+/// Number of columns to each side from whose mean an offset is measured: slower changes may be the scene.
+pub const REACH: usize = 16;
+
+/// Subtracts from each value the mean of those within [`REACH`].
+pub(super) fn less_local_mean(values: &[f32]) -> Vec<f32> {
+    let mut sums = vec![0.0f64];
+    for x in values {
+        sums.push(sums[sums.len() - 1] + f64::from(*x));
+    }
+    (0..values.len())
+        .map(|u| {
+            let (start, end) = (u.saturating_sub(REACH), (u + REACH + 1).min(values.len()));
+            values[u] - ((sums[end] - sums[start]) / (end - start) as f64) as f32
+        })
+        .collect()
 }
 
 #[cfg(test)]

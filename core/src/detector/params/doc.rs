@@ -92,8 +92,8 @@ impl Default for DetectorParams {
             max_features: 0,
             max_orientations: 2,
             describe_slope: DescribeSlope::Refined,
-            // Two scales gave 1.15 to 1.5 times the inliers of one in the dark, a third one 1.0 to 1.1 times as many again
-            // (docs/MEASUREMENTS.md).
+            // Two scales gave 1.15 to 1.5 times the inliers of one in the dark, a third one 1.0 to 1.1 times as many
+            // again (docs/MEASUREMENTS.md).
             describe_scales: 2,
             slopes: SlopeGrid::default(),
         }

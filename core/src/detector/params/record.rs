@@ -438,8 +438,8 @@ impl<P> Deref for Param<P> {
     }
 }
 
-/// Declares one parameter: its constant's name, the type of the parameters, the fields of [`ParamDoc`] in order, and its
-/// [`Param`].
+/// Declares one parameter: its constant's name, the type of the parameters, the fields of [`ParamDoc`] in order, and
+/// its [`Param`].
 macro_rules! param {
     ($id:ident, $params:ty, $name:literal, $label:literal, $unit:literal, $term:literal, $meaning:literal, $effect:literal, $rest:expr) => {
         #[doc = concat!($meaning, " ", $effect)]

@@ -1,8 +1,8 @@
 //! All that a search leaves for later judgements: its keypoints with the values that its thresholds compared, and what
 //! was computed about single keypoints since.
 //!
-//! A change of a threshold, of the rule for distinct keypoints, of the coherence or of the number of features changes no
-//! stack and no sample of D. So its result follows from the keypoints of a search whose thresholds were not higher:
+//! A change of a threshold, of the rule for distinct keypoints, of the coherence or of the number of features changes
+//! no stack and no sample of D. So its result follows from the keypoints of a search whose thresholds were not higher:
 //! those that fail the new ones are left out, and the features are chosen again. Only keypoints that were never
 //! described or compared before cost time.
 

@@ -194,8 +194,8 @@ const NEAREST: f64 = 0.5;
 /// The same below the octave's first level, a little into the finer octave: no peak is lost between them.
 const BELOW_FIRST: f64 = 0.55;
 
-/// Extremum of D around (x, y, level index): that of the quadratic fit, or, with the octave's first level, the exact one
-/// to which the [ascent] from there leads; `None` where there is none. `size` is the octave's.
+/// Extremum of D around (x, y, level index): that of the quadratic fit, or, with the octave's first level, the exact
+/// one to which the [ascent] from there leads; `None` where there is none. `size` is the octave's.
 pub fn fit(
     (dog, first): (&DogTile, Option<&FirstLevel<'_>>),
     place: (usize, usize),

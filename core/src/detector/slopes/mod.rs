@@ -46,8 +46,8 @@ const STILL_PX: f64 = 0.95;
 const SURELY: f64 = 2.5;
 /// Number of confirmed windows that move from which on a picture whose most stands still does not.
 const MIN_MOVING: usize = 3;
-/// Distance from a uniform motion, in pixels of the pyramid's level, up to which a picture whose windows stand still does
-/// so: the path of sparse, large structures is less exact than its noise.
+/// Distance from a uniform motion, in pixels of the pyramid's level, up to which a picture whose windows stand still
+/// does so: the path of sparse, large structures is less exact than its noise.
 const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
@@ -203,8 +203,8 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     }
 }
 
-/// Whether nothing moves: the evidence lies around slope 0, most of it no farther away than its uncertainty, and what is
-/// surely farther is too little to be confirmed.
+/// Whether nothing moves: the evidence lies around slope 0, most of it no farther away than its uncertainty, and what
+/// is surely farther is too little to be confirmed.
 fn stands_still(evidence: &[SlopeEvidence], steps: Steps, gaps: f64) -> bool {
     let still = STILL_PX / gaps;
     let middle = typical(evidence, |e| f64::from(e.slope.u)).hypot(typical(evidence, |e| f64::from(e.slope.v)));
@@ -286,8 +286,8 @@ pub enum SlopeVerdict {
     Still,
     /// The frames have nothing significant in common; the grid is the usual one.
     NothingSeen,
-    /// The picture does not move uniformly: no slope aligns all frames. The finding's warnings name the reason where it is
-    /// known.
+    /// The picture does not move uniformly: no slope aligns all frames. The finding's warnings name the reason where it
+    /// is known.
     NotStraight,
     /// The frames move by more than a third of the picture: a film that should be cut into bursts.
     Film,

@@ -336,14 +336,24 @@ pub(super) fn path(products: &CrossSpectra, fourier: &Fourier) -> Option<Path> {
 /// Part of the correlation at one lag that the next one has at least, where it comes from a scene.
 const SAME_SCENE: f64 = 0.5;
 
-/// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0 and far
-/// smaller at the next lag, whatever the shift. That of a scene does not depend on the lag.
+/// Index of a correlation's largest value; 0 is shift 0.
+fn largest_at(plane: &[f32]) -> usize {
+    (0..plane.len()).max_by(|a, b| plane[*a].total_cmp(&plane[*b])).unwrap_or(0)
+}
+
+/// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0, for most
+/// single pairs of neighbours too, and far smaller at the next lag, whatever the shift. That of a scene does not depend
+/// on the lag, unless it moves to and fro: then pairs of neighbours show the shifts.
 pub(super) fn lags_of_shared_noise(products: &CrossSpectra, fourier: &Fourier) -> usize {
     let frames = products.neighbours.len() + 1;
+    let pairs = fourier.correlations(&products.neighbours, &mut fourier.scratch(0));
+    if 2 * pairs.iter().filter(|pair| largest_at(pair) == 0).count() <= pairs.len() {
+        return 0;
+    }
     let planes = fourier.correlations(&products.lags, &mut fourier.scratch(0));
     let largest = |lag: usize| {
         let plane = &planes[lag - 1];
-        let at = (0..plane.len()).max_by(|a, b| plane[*a].total_cmp(&plane[*b])).unwrap_or(0);
+        let at = largest_at(plane);
         let pairs = (frames - lag) as f64;
         (at, f64::from(plane[at]) / pairs, products.variance[lag - 1].sqrt() / pairs)
     };
@@ -356,7 +366,7 @@ pub(super) fn lags_of_shared_noise(products: &CrossSpectra, fourier: &Fourier) -
 
 /// Shift at which a correlation is largest, and its significance; `None` where that is too small.
 fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f64)> {
-    let largest = (0..plane.len()).max_by(|a, b| plane[*a].total_cmp(&plane[*b]))?;
+    let largest = largest_at(plane);
     let significance = f64::from(plane[largest]) / variance.sqrt();
     // Frames with values that are not finite have no significance either.
     if !significance.is_finite() || significance < MIN_SIGNIFICANCE {

@@ -77,8 +77,8 @@ impl CrossSpectra {
         }
     }
 
-    /// Removes the products of the first `count` lags, at which frames have noise in common. Products at other lags then
-    /// repeat each other, so that their noise is larger.
+    /// Removes the products of the first `count` lags, at which frames have noise in common. Products at other lags
+    /// then repeat each other, so that their noise is larger.
     pub fn forget_lags(&mut self, count: usize) {
         self.lags.iter_mut().take(count).for_each(|lag| *lag = Spectrum::zeros());
         let repeated = ((count + 1) * (count + 1)) as f64;

@@ -116,7 +116,7 @@ fn a_bent_way_is_not_straight_and_a_long_one_a_film() {
     assert_eq!(finding.verdict, SlopeVerdict::NotStraight, "{finding:?}");
     assert!((finding.deviation_px.expect("seen") - 2.0).abs() < 0.4, "{:?}", finding.deviation_px);
     assert!(finding.summary().contains("out of order"), "{}", finding.summary());
-    let bent = find(&moved((320, 240), 0.02, 6, |t| (0.4 * (t * t) as f64, 0.0)));
+    let bent = find(&moved((320, 240), 0.02, 6, |t| (0.5 * (t * t) as f64, 0.0)));
     assert!(bent.verdict == SlopeVerdict::NotStraight && bent.warnings.is_empty(), "{}", bent.summary());
     let film = find(&moved((240, 180), 0.02, 30, |t| (-4.0 * t as f64, 0.0)));
     assert_eq!(film.verdict, SlopeVerdict::Film, "{film:?}");

@@ -1,8 +1,8 @@
 //! The response that a thing of known shape, size and motion should have in the search, and the SNR in D that follows.
 //!
-//! A thing's value under a Gaussian filter is known: that of a Gaussian blob in closed form, that of a disc as the share
-//! of a Gaussian that lies in the disc. D is the difference of two of them. The stack at a slope of the grid is the mean
-//! over the frames, each with the thing displaced by what its slope differs from the grid's.
+//! A thing's value under a Gaussian filter is known: that of a Gaussian blob in closed form, that of a disc as the
+//! share of a Gaussian that lies in the disc. D is the difference of two of them. The stack at a slope of the grid is
+//! the mean over the frames, each with the thing displaced by what its slope differs from the grid's.
 
 use super::thing::Shape;
 use crate::detector::scale_space::SIGMA_INPUT;

@@ -1,8 +1,8 @@
 //! The share of things found over their strength, as a logistic curve fitted by maximum likelihood.
 //!
 //! The curve is 1/(1 + exp(−b·(x − m))), where x is the natural logarithm of the strength. Its middle m has a wide
-//! prior around what the noise gate predicts, and its steepness b a prior around the one that noise of 1 σ on a gate of k
-//! σ gives; so a fit exists even where all or none are found. It is then said to be beyond what was measured.
+//! prior around what the noise gate predicts, and its steepness b a prior around the one that noise of 1 σ on a gate of
+//! k σ gives; so a fit exists even where all or none are found. It is then said to be beyond what was measured.
 
 use serde::Serialize;
 

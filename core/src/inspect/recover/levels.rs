@@ -23,8 +23,8 @@ pub struct Levels {
     pub at_radius: f64,
     /// Things in a copy.
     pub per_copy: usize,
-    /// SNR of which half are expected to be found, for the radius above, a slope of the grid, the middle of the picture,
-    /// and all frames.
+    /// SNR of which half are expected to be found, for the radius above, a slope of the grid, the middle of the
+    /// picture, and all frames.
     pub expected_half: f64,
     /// Amplitude of such a thing, fraction of full scale.
     pub expected_amplitude: f64,

@@ -1,10 +1,10 @@
 //! Things that are planted: their shape, and how light that was not there is added to a frame.
 //!
-//! A bright thing adds light. Photons arrive independently, so the noise of what is there already stays as it is, and the
-//! added light brings its own: for a variance of a per brightness, Δ of added light is a times a Poisson number of mean
-//! Δ/a. A dark thing takes light away: a part 1 − p of the photons is removed, which scales what is there by p; the
-//! noise that a frame with so much less light would have is then made up. Values are rounded to the file's steps again and
-//! end at its range.
+//! A bright thing adds light. Photons arrive independently, so the noise of what is there already stays as it is, and
+//! the added light brings its own: for a variance of a per brightness, Δ of added light is a times a Poisson number of
+//! mean Δ/a. A dark thing takes light away: a part 1 − p of the photons is removed, which scales what is there by p;
+//! the noise that a frame with so much less light would have is then made up. Values are rounded to the file's steps
+//! again and end at its range.
 
 use crate::plane::Plane;
 use crate::synth::chart::draw_disc;
@@ -48,8 +48,8 @@ impl Shape {
         }
     }
 
-    /// Mean over each pixel of a thing of amplitude 1 and `radius`, whose centre is at (u, v): the values, and the column
-    /// and row of the first.
+    /// Mean over each pixel of a thing of amplitude 1 and `radius`, whose centre is at (u, v): the values, and the
+    /// column and row of the first.
     fn shares(self, u: f64, v: f64, radius: f64) -> (Plane, i64, i64) {
         let reach = self.reach(radius) + 1.0;
         let (left, top) = ((u - reach).floor(), (v - reach).floor());

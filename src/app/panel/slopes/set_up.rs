@@ -1,4 +1,5 @@
-//! Slopes from the set-up: speed, turning, frame rate, lens and depths give the slopes to search, and slopes read as depths.
+//! Slopes from the set-up: speed, turning, frame rate, lens and depths give the slopes to search, and slopes read as
+//! depths.
 
 use crate::app::project::Model;
 use crate::app::project::side::Side;
