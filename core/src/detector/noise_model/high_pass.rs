@@ -158,7 +158,7 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// As many squares as an image of `size` holds side by side, or [`MAX_DENSE`], about.
+    /// As many squares as an image of `size` holds side by side, or `MAX_DENSE`, about.
     pub fn dense((width, height): (usize, usize)) -> Self {
         let count = |n: usize, pitch: usize| if n < 2 * PATCH { 0 } else { (n - 2 * PATCH) / pitch + 1 };
         let even = ((width * height) as f32 / MAX_DENSE as f32).sqrt().ceil() as usize;
