@@ -50,7 +50,6 @@ fn graffiti_moves_uniformly_in_one_order_and_not_in_the_other() {
     assert!(fits(&finding.grid, [1.0, 1.0], half_step(&burst)), "{:?}", finding.grid);
     let natural = find(&open(&files(&folder)));
     assert_eq!(natural.verdict, SlopeVerdict::NotStraight);
-    assert!(natural.summary().contains("out of order"), "{}", natural.summary());
 }
 
 #[needs::shared("data/buff-demo-2d")]
