@@ -48,7 +48,7 @@ const SURELY: f64 = 2.5;
 const MIN_MOVING: usize = 3;
 /// Distance from a uniform motion, in pixels of the pyramid's level, up to which a picture whose windows stand still
 /// does so: the path of sparse, large structures is less exact than its noise.
-const STILL_LEVEL_PX: f64 = 0.9;
+const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
 /// from +u towards +v) or anywhere in the plane.

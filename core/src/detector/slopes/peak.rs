@@ -308,7 +308,8 @@ impl Path {
     /// Distance from a uniform motion above which the motion is not straight, for a path in image pixels and windows
     /// that stand still or not.
     pub fn limit(&self, still: bool) -> f64 {
-        let least = if still { super::STILL_LEVEL_PX * self.pixel } else { 0.0 };
+        // In clear frames the path is exact, and nothing is forgiven.
+        let least = if still { (super::STILL_LEVEL_PX * self.pixel).min(10.0 * self.noise) } else { 0.0 };
         super::STRAIGHT_PX.max(3.0 * self.noise).max(least)
     }
 }
