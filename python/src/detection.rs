@@ -96,7 +96,7 @@ impl RawDetection {
         PyArray1::from_vec(py, flat).reshape([self.features().len(), 128])
     }
 
-    /// What `detect --json` says of a burst.
+    /// Document of a burst, as `detect --json` writes it (JSON).
     fn document(&self) -> &str {
         &self.document
     }

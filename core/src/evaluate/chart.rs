@@ -352,7 +352,7 @@ pub struct MethodReport {
     pub default_true_positives: Mean,
     /// False features among all features that the detector returned.
     pub default_false_features: Mean,
-    /// The same for each disc of the chart; absent for charts without discs.
+    /// Mean number of false features for each disc of the chart; absent for charts without discs.
     pub default_false_per_disc: Option<Mean>,
     /// Ratio of the detector's estimate of a frame's noise to the true one at the background; absent for mean and
     /// merged images and for charts without noise.

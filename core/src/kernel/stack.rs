@@ -267,7 +267,7 @@ impl<'a> Tap<'a> {
 enum Between {
     /// None: one sum.
     Never,
-    /// The same one, so that the pixels are summed once; the weights of all taps.
+    /// One fraction for all frames, so that their pixels are summed once; the weights of its taps.
     Alike([f32; 2]),
     /// Several: two sums.
     Apart,

@@ -84,7 +84,7 @@ pub struct Lab {
     pub problem: Option<String>,
     /// Noise of a dark copy of the open burst.
     pub dark_copy: NoisyParams,
-    /// What is planted in the open burst; its search is that of the window.
+    /// Study of things planted in the open burst; its search is that of the window.
     pub planted: RecoverStudy,
     /// The planted thing that is looked at: the seed of its copy, and its number in it.
     pub selected_thing: Option<(u64, usize)>,

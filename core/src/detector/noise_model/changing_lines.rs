@@ -101,7 +101,7 @@ impl ChangingLines {
     }
 }
 
-/// What the bands of one frame have in common.
+/// Offsets that the bands of one frame have in common, fraction of full scale.
 struct Shared {
     /// Offsets by the even and by the odd bands.
     even: Vec<f32>,

@@ -191,7 +191,8 @@ const FARTHEST_FIT: f64 = 1.0;
 /// Levels from which an ascent's peak is that of a sample: those to which its level is the nearest, so that of several
 /// samples whose ascents end at one peak one is accepted.
 const NEAREST: f64 = 0.5;
-/// The same below the octave's first level, a little into the finer octave: no peak is lost between them.
+/// Levels in place of [`NEAREST`] below the octave's first level: a little into the finer octave, so that no peak is
+/// lost between them.
 const BELOW_FIRST: f64 = 0.55;
 
 /// Extremum of D around (x, y, level index): that of the quadratic fit, or, with the octave's first level, the exact
