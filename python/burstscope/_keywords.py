@@ -103,8 +103,8 @@ class DetectorKeywords(TypedDict, total=False):
         code, which misses some sizes of blobs by it. [default: 4]
     localisation : ['continuous', 'quadratic']
         How the place, scale and slope between the samples are found: continuous or quadratic. Continuous is
-        several times as exact: a small filter says where and how fast, D between its levels how large;
-        quadratic reproduces VLFeat and LiFF. [default: continuous]
+        several times as exact, and coarse octaves keep their features when the burst is cropped or moved by a
+        pixel; quadratic reproduces VLFeat and LiFF. [default: continuous]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all. Unit: features. Lower it to keep only the most reliable. [default: 0]
@@ -453,7 +453,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
     radius_law : ['uniform', 'log']
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
-        Parameter file (TOML), as the window saves it
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken
     method : ['buff', 'sift', 'merge']
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
@@ -615,7 +615,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     radius_law : ['uniform', 'log']
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
-        Parameter file (TOML), as the window saves it
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken
     method : ['buff', 'sift', 'merge']
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
@@ -799,7 +799,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     radius_law : ['uniform', 'log']
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
-        Parameter file (TOML), as the window saves it
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken
     method : ['buff', 'sift', 'merge']
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
@@ -937,8 +937,9 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     case : Union[Union[str, float], Sequence[Union[str, float]]]
         Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY,
         correlated, black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels, gain-flicker,
-        clipped-black, saturated, constant-frame, constant. Without it the white ones of --sigma and --bits, and
-        all others
+        clipped-black, saturated, constant-frame, constant, drifting-stripes, varying-TIMES (strength by place),
+        banding, still-banding, smoothed, flickering-pixels, noisy-columns, negative. Without it the white ones
+        of --sigma and --bits, and all others
     case_sigma : float
         Standard deviation of the noise of the kinds of --case, fraction of full scale [default: 0.02]
     megapixels : float
@@ -950,7 +951,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     height : int
         Rows [default: 600]
     params : Path
-        Parameter file (TOML), as the window saves it
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken
     method : ['buff', 'sift', 'merge']
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
@@ -1127,7 +1128,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Intrinsics of the camera of both images: a model of COLMAP's with width, height and parameters, such as
         PINHOLE,640,480,500,500,320,240. Models: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, OPENCV; or a TOML file
     params : Path
-        Parameter file (TOML), as the window saves it
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken
     method : ['buff', 'sift', 'merge']
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:

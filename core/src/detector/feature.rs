@@ -272,7 +272,7 @@ pub enum DetectError {
 /// Revision of the detector. It goes up by one with every change after which an unchanged burst and unchanged
 /// parameters give other bits of any feature or descriptor; not with new parameters whose defaults change nothing
 /// (parameters are compared separately).
-pub const REVISION: u32 = 8;
+pub const REVISION: u32 = 9;
 
 #[cfg(test)]
 mod tests {

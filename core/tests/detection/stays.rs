@@ -129,3 +129,43 @@ fn a_brighter_burst_keeps_its_features() {
     let brighter = |frame: &Plane| Plane::from_fn(400, 300, |u, v| 1.7 * frame.at(u, v));
     assert_kept("gain", &kept(brighter, (params().slopes, false), |f| *f), 0.99, 0.98);
 }
+
+/// Blobs of all sizes that two octaves share, at places that fall differently on their samples: none is lost between
+/// the octaves, and each has its place and size.
+#[test]
+fn no_blob_is_lost_between_octaves() {
+    let count = 60;
+    let blob = |i: usize| {
+        let sigma = 2.6 * 2f64.powf(i as f64 / 25.0);
+        let (x, y) = (60 + 100 * (i % 10), 60 + 100 * (i / 10));
+        (x as f64 + 0.37 * (i % 8) as f64, y as f64 + 0.23 * (i % 7) as f64, sigma)
+    };
+    let frame = Plane::from_fn(1040, 640, |u, v| {
+        let heights = (0..count).map(blob).map(|(x, y, sigma)| {
+            let r2 = (u as f64 - x).powi(2) + (v as f64 - y).powi(2);
+            0.2 * (-r2 / (2.0 * sigma * sigma)).exp()
+        });
+        (0.3 + heights.sum::<f64>()) as f32
+    });
+    let burst = Burst { frames: vec![Arc::new(frame); 3], ..scene(1) };
+    let params = DetectorParams { slopes: SlopeGrid::line(0.0..=0.0, 1), ..params() };
+    let found = detect(&burst, &params, &Monitor::default()).expect("valid parameters").features;
+    // The scale of D's maximum on a Gaussian blob: the geometric mean of the two Gaussians' σ is the blob's.
+    let k = 2f64.powf(1.0 / params.levels as f64);
+    for i in 0..count {
+        let (x, y, sigma) = blob(i);
+        let nearest = found
+            .iter()
+            .min_by(|a, b| {
+                let away = |f: &Feature| (f64::from(f.u) - x).hypot(f64::from(f.v) - y);
+                away(a).total_cmp(&away(b))
+            })
+            .expect("features");
+        let away = (f64::from(nearest.u) - x).hypot(f64::from(nearest.v) - y);
+        let size = f64::from(nearest.sigma) * k.sqrt() / sigma;
+        assert!(
+            away < 0.05 * sigma && (size - 1.0).abs() < 0.04,
+            "blob of σ {sigma:.2} at {x:.2}, {y:.2}: {nearest:?}, {size}"
+        );
+    }
+}

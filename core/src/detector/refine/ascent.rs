@@ -41,8 +41,9 @@ pub struct Peak {
 
 /// Radius at which the Gaussians are cut, in standard deviations of the wider one at the start.
 const CUT: f64 = 3.5;
-/// Smallest variance that sampled Gaussians can represent, octave pixels².
-const MIN_VARIANCE: f64 = 0.5;
+/// Smallest variance of Gaussians whose samples have true fourth derivatives, octave pixels². At 0.5 these are wrong by
+/// as much as those of a blob are large, and its level by a half.
+const MIN_VARIANCE: f64 = 0.7;
 /// Maximum number of evaluations.
 const MAX_STEPS: usize = 9;
 /// Length of a step after which no other evaluation is needed: the parabola's peak is exact to a part in a thousand.
@@ -204,11 +205,10 @@ mod tests {
             let (expected_sigma, expected) = ((own2 / k).sqrt(), 0.2 * sigma * sigma / own2 * (k - 1.0) / (k + 1.0));
             let level = 1.0 + 5.0 * (expected_sigma / space().sigma_octave(0.0)).log2();
             for (x, y) in [(40.0, 35.0), (40.5, 35.5), (40.3, 34.6), (39.51, 35.49)] {
-                // Just above the finest scale that the pixels show, an ascent ends early: one begins at a sample.
-                for start_level in [(level - 0.6).max(1.0), level, level + 0.6] {
+                for start_level in [level - 0.6, level, level + 0.6] {
                     let found = ascend(&blob(sigma, x, y), (40.0, 35.0), start_level, 1.0).expect("a clean blob");
                     assert!((found.x - x).abs() < 0.01 && (found.y - y).abs() < 0.01, "{found:?} for {x} {y}");
-                    assert!((found.level - level).abs() < 0.05, "{found:?} for level {level}");
+                    assert!((found.level - level).abs() < 0.06, "{found:?} for level {level}");
                     assert!((found.value / expected - 1.0).abs() < 0.01, "{found:?} for {expected}");
                     let [uu, uv, vv] = found.curvature;
                     assert!(uu < 0.0 && (uu / vv - 1.0).abs() < 0.01 && (uv / uu).abs() < 0.01, "{found:?}");
