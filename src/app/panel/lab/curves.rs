@@ -91,12 +91,11 @@ fn legend_ui(ui: &mut Ui, plots: &[(String, StudyPlot, Vec<Drawn>)], hidden: &mu
             let colour = if is_hidden { colour.gamma_multiply(0.3) } else { colour };
             let (rect, _) = ui.allocate_exact_size(vec2(20.0, 12.0), Sense::hover());
             let ends = [rect.left_center(), rect.right_center()];
-            match one.set {
-                LabSet::Current => ui.painter().line_segment(ends, Stroke::new(2.0, colour)),
-                LabSet::Kept(_) => {
-                    ui.painter().add(Shape::dashed_line(&ends, Stroke::new(2.0, colour), 4.0, 3.0));
-                }
-            }
+            let stroke = Stroke::new(2.0, colour);
+            ui.painter().extend(match one.set {
+                LabSet::Current => vec![Shape::line_segment(ends, stroke)],
+                LabSet::Kept(_) => Shape::dashed_line(&ends, stroke, 4.0, 3.0),
+            });
             let text = RichText::new(&one.name).small();
             let text = if is_hidden { text.weak() } else { text };
             let entry = ui.add(Label::new(text).selectable(false).sense(Sense::click()));
