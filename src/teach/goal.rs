@@ -48,6 +48,8 @@ pub struct Goal {
     pub inliers: Option<Between>,
     /// Whether a match is selected.
     pub selected_match: Option<bool>,
+    /// Whether slopes are read as depths.
+    pub reads_depths: Option<bool>,
 }
 
 /// Place and tolerance: `[u, v, radius]`, pixels at mid-burst.
@@ -148,6 +150,8 @@ pub struct Holds<'a> {
     pub inliers: Option<usize>,
     /// Whether a match is selected.
     pub selected_match: bool,
+    /// Whether slopes are read as depths.
+    pub reads_depths: bool,
 }
 
 impl Goal {
@@ -184,6 +188,7 @@ impl Goal {
             && same(self.workspace, now.workspace)
             && counted(self.inliers, now.inliers)
             && self.selected_match.is_none_or(|wanted| wanted == now.selected_match)
+            && self.reads_depths.is_none_or(|wanted| wanted == now.reads_depths)
     }
 
     fn params_are_met(&self, now: &Holds<'_>) -> bool {
@@ -252,6 +257,7 @@ mod tests {
             workspace: Some(Place::Inspect),
             inliers: None,
             selected_match: false,
+            reads_depths: false,
         };
         change(&mut now);
         goal(text).is_met(&now)
@@ -286,6 +292,7 @@ mod tests {
             ("workspace = \"pair\"", false),
             ("inliers = [0, 9]", false),
             ("selected_match = true", false),
+            ("reads_depths = true", false),
         ] {
             assert_eq!(is_met(text, |_| {}), met, "{text}");
         }

@@ -6,6 +6,7 @@
 use super::part::field_of;
 use super::values::finite;
 use crate::detector::{SearchParams, Slope};
+use crate::inspect::set_up::SetUp;
 use crate::matching::MatchParams;
 use crate::requests::BurstSource;
 use serde::{Deserialize, Deserializer, de};
@@ -214,6 +215,9 @@ pub struct State {
     pub select: Option<bool>,
     /// Spot where the signal-to-noise ratio is measured.
     pub spot: Option<Spot>,
+    /// Set-up of camera and scene, whose fields are unfolded.
+    #[serde(deserialize_with = "set_up")]
+    pub set_up: Option<SetUp>,
 }
 
 impl State {
@@ -240,6 +244,7 @@ impl State {
             probe: self.probe.or(d.probe),
             select: self.select.or(d.select),
             spot: self.spot.or(d.spot),
+            set_up: self.set_up.or(d.set_up),
         }
     }
 
@@ -285,6 +290,12 @@ fn view<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<InView>, D:
         }
     };
     Ok(Some(in_view))
+}
+
+fn set_up<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SetUp>, D::Error> {
+    let set_up = SetUp::deserialize(deserializer)?;
+    set_up.check().map_err(de::Error::custom)?;
+    Ok(Some(set_up))
 }
 
 fn params<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SearchParams>, D::Error> {

@@ -3,8 +3,11 @@
 use crate::support::{Start, Window};
 use burstscope::app::project::BottomTab;
 use burstscope::app::project::workspace::Workspace;
+use burstscope::app::session::Session;
+use burstscope::app::view::ColourBy;
 use burstscope::detector::{DetectorParams, NoiseGate, SlopeChoice, SlopeGrid};
 use burstscope::export::case::{Case, write_case};
+use burstscope::inspect::set_up::SetUp;
 use burstscope::inspect::study::StudyReport;
 use burstscope::requests::BurstSource;
 use burstscope::synth::{ChartParams, synth_chart};
@@ -103,16 +106,50 @@ fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
     let mut window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
     window.app_mut().model.bottom_tab = BottomTab::Slopes;
     window.settle();
-    window.harness.get_by_label("Slopes from the set-up").click();
+    window.run_action("slopes from the set-up");
     window.settle();
     let expected = {
         let model = &window.app().model;
-        model.set_up.slopes(10, &model.params).expect("valid").grid
+        model.set_up.values.slopes(10, &model.params).expect("valid").grid
     };
     window.harness.get_by_role_and_label(Role::Button, "Apply set-up").click();
     window.harness.run_steps(3);
     let model = &window.app().model;
     assert_eq!((model.params.slopes, model.slopes), (expected, SlopeChoice::Given));
+}
+
+#[test]
+fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
+    let mut window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
+    // A camera that moves to the left with 6 cm/s: 2.4 px/frame is 1 m.
+    window.app_mut().model.set_up.values =
+        SetUp { speed_m_s: 0.06, direction_deg: 180.0, depth_m: [0.5, 8.0], ..SetUp::default() };
+    window.run_action("slopes from the set-up");
+    window.settle();
+    window.click("Read slopes as depths");
+    window.settle();
+    window.snapshot("slopes_from_set_up");
+    window.app_mut().model.bottom_tab = BottomTab::Table;
+    window.settle();
+    window.click("Sort by Depth");
+    window.settle();
+    let model = &window.app().model;
+    let depths: Vec<Option<f64>> =
+        model.listed.iter().map(|&i| model.set_up.values.depth_at(model.features()[i].slope)).collect();
+    let known = depths.iter().take_while(|depth| depth.is_some()).count();
+    assert!(known > 10 && known < depths.len(), "features of both directions: {known} of {}", depths.len());
+    assert!(depths[..known].is_sorted() && depths[known..].iter().all(Option::is_none));
+    window.app_mut().model.colour_by = ColourBy::Depth;
+    window.settle();
+    assert!(window.shows("Legend: depth from 0.5 to 8 m"));
+    // As a session it is kept; switched off, the colours show slopes again.
+    let session = Session::of(&window.app().model).expect("a burst is open");
+    assert_eq!(session.depths_by, Some(window.app().model.set_up.values));
+    window.app_mut().model.bottom_tab = BottomTab::Slopes;
+    window.settle();
+    window.click("Read slopes as depths");
+    window.settle();
+    assert_eq!(window.app().model.colour_by, ColourBy::SlopeDirection);
 }
 
 #[test]

@@ -236,8 +236,9 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::ToggleOrientation => model.look.orientations ^= true,
         A::ToggleLegend => model.look.legend ^= true,
         A::NextColouring => {
-            let place = ColourBy::ALL.iter().position(|c| *c == model.colour_by).unwrap_or(0);
-            model.colour_by = ColourBy::ALL[(place + 1) % ColourBy::ALL.len()];
+            let choices = || ColourBy::choices(model.set_up.reads_depths);
+            let next = choices().skip_while(|by| *by != model.colour_by).nth(1);
+            model.colour_by = next.unwrap_or_default();
         }
         A::ToggleLeft if model.shows_left() => model.panels.left = Visibility::Closed,
         A::ToggleLeft => model.open_left(),
@@ -248,6 +249,7 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::ThemeLight => model.theme = egui::ThemePreference::Light,
         A::ThemeDark => model.theme = egui::ThemePreference::Dark,
         A::AutoDetect => model.auto_detect ^= true,
+        A::SlopesFromSetUp => model.show_set_up(),
         A::ResetParams => model.set_search(SearchParams::default()),
         A::Preset1d => {
             (model.params.method, model.slopes) = (Method::Buff, SlopeChoice::Given);

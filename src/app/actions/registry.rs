@@ -176,7 +176,7 @@ actions! {
     ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst";
     ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation";
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours";
-    NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale, response, SNR or slope limit in turn";
+    NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale, response, SNR, slope limit or coherence in turn";
     ToggleLeft, View 4, "Cursor and parameters", [CTRL B], "Show or hide the panel on the left";
     ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right";
     ToggleBottom, View 4, "Table and tally", [CTRL J], "Show or hide the panel below";
@@ -227,6 +227,7 @@ actions! {
     CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled";
     OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light";
     OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light";
+    SlopesFromSetUp, Detect 3, "Slopes from the set-up", [], "Compute the slopes from speed, turning, frame rate, lens and depths, and read slopes as depths";
     ResetParams, Detect 3, "Reset parameters", [], "Give every parameter its default";
     RunStudy, Detect 4, "Run study", [], "Make the Lab's charts, run the methods on them, and draw the curves as they grow";
     CancelStudy, Detect 4, "Cancel study", [], "Stop the Lab's study; the curves so far stay";

@@ -5,6 +5,7 @@ use crate::app::pane::{Content, PaneId, PaneLinks, Preset};
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
+use crate::app::project::set_up::SetUpState;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model, Panels, Visibility};
 use crate::detector::DetectorParams;
@@ -57,6 +58,9 @@ pub(super) fn set_up(model: &mut Model, step: &Step) {
     (model.selected, model.hovered, model.reselect) = (None, None, None);
     (model.pair.selected, model.playing, model.filter) = (None, false, Default::default());
     model.measure.clear();
+    model.read_depths(false);
+    model.set_up =
+        SetUpState { values: state.set_up.unwrap_or_default(), is_open: state.set_up.is_some(), ..model.set_up };
     model.probe.clear();
     model.look.ranges.forget();
     set_up_panes(model, state);
@@ -133,6 +137,7 @@ pub(super) fn seen(model: &Model) -> Holds<'_> {
         workspace: place(model.workspace),
         inliers: matches.and_then(|matches| matches.result.counts.inliers),
         selected_match: model.pair.selected.is_some(),
+        reads_depths: model.set_up.reads_depths,
     }
 }
 

@@ -118,7 +118,7 @@ fn colouring_ui(ui: &mut Ui, model: &mut Model) {
             .width(ui.available_width() - 6.0)
             .truncate()
             .show_ui(ui, |ui| {
-                for by in ColourBy::ALL {
+                for by in ColourBy::choices(model.set_up.reads_depths) {
                     if ui.selectable_value(&mut model.colour_by, by, by.name()).clicked() {
                         // Choosing a quantity again starts its computation again, if that was cancelled.
                         model.coherence.try_again();

@@ -7,13 +7,13 @@ use crate::app::panel::legend;
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::explained::{coherence_words, verdict_words};
+use crate::app::project::filter::{Known, depth_text};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::view::signed_slope;
 use crate::detector::{Detection, Feature, Slope, SlopeGrid};
-use crate::inspect::verdict::Judged;
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
@@ -110,7 +110,7 @@ impl FeatureLayer {
     pub fn scale(&self, model: &Model) -> overlay::ColourScale {
         let (features, grid) = (&self.detection.features, &self.detection.slopes);
         let scale = overlay::ColourScale::of(model.colour_by, features, grid);
-        scale.with_coherences(model.coherence.of(&self.detection))
+        scale.with_coherences(model.coherence.of(&self.detection)).with_set_up(model.set_up.depths_by())
     }
 
     /// Choice of the features that are drawn in full over the canvas of `output`: the strongest of each part of it, and
@@ -159,6 +159,7 @@ pub fn features_ui(
         return;
     }
     let scale = state.colour_scale(model.colour_by, &layer.detection, model.coherence.of(&layer.detection));
+    let scale = scale.with_set_up(model.set_up.depths_by());
     // Candidates lie above features.
     let on_top = layer.is_listed && model.explained.pointed.is_none();
     let can_be_pointed_at = on_top || layer.method.is_some();
@@ -187,7 +188,8 @@ pub fn features_ui(
     {
         let name = layer.method.map_or_else(|| format!("#{}", i + 1), |method| method.label().to_owned());
         let judged = model.coherence.of(&layer.detection).and_then(|values| values.get(i));
-        tip_ui(ui, &name, &layer.placed()[i], judged);
+        let feature = &layer.placed()[i];
+        tip_ui(ui, &name, feature, model.set_up.known(feature.slope, judged));
     }
     if options.legend && !layer.placed().is_empty() {
         let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
@@ -245,10 +247,12 @@ fn near_slope(grid: &SlopeGrid) -> f32 {
 }
 
 /// Shows the numbers of the feature under the pointer.
-fn tip_ui(ui: &Ui, name: &str, f: &Feature, judged: Option<&Judged>) {
+fn tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
+    let Known { judged, depth_m } = known;
+    let depth = depth_m.map_or_else(String::new, |_| format!("  depth {} m", depth_text(depth_m)));
     let coherence = judged.map_or_else(String::new, |j| format!("\ncoherence {}", coherence_words(j.coherence)));
     let text = format!(
-        "{name}  σ {:.2} px\nslope ({}) px/frame\nresponse {}  SNR {:.1}{coherence}",
+        "{name}  σ {:.2} px\nslope ({}) px/frame{depth}\nresponse {}  SNR {:.1}{coherence}",
         f.sigma,
         signed_slope(f.slope, 2),
         signed_number(f.response, 3),
@@ -269,6 +273,9 @@ const TIP_WIDTH: f32 = 320.0;
 
 /// Reason why features are grey, if some are.
 fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) -> Option<String> {
+    if scale.by == overlay::ColourBy::Depth {
+        return scale.has_unknown().then(|| "Grey: Slopes, Slopes from the set-up gives depths".to_owned());
+    }
     let why = match (model.coherence.of(&layer.detection), model.coherence.failure_of(&layer.detection)) {
         (Some(_), _) => "too noisy to tell".to_owned(),
         (None, Some(why)) => why.to_string(),

@@ -14,8 +14,6 @@ use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};
 
 impl SortedColumn for Column {
-    const COLUMNS: &'static [Self] = &Self::ALL;
-
     fn heading(self) -> &'static str {
         Self::heading(self)
     }
@@ -37,6 +35,7 @@ impl SortedColumn for Column {
             Self::AtSlopeLimit => Some("slope-limit"),
             Self::Coherence => Some("coherence"),
             Self::Verdict => Some("ghost"),
+            Self::Depth => None,
         }
     }
 
@@ -45,7 +44,7 @@ impl SortedColumn for Column {
             Self::Rank | Self::Sigma | Self::Octave => 34.0,
             Self::Level | Self::AtSlopeLimit => 36.0,
             Self::Orientation | Self::Snr | Self::Coherence => 40.0,
-            Self::U | Self::V | Self::SlopeU | Self::SlopeV => 46.0,
+            Self::U | Self::V | Self::SlopeU | Self::SlopeV | Self::Depth => 46.0,
             Self::Response | Self::Verdict => 64.0,
         }
     }
@@ -65,8 +64,14 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let listed = Listed { items: &model.listed, selected: model.selected, hovered: model.hovered };
     let judged = model.judged().cloned();
     let text = |column: Column, index: usize| {
-        column.text(index, &model.features()[index], judged.as_ref().and_then(|judged| judged.get(index)))
+        let feature = &model.features()[index];
+        column.text(
+            index,
+            feature,
+            model.set_up.known(feature.slope, judged.as_ref().and_then(|judged| judged.get(index))),
+        )
     };
+    let columns: Vec<Column> = Column::shown(model.set_up.reads_depths).collect();
     let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
         let Some(feature) = model.features().get(index) else { return };
@@ -82,7 +87,8 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         }
         copy_ui(ui, "Copy row", || feature_text(feature));
     };
-    let pointed = sorted_table_ui(ui, model.order, &listed, text, |index| format!("Feature {}", index + 1), menu);
+    let order = (&columns[..], model.order);
+    let pointed = sorted_table_ui(ui, order, &listed, text, |index| format!("Feature {}", index + 1), menu);
     (model.order, model.selected) = (pointed.order, chosen.or(pointed.selected));
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
@@ -101,8 +107,6 @@ pub(in crate::app) const ROW_HEIGHT: f32 = 18.0;
 
 /// Columns that a table can have.
 pub(in crate::app) trait SortedColumn: Copy + PartialEq + 'static {
-    /// All columns, from left to right.
-    const COLUMNS: &'static [Self];
     /// Heading.
     fn heading(self) -> &'static str;
     /// Description, with the unit.
@@ -133,11 +137,11 @@ pub(in crate::app) struct Pointed<C> {
     pub hovered: Option<usize>,
 }
 
-/// Draws the table. `text` is the content of an item's cell, `name` the item's name for screen readers, and `menu`
+/// Draws the table of `columns`, from left to right. `text` is the content of an item's cell, `name` the item's name for screen readers, and `menu`
 /// draws the menu that the secondary button opens on its row.
 pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     ui: &mut Ui,
-    order: Order<C>,
+    (columns, order): (&[C], Order<C>),
     listed: &Listed<'_>,
     text: impl Fn(C, usize) -> String,
     name: impl Fn(usize) -> String,
@@ -156,8 +160,8 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
             .cell_layout(Layout::left_to_right(Align::Center))
             .min_scrolled_height(0.0)
             .auto_shrink(false)
-            .column(TableColumn::exact(C::COLUMNS.first().map_or(0.0, |first| first.width())));
-        for column in C::COLUMNS.iter().skip(1) {
+            .column(TableColumn::exact(columns.first().map_or(0.0, |first| first.width())));
+        for column in columns.iter().skip(1) {
             table = table.column(TableColumn::remainder().at_least(column.width()));
         }
         // Scrolls to the selection once, when it was made elsewhere.
@@ -166,7 +170,7 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
         }
         table
             .header(20.0, |mut header| {
-                for &column in C::COLUMNS {
+                for &column in columns {
                     let sorted = (order.column == column).then_some(order.descending);
                     let (_, cell) = header.col(|ui| heading_ui(ui, column.heading(), sorted));
                     let label = format!("Sort by {}", column.heading());
@@ -181,7 +185,7 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
                     let index = items[row.index()];
                     row.set_selected(selected == Some(index));
                     row.set_hovered(hovered == Some(index));
-                    for &column in C::COLUMNS {
+                    for &column in columns {
                         row.col(|ui| cell_ui(ui, RichText::new(text(column, index)).monospace()));
                     }
                     let response = row.response();

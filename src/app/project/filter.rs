@@ -1,8 +1,9 @@
 //! Filter and sort order of the features, and the list that results: what the table shows, and steps through it.
 
 use crate::app::project::{Model, filter};
-use crate::app::view::{fixed, signed, signed_number};
+use crate::app::view::{fixed, number, signed, signed_number};
 use crate::detector::{Feature, Slope};
+use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::{Judged, Verdict};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -72,7 +73,16 @@ impl Filter {
     }
 }
 
-/// Columns of the table: those of the CSV, and the verdict; the most important come first.
+/// What is known of a feature beside itself.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Known<'a> {
+    /// Coherence and verdict, once they were computed.
+    pub judged: Option<&'a Judged>,
+    /// Depth that its slope means, metres; `None` without a set-up, and where no depth explains the slope.
+    pub depth_m: Option<f64>,
+}
+
+/// Columns of the table: those of the CSV, the verdict, and the depth; the most important come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Column {
@@ -105,17 +115,20 @@ pub enum Column {
     Coherence,
     /// Likely nature.
     Verdict,
+    /// Depth that the slope means.
+    Depth,
 }
 
 impl Column {
     /// All columns, from left to right.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Rank,
         Self::U,
         Self::V,
         Self::Sigma,
         Self::SlopeU,
         Self::SlopeV,
+        Self::Depth,
         Self::Snr,
         Self::Coherence,
         Self::Verdict,
@@ -143,7 +156,13 @@ impl Column {
             Self::AtSlopeLimit => "Limit",
             Self::Coherence => "Coher.",
             Self::Verdict => "Verdict",
+            Self::Depth => "Depth",
         }
+    }
+
+    /// The columns, from left to right; depths only where slopes are read as depths.
+    pub fn shown(with_depths: bool) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |column| with_depths || *column != Self::Depth)
     }
 
     /// Description of the column's values, with their unit.
@@ -164,6 +183,7 @@ impl Column {
             Self::Verdict => {
                 "Likely real, a ghost of another motion, an alias of a periodic texture, a duplicate, or unclear"
             }
+            Self::Depth => "Depth that the slope means by the set-up, in metres; – where none explains it",
             Self::Octave => "Octave in which it was found; −1 is the doubled image",
             Self::Level => "Level within the octave",
             Self::AtSlopeLimit => {
@@ -172,8 +192,8 @@ impl Column {
         }
     }
 
-    /// The value by which the column sorts; `judged` is what is known of the feature. What is not known is greatest.
-    pub fn value(self, index: usize, feature: &Feature, judged: Option<&Judged>) -> f32 {
+    /// The value by which the column sorts. What is not known is greatest.
+    pub fn value(self, index: usize, feature: &Feature, known: Known<'_>) -> f32 {
         match self {
             Self::Rank => index as f32,
             Self::U => feature.u,
@@ -187,13 +207,14 @@ impl Column {
             Self::Octave => feature.octave as f32,
             Self::Level => feature.level as f32,
             Self::AtSlopeLimit => f32::from(u8::from(feature.at_slope_limit)),
-            Self::Coherence => judged.and_then(|judged| judged.coherence).unwrap_or(f32::INFINITY),
-            Self::Verdict => judged.map_or(f32::INFINITY, |judged| judged.verdict as u8 as f32),
+            Self::Depth => known.depth_m.map_or(f32::INFINITY, |metres| metres as f32),
+            Self::Coherence => known.judged.and_then(|judged| judged.coherence).unwrap_or(f32::INFINITY),
+            Self::Verdict => known.judged.map_or(f32::INFINITY, |judged| judged.verdict as u8 as f32),
         }
     }
 
-    /// The value as the table shows it; `judged` is what is known of the feature.
-    pub fn text(self, index: usize, feature: &Feature, judged: Option<&Judged>) -> String {
+    /// The value as the table shows it.
+    pub fn text(self, index: usize, feature: &Feature, known: Known<'_>) -> String {
         match self {
             Self::Rank => (index + 1).to_string(),
             Self::U => fixed(feature.u, 2),
@@ -207,19 +228,25 @@ impl Column {
             Self::Octave => feature.octave.to_string(),
             Self::Level => feature.level.to_string(),
             Self::AtSlopeLimit => if feature.at_slope_limit { "yes" } else { "" }.to_owned(),
-            Self::Coherence => match judged {
+            Self::Depth => depth_text(known.depth_m),
+            Self::Coherence => match known.judged {
                 Some(judged) => judged.coherence.map_or_else(|| "?".to_owned(), |c| format!("{c:.2}")),
                 None => "…".to_owned(),
             },
-            Self::Verdict => judged.map_or("…", |judged| judged.verdict.word()).to_owned(),
+            Self::Verdict => known.judged.map_or("…", |judged| judged.verdict.word()).to_owned(),
         }
     }
 }
 
-/// Indices of the features that pass the filter at `slope`, sorted by `order`; `judged` is what is known of them.
+/// A depth in metres for people; – where no depth is known.
+pub fn depth_text(depth_m: Option<f64>) -> String {
+    depth_m.map_or_else(|| "–".to_owned(), |metres| number(metres as f32, 3))
+}
+
+/// Indices of the features that pass the filter at `slope`, sorted by `order`; `judged` and `set_up` say more of them.
 pub fn listed(
     features: &[Feature],
-    judged: Option<&[Judged]>,
+    (judged, set_up): (Option<&[Judged]>, Option<&SetUp>),
     filter: &Filter,
     slope: crate::detector::Slope,
     order: Order<Column>,
@@ -227,7 +254,9 @@ pub fn listed(
     let of = |index: usize| judged.and_then(|judged| judged.get(index));
     let mut indices: Vec<usize> = (0..features.len()).filter(|&i| filter.passes(&features[i], of(i), slope)).collect();
     indices.sort_by(|&a, &b| {
-        let value = |index: usize| order.column.value(index, &features[index], of(index));
+        let depth = |index: usize| set_up.and_then(|set_up| set_up.depth_at(features[index].slope));
+        let known = |index: usize| Known { judged: of(index), depth_m: depth(index) };
+        let value = |index: usize| order.column.value(index, &features[index], known(index));
         let by = value(a).total_cmp(&value(b));
         let by = if order.descending { by.reverse() } else { by };
         by.then(a.cmp(&b))
@@ -243,6 +272,7 @@ pub(crate) struct ListedFor {
     filter: Filter,
     order: Order<Column>,
     slope: Slope,
+    set_up: Option<SetUp>,
 }
 
 impl Model {
@@ -262,11 +292,12 @@ impl Model {
             filter: self.filter,
             order: self.order,
             slope,
+            set_up: self.set_up.depths_by().copied(),
         };
         if self.listed_for.as_ref() != Some(&now) {
             self.listed = filter::listed(
                 &found.detection.features,
-                judged.map(|judged| &judged[..]),
+                (judged.map(|judged| &judged[..]), self.set_up.depths_by()),
                 &self.filter,
                 slope,
                 self.order,
@@ -354,20 +385,33 @@ mod tests {
         let mut filter = Filter::default();
         assert!(filter.is_open());
         let order = Order::default().clicked(Column::U);
-        assert_eq!(listed(&features, None, &filter, slope, order), [1, 2, 0]);
-        assert_eq!(listed(&features, None, &filter, slope, order.clicked(Column::U)), [0, 2, 1]);
+        assert_eq!(listed(&features, (None, None), &filter, slope, order), [1, 2, 0]);
+        assert_eq!(listed(&features, (None, None), &filter, slope, order.clicked(Column::U)), [0, 2, 1]);
         filter.sigma = Some(Interval { min: 3.0, max: 9.0 });
-        assert_eq!(listed(&features, None, &filter, slope, Order::default()), [1, 2]);
+        assert_eq!(listed(&features, (None, None), &filter, slope, Order::default()), [1, 2]);
         filter.hide_slope_limit = true;
-        assert_eq!(listed(&features, None, &filter, slope, Order::default()), [1]);
+        assert_eq!(listed(&features, (None, None), &filter, slope, Order::default()), [1]);
         let near = Filter { near_slope: Some(0.5), ..Filter::default() };
-        assert_eq!(listed(&features, None, &near, slope, Order::default()), [0]);
+        assert_eq!(listed(&features, (None, None), &near, slope, Order::default()), [0]);
+    }
+
+    #[test]
+    fn depths_sort_the_features_and_unknown_ones_come_last() {
+        let features = [feature(5.0, 2.0, -2.5), feature(1.0, 4.0, 2.0), feature(3.0, 8.0, -20.0)];
+        let order = Order::default().clicked(Column::Depth);
+        let default = SetUp::default();
+        let sorted = |set_up| listed(&features, (None, set_up), &Filter::default(), Slope::default(), order);
+        assert_eq!(sorted(Some(&default)), [2, 0, 1]);
+        assert_eq!(sorted(None), [0, 1, 2], "without a set-up no depth is known");
+        let known = Known { depth_m: SetUp::default().depth_at(features[0].slope), ..Known::default() };
+        assert_eq!(Column::Depth.text(0, &features[0], known), "8");
+        assert!(Column::shown(true).eq(Column::ALL) && Column::shown(false).all(|column| column != Column::Depth));
     }
 
     #[test]
     fn a_response_of_a_dark_burst_is_not_nought() {
         let dark = Feature { response: -0.000_021_7, ..feature(5.0, 2.0, 3.0) };
-        assert_eq!(Column::Response.text(0, &dark, None), "−2.17e−5");
+        assert_eq!(Column::Response.text(0, &dark, Known::default()), "−2.17e−5");
     }
 
     #[test]
@@ -375,7 +419,7 @@ mod tests {
         let feature = feature(5.0, 2.0, 3.0);
         for column in Column::ALL {
             assert!(!column.heading().is_empty() && !column.help().is_empty());
-            assert!(!column.text(0, &feature, None).is_empty(), "{column:?}");
+            assert!(!column.text(0, &feature, Known::default()).is_empty(), "{column:?}");
         }
     }
 }

@@ -12,6 +12,7 @@ use crate::inspect::recover::{Planted, RecoverReport, RecoverStudy};
 use crate::inspect::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyPoint, StudyReport};
 use crate::requests::{BurstSource, JobError, StudyRequest};
 use crate::synth::{ChartParams, NoisyParams};
+use std::collections::BTreeSet;
 
 /// A study and its report so far.
 #[derive(Debug, Clone)]
@@ -68,6 +69,8 @@ pub struct Lab {
     pub kept: Vec<KeptCurves>,
     /// The ratio whose ROC curves are shown, as an index of the rows.
     pub roc_row: usize,
+    /// Names of the curves that are hidden.
+    pub hidden: BTreeSet<String>,
     /// The point that is looked at.
     pub selected: Option<(LabSet, StudyPoint)>,
     /// The seed of the chart that is looked at, counted from the study's first one.
@@ -106,6 +109,7 @@ impl Default for Lab {
             current: None,
             kept: Vec::new(),
             roc_row: 0,
+            hidden: BTreeSet::new(),
             selected: None,
             selected_chart: 0,
             all_detected: false,

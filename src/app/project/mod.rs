@@ -24,6 +24,7 @@ pub mod panes;
 mod pictures;
 pub mod prices;
 pub mod probe;
+pub mod set_up;
 pub mod side;
 pub mod slot;
 pub mod trajectories;
@@ -40,7 +41,6 @@ use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, SearchParams, SlopeChoice};
 use crate::engine::Wanted;
 use crate::figures::FiguresJob;
-use crate::inspect::set_up::SetUp;
 use crate::requests::{Picture, PictureRequest};
 use compare::Compare;
 use datasets::Datasets;
@@ -53,6 +53,7 @@ use messages::Messages;
 use pair::PairState;
 use probe::ProbeModel;
 use serde::{Deserialize, Serialize};
+use set_up::SetUpState;
 use side::{Side, Sides};
 use slot::Slot;
 use std::collections::HashMap;
@@ -160,8 +161,8 @@ pub struct Model {
     pub trajectories: Trajectories,
     /// Studies of charts.
     pub lab: lab::Lab,
-    /// Camera and scene from which slopes are computed.
-    pub set_up: SetUp,
+    /// Camera and scene, from which slopes are computed and by which slopes are read as depths.
+    pub set_up: SetUpState,
     play: panes::Play,
     set_explicitly: panes::SetExplicitly,
     listed_for: Option<filter::ListedFor>,

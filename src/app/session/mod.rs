@@ -24,6 +24,7 @@ use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model, SavedSelection};
 use crate::burst::OpenOptions;
 use crate::detector::SearchParams;
+use crate::inspect::set_up::SetUp;
 use crate::requests::BurstSource;
 use saved::{
     MethodsBefore, absolute, absolute_calibration, gold_source, saved_against, saved_dataset, saved_trajectories,
@@ -48,6 +49,9 @@ pub struct Session {
     /// Property by which features are coloured.
     #[serde(default)]
     pub colour_by: ColourBy,
+    /// Set-up of camera and scene by which slopes are read as depths, if they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depths_by: Option<SetUp>,
     /// The tab below the picture.
     #[serde(default)]
     pub bottom_tab: BottomTab,
@@ -123,6 +127,7 @@ impl Session {
             burst: absolute(&burst.source),
             calibration: absolute_calibration(&model.calibration),
             colour_by: model.colour_by,
+            depths_by: model.set_up.depths_by().copied(),
             bottom_tab: model.bottom_tab,
             detected: model.slots.a.found.is_some(),
             params: model.asked(),
@@ -217,6 +222,7 @@ impl Session {
         model.filter = self.filter;
         model.order = self.order;
         model.colour_by = self.colour_by;
+        model.set_up = model.set_up.reading_by(self.depths_by);
         model.bottom_tab = self.bottom_tab;
         model.workspace = self.workspace;
         model.compare.look = self.methods.clone().sanitised();

@@ -30,11 +30,13 @@ pub enum ColourBy {
     Limit,
     /// Evenness of the frames' responses along its motion, 0 … 1; known once it was computed.
     Coherence,
+    /// The depth that the slope means, in logarithmic steps; known with the set-up of camera and scene.
+    Depth,
 }
 
 impl ColourBy {
     /// All choices, in the order of a picker.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::SlopeDirection,
         Self::SlopeU,
         Self::SlopeV,
@@ -43,7 +45,13 @@ impl ColourBy {
         Self::Snr,
         Self::Limit,
         Self::Coherence,
+        Self::Depth,
     ];
+
+    /// The choices, in the order of a picker; depths only where slopes are read as depths.
+    pub fn choices(with_depths: bool) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |by| with_depths || *by != Self::Depth)
+    }
 
     /// Name, in sentence case.
     pub fn name(self) -> &'static str {
@@ -56,6 +64,7 @@ impl ColourBy {
             Self::Snr => "SNR",
             Self::Limit => "Slope limit",
             Self::Coherence => "Coherence",
+            Self::Depth => "Depth",
         }
     }
 
@@ -67,6 +76,7 @@ impl ColourBy {
             Self::Response => "of full scale",
             Self::Snr => "σ",
             Self::Limit | Self::Coherence => "",
+            Self::Depth => "m",
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::app::view::ColourBy;
 use crate::detector::feature::Feature;
 use crate::detector::{SlopeAxis, SlopeGrid};
+use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 use crate::plane::display::{ColourMap, direction_colour};
 use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
@@ -25,6 +26,8 @@ pub struct ColourScale {
     table: Vec<Color32>,
     /// Coherence of each feature, where known; for [`ColourBy::Coherence`].
     coherences: Option<Arc<Vec<Judged>>>,
+    /// Set-up of camera and scene, where known; for [`ColourBy::Depth`].
+    set_up: Option<SetUp>,
 }
 
 /// Colour of features whose quantity is not known.
@@ -50,6 +53,7 @@ impl ColourScale {
             ColourBy::Scale => range(|f| f.sigma).unwrap_or((1.0, 16.0)),
             ColourBy::Snr => range(|f| f.snr).unwrap_or((1.0, 100.0)),
             ColourBy::Limit | ColourBy::Coherence => (0.0, 1.0),
+            ColourBy::Depth => (1.0, 10.0),
             ColourBy::Response => {
                 let limit = range(|f| f.response.abs()).map_or(0.1, |r| r.1);
                 (-limit, limit)
@@ -61,7 +65,7 @@ impl ColourScale {
     /// Creates a scale over a given range; an empty range is widened.
     pub fn with_range(by: ColourBy, min: f32, max: f32) -> Self {
         let (min, max) = match by {
-            ColourBy::Scale | ColourBy::Snr => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
+            ColourBy::Scale | ColourBy::Snr | ColourBy::Depth => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
             ColourBy::SlopeDirection => (0.0, if max > 0.0 { max } else { 1.0 }),
             ColourBy::SlopeU | ColourBy::SlopeV if max <= min => (min - 0.5, min + 0.5),
             _ => (min, if max > min { max } else { min + 1e-6 }),
@@ -75,7 +79,7 @@ impl ColourScale {
                 Color32::from_rgb(r, g, b)
             })
             .collect();
-        Self { by, min, max, line_deg: None, table, coherences: None }
+        Self { by, min, max, line_deg: None, table, coherences: None, set_up: None }
     }
 
     fn of_line(self) -> Self {
@@ -99,10 +103,23 @@ impl ColourScale {
         Self { coherences: coherences.cloned(), ..self }
     }
 
+    /// Adds the set-up that gives the depths, whose range the colours then span. Without it all features are grey when
+    /// their colour shows the depth.
+    #[must_use]
+    pub fn with_set_up(self, set_up: Option<&SetUp>) -> Self {
+        let Some(set_up) = set_up.filter(|_| self.by == ColourBy::Depth) else { return self };
+        let [near, far] = set_up.depth_m.map(|metres| metres as f32);
+        Self { set_up: Some(*set_up), ..Self::with_range(self.by, near, far) }
+    }
+
     /// Whether some features are grey, because their quantity is not known.
     pub fn has_unknown(&self) -> bool {
         let is_unknown = |values: &Arc<Vec<Judged>>| values.iter().any(|judged| judged.coherence.is_none());
-        self.by == ColourBy::Coherence && self.coherences.as_ref().is_none_or(is_unknown)
+        match self.by {
+            ColourBy::Coherence => self.coherences.as_ref().is_none_or(is_unknown),
+            ColourBy::Depth => self.set_up.is_none(),
+            _ => false,
+        }
     }
 
     /// Colour of `feature`, whose index is `index`.
@@ -127,6 +144,10 @@ impl ColourScale {
                 let value = self.coherences.as_ref().and_then(|values| values.get(index)?.coherence);
                 value.map_or(UNKNOWN, |value| self.along(value))
             }
+            ColourBy::Depth => {
+                let metres = self.set_up.as_ref().and_then(|set_up| set_up.depth_at(feature.slope));
+                metres.map_or(UNKNOWN, |metres| self.along(metres as f32))
+            }
         }
     }
 
@@ -137,7 +158,7 @@ impl ColourScale {
 
     /// Colour of a value.
     pub fn along(&self, value: f32) -> Color32 {
-        let t = if matches!(self.by, ColourBy::Scale | ColourBy::Snr) {
+        let t = if matches!(self.by, ColourBy::Scale | ColourBy::Snr | ColourBy::Depth) {
             (value.max(1e-6) / self.min).ln() / (self.max / self.min).ln()
         } else {
             (value - self.min) / (self.max - self.min)
@@ -258,7 +279,7 @@ fn map_of(by: ColourBy) -> (ColourMap, f32, f32) {
         ColourBy::SlopeDirection | ColourBy::SlopeU | ColourBy::SlopeV | ColourBy::Response | ColourBy::Limit => {
             (ColourMap::Turbo, 0.08, 0.92)
         }
-        ColourBy::Scale | ColourBy::Snr => (ColourMap::Magma, 0.45, 1.0),
+        ColourBy::Scale | ColourBy::Snr | ColourBy::Depth => (ColourMap::Magma, 0.45, 1.0),
         // Uneven responses stand out in red; most features are at the other end, which is light enough for a dark
         // picture.
         ColourBy::Coherence => (ColourMap::Turbo, 0.92, 0.25),
@@ -283,7 +304,7 @@ mod tests {
         assert_eq!(ColourScale::of(ColourBy::Scale, &features, &PLANE).min, 2.0);
         assert_eq!(ColourScale::of(ColourBy::Response, &features, &PLANE).min, -0.1);
         for by in ColourBy::ALL {
-            let scale = ColourScale::of(by, &features, &PLANE);
+            let scale = ColourScale::of(by, &features, &PLANE).with_set_up(Some(&SetUp::default()));
             // The two features have this quantity in common.
             if matches!(by, ColourBy::SlopeV | ColourBy::Snr | ColourBy::Limit | ColourBy::Coherence) {
                 assert_eq!(scale.colour(0, &features[0]), scale.colour(1, &features[1]));
@@ -323,6 +344,18 @@ mod tests {
         assert_eq!((low, high), (some.along(0.2), some.along(0.9)));
         let all = scale.with_coherences(Some(&Arc::new(vec![judged(Some(1.0)); 3])));
         assert!(!all.has_unknown() && !ColourScale::of(ColourBy::Snr, &features, &PLANE).has_unknown());
+    }
+
+    #[test]
+    fn depths_follow_the_set_up_and_impossible_ones_are_grey() {
+        let near_far_none = [(-20.0, 0.0), (-2.5, 0.0), (1.0, 0.0)].map(|slope| feature(0.0, 0.0, 2.0, slope, 0.1));
+        let scale = ColourScale::of(ColourBy::Depth, &near_far_none, &PLANE);
+        let colours = |scale: &ColourScale| [0, 1, 2].map(|i| scale.colour(i, &near_far_none[i]));
+        assert!(scale.has_unknown() && colours(&scale) == [UNKNOWN; 3]);
+        // 0.5 m/s at 30 frames per second and 1200 px: 20 px/frame at 1 m, 2.5 px/frame at 8 m.
+        let scale = scale.with_set_up(Some(&SetUp::default()));
+        assert_eq!((scale.min, scale.max), (1.0, 8.0));
+        assert_eq!(colours(&scale), [scale.along(1.0), scale.along(8.0), UNKNOWN]);
     }
 
     #[test]

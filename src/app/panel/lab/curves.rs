@@ -6,8 +6,9 @@ use crate::app::project::lab::{Lab, LabResult, LabSet};
 use crate::evaluate::curves::{StudyCurve, StudyCurvePoint, StudyPlot};
 use crate::inspect::study::StudyPoint;
 use crate::inspect::words::number;
-use egui::{Color32, Pos2, RichText, Ui, vec2};
-use egui_plot::{Corner, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Points};
+use egui::{Color32, Label, Pos2, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
+use egui_plot::{Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Points};
+use std::collections::BTreeSet;
 
 /// Maximum distance of the pointer from a point, in points of the window.
 const REACH_UI: f32 = 14.0;
@@ -29,7 +30,7 @@ pub fn curves_ui(ui: &mut Ui, lab: &mut Lab) {
     let (summary, is_whole) = (first.report.summary(), first.is_whole);
     let rows = first.report.roc_rows();
     let row_label = rows.get(lab.roc_row).or(rows.last()).cloned();
-    let plots = merged(&results, row_label.as_deref());
+    let mut plots = merged(&results, row_label.as_deref());
     let selected = lab.selected;
     let mut chosen_row = None;
     ui.horizontal(|ui| {
@@ -47,6 +48,11 @@ pub fn curves_ui(ui: &mut Ui, lab: &mut Lab) {
             }
         });
     }
+    let hidden = &mut lab.hidden;
+    legend_ui(ui, &plots, hidden);
+    for (.., curves) in &mut plots {
+        curves.retain(|one| !hidden.contains(&one.name));
+    }
     let mut pointed = None;
     let (width, height) = (ui.available_width(), ui.available_height());
     ui.horizontal_top(|ui| {
@@ -59,9 +65,7 @@ pub fn curves_ui(ui: &mut Ui, lab: &mut Lab) {
                 let each = height / group.len().max(1) as f32;
                 for (title, plot, curves) in group {
                     let size = vec2(column, (each - 26.0).max(80.0));
-                    // Plots of the same curves share the legend of the first.
-                    let has_legend = index == 0 || !names(curves).eq(names(&plots[0].2));
-                    if let Some(found) = plot_ui(ui, title, plot, curves, selected, size, has_legend) {
+                    if let Some(found) = plot_ui(ui, title, plot, curves, selected, size) {
                         pointed = Some(found);
                     }
                 }
@@ -77,8 +81,32 @@ pub fn curves_ui(ui: &mut Ui, lab: &mut Lab) {
     }
 }
 
-fn names(curves: &[Drawn]) -> impl Iterator<Item = &str> {
-    curves.iter().map(|one| one.name.as_str())
+/// Draws the legend of all plots above them, where it covers no curve; a click hides or shows the curves of a name.
+fn legend_ui(ui: &mut Ui, plots: &[(String, StudyPlot, Vec<Drawn>)], hidden: &mut BTreeSet<String>) {
+    let mut shown = BTreeSet::new();
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for one in plots.iter().flat_map(|(.., curves)| curves).filter(|one| shown.insert(&one.name)) {
+            let (is_hidden, colour) = (hidden.contains(&one.name), curve_colour(ui, one.curve.colour));
+            let colour = if is_hidden { colour.gamma_multiply(0.3) } else { colour };
+            let (rect, _) = ui.allocate_exact_size(vec2(20.0, 12.0), Sense::hover());
+            let ends = [rect.left_center(), rect.right_center()];
+            let stroke = Stroke::new(2.0, colour);
+            ui.painter().extend(match one.set {
+                LabSet::Current => vec![Shape::line_segment(ends, stroke)],
+                LabSet::Kept(_) => Shape::dashed_line(&ends, stroke, 4.0, 3.0),
+            });
+            let text = RichText::new(&one.name).small();
+            let text = if is_hidden { text.weak() } else { text };
+            let entry = ui.add(Label::new(text).selectable(false).sense(Sense::click()));
+            let help = if is_hidden { "Show this curve" } else { "Hide this curve" };
+            entry.widget_info(|| WidgetInfo::labeled(Role::CheckBox, true, format!("Curve {}", one.name)));
+            if entry.on_hover_text(help).clicked() && !hidden.remove(&one.name) {
+                hidden.insert(one.name.clone());
+            }
+            ui.add_space(8.0);
+        }
+    });
 }
 
 fn empty_ui(ui: &mut Ui) {
@@ -137,13 +165,12 @@ fn plot_ui(
     curves: &[Drawn],
     selected: Option<(LabSet, StudyPoint)>,
     size: egui::Vec2,
-    has_legend: bool,
 ) -> Option<(LabSet, StudyPoint, bool)> {
     ui.horizontal(|ui| {
         ui.label(RichText::new(title).small().strong());
         ui.add(egui::Label::new(RichText::new(plot.spread).small().weak()).truncate());
     });
-    let mut widget = Plot::new(("lab", title))
+    let widget = Plot::new(("lab", title))
         .width(size.x)
         .height(size.y)
         .allow_zoom(false)
@@ -157,9 +184,6 @@ fn plot_ui(
         .x_axis_label(plot.x_label)
         .y_axis_label(plot.y_label.as_str())
         .label_formatter(|_| None);
-    if has_legend {
-        widget = widget.legend(Legend::default().position(Corner::RightBottom));
-    }
     let colours: Vec<Color32> = curves.iter().map(|one| curve_colour(ui, one.curve.colour)).collect();
     let drawn = widget.show(ui, |area| {
         for (one, &colour) in curves.iter().zip(&colours) {

@@ -8,12 +8,20 @@ use crate::inspect::texture::dirichlet;
 use crate::plane::display::ColourMap;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
-/// Draws the chart in a space of `height` points; `here` is the slope of the cursor.
-pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
+/// Slopes that are marked on the chart.
+pub(super) struct Marks {
+    /// Slope of the cursor.
+    pub here: Slope,
+    /// Slopes of the nearest and the farthest things by the set-up, while it is in use.
+    pub expected: Option<[Slope; 2]>,
+}
+
+/// Draws the chart in a space of `height` points.
+pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     if spectrum.grid.is_plane() {
-        plane_ui(ui, spectrum, height);
+        plane_ui(ui, spectrum, marks, height);
     } else {
-        line_ui(ui, spectrum, here, height);
+        line_ui(ui, spectrum, marks, height);
     }
 }
 
@@ -50,9 +58,9 @@ pub(in crate::app::panel) fn bar_text(bar: &SlopeBar) -> String {
 }
 
 /// Draws bars: features above the line, evidence below it.
-fn line_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
+fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     let bars = on_line(spectrum);
-    key_ui(ui);
+    key_ui(ui, marks);
     let size = vec2(ui.available_width(), (height - 32.0).clamp(60.0, 300.0));
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter_at(rect);
@@ -91,11 +99,23 @@ fn line_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
     }
     painter.hline(inner.x_range(), axis, Stroke::new(1.0, ui.visuals().weak_text_color()));
     labels(ui, &painter, &bars, middle, rect);
-    let (i, j) = spectrum.grid.position(here);
-    let along = if spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1 { j } else { i };
-    let x = middle(along);
+    let is_second = spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1;
+    let place = |slope: Slope| {
+        let (i, j) = spectrum.grid.position(slope);
+        middle(if is_second { j } else { i })
+    };
+    let x = place(marks.here);
     if inner.x_range().contains(x) {
         painter.vline(x, inner.y_range(), Stroke::new(1.5, ui.visuals().strong_text_color()));
+    }
+    if let Some([near, far]) = marks.expected.map(|ends| ends.map(place)) {
+        // A band along the top, cut where the chart ends.
+        let range = inner.x_range();
+        let (low, high) = (near.min(far).max(range.min), near.max(far).min(range.max));
+        if low <= high {
+            let band = Rect::from_x_y_ranges(low - 1.0..=high + 1.0, inner.top() - 4.0..=inner.top() - 1.0);
+            painter.rect_filled(band, 1.0, expected_colour(ui));
+        }
     }
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Features and evidence by slope"));
     let pointed = response.hover_pos().map(|pos| first + ((pos.x - inner.left()) / cell).floor() as i64);
@@ -106,8 +126,13 @@ fn line_ui(ui: &mut Ui, spectrum: &Spectrum, here: Slope, height: f32) {
     };
 }
 
+/// Colour of the slopes that the set-up predicts.
+fn expected_colour(ui: &Ui) -> Color32 {
+    ui.visuals().hyperlink_color
+}
+
 /// Draws the key to the colours.
-fn key_ui(ui: &mut Ui) {
+fn key_ui(ui: &mut Ui, marks: &Marks) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let keys = [
@@ -115,7 +140,9 @@ fn key_ui(ui: &mut Ui) {
             (style::warning(ui), "at the limit", "Features whose response still rises beyond the searched slopes"),
             (evidence_colour(ui), "evidence", "What the frames have in common at each slope, before any threshold"),
         ];
-        for (colour, text, tip) in keys {
+        let set_up =
+            (expected_colour(ui), "set-up", "Slopes of things between the nearest and the farthest, by the set-up");
+        for (colour, text, tip) in keys.into_iter().chain(marks.expected.map(|_| set_up)) {
             crate::app::panel::widgets::dot_ui(ui, colour);
             ui.label(RichText::new(text).small()).on_hover_text(tip);
             ui.add_space(6.0);
@@ -137,7 +164,7 @@ fn labels(ui: &Ui, painter: &Painter, bars: &[(i64, &SlopeBar)], middle: impl Fn
 }
 
 /// Draws cells: features on the left, evidence on the right; a frame around the searched slopes.
-fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, height: f32) {
+fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     let range = |axis: usize| {
         spectrum.bars.iter().map(|bar| bar.at[axis]).fold((i64::MAX, i64::MIN), |(a, b), x| (a.min(x), b.max(x)))
     };
@@ -170,6 +197,14 @@ fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, height: f32) {
                 let last = cell(grid.u.count as i64 - 1, grid.v.count as i64 - 1);
                 let searched = Rect::from_min_max(cell(0, 0).min, last.max);
                 painter.rect_stroke(searched, 0.0, Stroke::new(1.5, style::warning(ui)), StrokeKind::Inside);
+                if let Some(ends) = marks.expected {
+                    let place = |slope: Slope| {
+                        let (i, j) = grid.position(slope);
+                        rect.min + side * vec2(i - i0 as f32 + 0.5, j - j0 as f32 + 0.5)
+                    };
+                    let inside = ui.painter_at(rect);
+                    inside.line_segment(ends.map(place), Stroke::new(2.0, expected_colour(ui)));
+                }
                 let label = format!("{name} by slope");
                 response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &label));
                 let at = response.hover_pos().map(|pos| {
@@ -182,7 +217,8 @@ fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, height: f32) {
             });
         }
     });
-    ui.label(RichText::new("right: u, down: v; framed: the slopes searched").small().weak());
+    let line = if marks.expected.is_some() { "; line: the set-up" } else { "" };
+    ui.label(RichText::new(format!("right: u, down: v; framed: the slopes searched{line}")).small().weak());
 }
 
 /// Draws the response to a periodic texture at slopes beside its own.

@@ -44,7 +44,8 @@ pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
         let width = CHART_WIDTH.min(0.55 * ui.available_width());
         ui.allocate_ui_with_layout(vec2(width, height), Layout::top_down(Align::Min), |ui| {
             ui.set_width(width);
-            chart::chart_ui(ui, &spectrum, model.cursor().slope, height);
+            let marks = chart::Marks { here: model.cursor().slope, expected: set_up::expected(model) };
+            chart::chart_ui(ui, &spectrum, &marks, height);
         });
         ui.vertical(|ui| advice_list_ui(ui, model, &spectrum));
     });

@@ -122,7 +122,8 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
         model.coherence.of(&found.detection)?.get(index).cloned()
     });
     let scale = overlay::ColourScale::of(model.colour_by, &detection.features, &detection.slopes)
-        .with_coherences(coherence.map(|value| Arc::new(vec![value])).as_ref());
+        .with_coherences(coherence.map(|value| Arc::new(vec![value])).as_ref())
+        .with_set_up(model.set_up.depths_by());
     let style = overlay::OverlayStyle {
         selected: Some(0),
         motion: model.look.motion_vectors,

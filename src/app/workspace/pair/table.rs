@@ -14,8 +14,6 @@ use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
 impl SortedColumn for MatchColumn {
-    const COLUMNS: &'static [Self] = &Self::ALL;
-
     fn heading(self) -> &'static str {
         Self::heading(self)
     }
@@ -54,7 +52,14 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<usi
             chosen = Some(index);
         }
     };
-    let pointed = sorted_table_ui(ui, pair.order, &listed, text, |index| format!("Match {}", index + 1), menu);
+    let pointed = sorted_table_ui(
+        ui,
+        (&MatchColumn::ALL[..], pair.order),
+        &listed,
+        text,
+        |index| format!("Match {}", index + 1),
+        menu,
+    );
     (pair.order, pair.selected) = (pointed.order, chosen.or(pointed.selected));
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
