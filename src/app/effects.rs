@@ -8,6 +8,7 @@ use super::window::BurstscopeApp;
 use crate::app::project::Effect;
 use crate::app::project::effect::Purpose;
 use crate::app::project::side::Side;
+use crate::requests::BurstSource;
 use crate::teach::Lesson;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -101,6 +102,9 @@ impl BurstscopeApp {
         let Self { model, engine, .. } = self;
         let Some(first) = paths.first() else { return };
         match purpose {
+            Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => {
+                self.restoring.open(BurstSource::Paths(paths), model, engine);
+            }
             Purpose::OpenBias => self.overlays.calibration_draft(&model.calibration).bias = Some(first.clone()),
             Purpose::OpenFlat => self.overlays.calibration_draft(&model.calibration).flat = Some(first.clone()),
             Purpose::OpenLessons => self.lessons.open_at(first, model),

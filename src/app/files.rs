@@ -4,7 +4,7 @@
 
 use super::dialogs::Question;
 use super::session::Session;
-use crate::app::figure::{drawing_of, rasterise};
+use crate::app::figure::{drawing_of, film_of, rasterise};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
 use crate::app::pane::KindOfPicture;
@@ -17,17 +17,17 @@ use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
-use crate::detector::{SearchParams, SlopeAxis};
+use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::{curves_csv, curves_svg};
-use crate::export::case::{Case, is_case, read_about, write_case};
-use crate::export::film::{FilmFormat, write_film};
+use crate::export::case::{Case, Enclosed, write_case};
+use crate::export::film::FilmFormat;
 use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::to_rgba8;
-use crate::requests::{BurstSource, Film, MAX_FILM_PICTURES, Picture, Sweep};
+use crate::requests::{BurstSource, Picture};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -137,12 +137,6 @@ pub(super) fn purpose_of_dropped(
 pub(super) fn use_files(purpose: Purpose, paths: Vec<PathBuf>, model: &mut Model, engine: &Engine) {
     let Some(first) = paths.first().cloned() else { return };
     match purpose {
-        Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => {
-            if paths.len() == 1 && is_case(&first) {
-                take_case(&first, model);
-            }
-            model.open(Side::A, BurstSource::Paths(paths), engine);
-        }
         Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
             model.open(Side::B, BurstSource::Paths(paths), engine);
         }
@@ -162,23 +156,16 @@ pub(super) fn use_files(purpose: Purpose, paths: Vec<PathBuf>, model: &mut Model
             model.bottom_tab = BottomTab::Compared;
         }
         Purpose::LoadParams => load_params(&first, model),
-        Purpose::OpenBias
+        Purpose::OpenFolder
+        | Purpose::OpenFiles
+        | Purpose::OpenPath
+        | Purpose::OpenBias
         | Purpose::OpenFlat
         | Purpose::OpenLessons
         | Purpose::RestoreSession
         | Purpose::SaveSession
         | Purpose::SaveParams
         | Purpose::Export(_) => {}
-    }
-}
-
-/// Takes the search of a case that is about to be opened, and probes its place then.
-fn take_case(path: &Path, model: &mut Model) {
-    // A case that cannot be read is reported when it is opened.
-    if let Ok(case) = read_about(path) {
-        model.set_search(case.search);
-        let source = BurstSource::Paths(vec![path.to_owned()]);
-        model.lab.probe_when_open = case.place.map(|place| (source, place));
     }
 }
 
@@ -207,11 +194,6 @@ pub(super) fn may_replace(path: &Path, model: &Model) -> OutputRules {
 pub(super) fn write(purpose: Purpose, path: PathBuf, model: &mut Model, widgets: &PaneWidgets, engine: &Engine) {
     let rules = may_replace(&path, model);
     let prepared = prepare(purpose, model, widgets);
-    if matches!(purpose, Purpose::Export(ExportKind::FilmGif | ExportKind::FilmApng))
-        && let Some(note) = film_note(model)
-    {
-        model.messages.note(note);
-    }
     match rules.check(&path).map_err(|e| e.to_string()).and(prepared) {
         Ok(work) => {
             model.messages.resolved(purpose.title());
@@ -250,12 +232,9 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(curves_svg(&shown_plots(&model.lab)))),
         Purpose::Export(ExportKind::Case) => case_work(model),
         Purpose::Export(kind @ (ExportKind::FilmGif | ExportKind::FilmApng)) => {
-            let film = film_of(model).ok_or("there is no burst; open one first")?;
+            let (film, rate) = film_of(model, widgets)?;
             let format = if kind == ExportKind::FilmGif { FilmFormat::Gif } else { FilmFormat::Apng };
-            Ok(Box::new(move |path| {
-                let pictures = film.pictures(&Monitor::default()).map_err(|e| e.to_string())?;
-                write_film(path, format, &pictures, FILM_RATE, &Monitor::default()).map_err(|e| e.to_string())
-            }))
+            Ok(Box::new(move |path| film.write(path, format, rate)))
         }
         Purpose::Export(kind @ (ExportKind::Svg | ExportKind::FigurePng)) => figure_work(model, widgets, kind),
         Purpose::Export(kind) => picture_work(model, kind),
@@ -267,7 +246,7 @@ fn text_work(text: String) -> Work {
     Box::new(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string()))
 }
 
-/// Writes the open burst with the search, and the place that is probed in it.
+/// Writes the open burst with the search, the place that is probed in it, the session, and its truth.
 fn case_work(model: &Model) -> Result<Work, String> {
     let open = model.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
     let is_of_a = model.probe.side == Side::A;
@@ -275,40 +254,13 @@ fn case_work(model: &Model) -> Result<Work, String> {
     let answer = model.probe.answer.as_ref().filter(|_| place.is_some());
     let note = answer.map_or_else(String::new, |answer| answer.probe.summary.clone());
     let search = model.asked();
+    let session = Session::of(model).map(|session| session.for_case().to_toml());
     Ok(Box::new(move |path| {
         let (case, burst) = Case::of(&open.burst, &search, place, None, &note);
-        write_case(path, &case, &burst, &Monitor::default()).map_err(|e| e.to_string())
+        let truth = open.truth(&Monitor::default()).map_err(|e| e.to_string())?;
+        let enclosed = Enclosed { session, truth };
+        write_case(path, (&case, &burst), &enclosed, &Monitor::default()).map_err(|e| e.to_string())
     }))
-}
-
-/// Pictures per second of a film.
-const FILM_RATE: u16 = 10;
-/// Pictures of a film between two slopes of the grid.
-const FILM_STEPS: usize = 2;
-
-/// The film of the burst in focus: a sweep over its slopes along the first axis that has several; without one the
-/// frames, added one by one.
-fn film_of(model: &Model) -> Option<Film> {
-    let side = model.active_side();
-    let burst = model.burst_of(side)?.clone();
-    let found = model.found_of(side);
-    let params = found.map_or_else(|| model.usable_params_of(side).clone(), |found| found.params.clone());
-    let grid = params.used_slopes();
-    let count = |axis: &SlopeAxis| (FILM_STEPS * (axis.count - 1) + 1).min(MAX_FILM_PICTURES);
-    let sweep = match (&grid.u, &grid.v) {
-        (u, _) if u.count > 1 => Sweep::SlopeU(u.min, u.max, count(u)),
-        (_, v) if v.count > 1 => Sweep::SlopeV(v.min, v.max, count(v)),
-        _ => Sweep::Frames,
-    };
-    let detection = found.map(|found| (*found.detection).clone());
-    Some(Film { burst, params, sweep, slope: model.cursor().slope, detection, max_side_px: 640 })
-}
-
-/// Number, size and rate of the pictures of the film that would be written.
-fn film_note(model: &Model) -> Option<String> {
-    let film = film_of(model)?;
-    let (width, height) = film.size();
-    Some(format!("Writing {} pictures of {width} × {height}, {FILM_RATE} a second", film.steps().len()))
 }
 
 fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {

@@ -4,6 +4,7 @@ use super::actions::menu::Palette;
 use super::actions::{ActionId, Queue, menu};
 use super::dataset::CutDialog;
 use super::dialogs::{PathField, ReplaceFile};
+use super::figure::FilmDialog;
 use super::files;
 use super::lesson::Lessons;
 use crate::app::panel::glossary::GlossaryWindow;
@@ -24,6 +25,7 @@ pub(super) struct Overlays {
     pub about_open: bool,
     pub glossary: GlossaryWindow,
     pub figure_open: bool,
+    pub film: FilmDialog,
     /// The calibration that is being set, while its dialog is open.
     pub calibration: Option<OpenOptions>,
     pub path_field: Option<PathField>,
@@ -54,6 +56,7 @@ impl Overlays {
             ActionId::About => self.about_open = true,
             ActionId::Glossary => self.glossary.open(None),
             ActionId::FigureOptions => self.figure_open = true,
+            ActionId::FilmOptions => self.film.is_open = true,
             ActionId::Calibration => {
                 self.calibration_draft(&model.calibration);
             }
@@ -87,6 +90,7 @@ impl Overlays {
             || self.about_open
             || lessons.list_is_open
             || self.figure_open
+            || self.film.is_open
             || self.calibration.is_some()
             || self.path_field.is_some()
             || self.replace_file.is_some()
@@ -114,6 +118,7 @@ impl Overlays {
             super::lesson::highlights_ui(ctx);
         }
         super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut model.figure, queue);
+        self.film.ui(ctx, model, queue);
         match crate::app::panel::modals::calibration_ui(ctx, &mut self.calibration) {
             Some(CalibrationChoice::Choose(purpose)) => effects.push(Effect::Ask(purpose)),
             Some(CalibrationChoice::Apply(options)) => effects.push(model.calibrate(options, engine)),

@@ -116,7 +116,7 @@ impl BurstscopeApp {
         } else if let Some(dataset) = startup.dataset {
             model.open_dataset(dataset, engine);
         } else if let Some(source) = startup.source {
-            model.open(Side::A, source, engine);
+            restoring.open(source, model, engine);
         }
         if let Some(second) = startup.second {
             model.open(Side::B, second, engine);
@@ -308,9 +308,7 @@ impl BurstscopeApp {
             self.model.open_burst_at(place, &self.engine);
         }
         match open_recent {
-            Some(Recent::Burst(source)) => {
-                self.model.open(Side::A, source, &self.engine);
-            }
+            Some(Recent::Burst(source)) => self.restoring.open(source, &mut self.model, &self.engine),
             Some(Recent::Dataset(source)) => self.model.open_dataset(source, &self.engine),
             None => {}
         }

@@ -5,8 +5,9 @@ use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve_one};
 use super::probe::parse_place;
-use crate::export::case::{CASE_EXTENSION, Case, is_case, write_case};
+use crate::export::case::{CASE_EXTENSION, Case, Enclosed, is_case, write_case};
 use crate::files::path_text;
+use crate::inspect::truth::truth_of;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -14,7 +15,7 @@ use std::path::PathBuf;
 /// Write a burst, its settings and what is asked of it into one file.
 ///
 /// The file holds the frames, as opened and calibrated, with 16 bits for each pixel, or only what is around a place;
-/// the search, the place and a note. Commands and window open it like a burst, on any machine; 'detect FILE --params
+/// the search, the place, a note, and what is known of the frames' truth. Commands and window open it like a burst, on any machine; 'detect FILE --params
 /// FILE' searches it with the settings in it.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = CASE_HELP)]
@@ -70,7 +71,9 @@ pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
     }
     let (case, part) = Case::of(&burst, &search, args.at, args.around.map(|px| px as usize), &args.note);
     rules.check(&args.out)?;
-    write_case(&args.out, &case, &part, &console.monitor.part(0.5, 0.5))?;
+    // A truth that is damaged, or of other pictures, is none.
+    let enclosed = Enclosed { session: None, truth: truth_of(&burst).unwrap_or_default() };
+    write_case(&args.out, (&case, &part), &enclosed, &console.monitor.part(0.5, 0.5))?;
     console.monitor.check()?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
     let [columns, rows] = case.size;

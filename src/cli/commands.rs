@@ -83,6 +83,7 @@ pub enum Command {
     /// Say what the search as it is set would find: things planted in the burst, and counted.
     Recover(RecoverArgs),
     /// Write a sweep over slope, scale or frames as an animation.
+    #[cfg(feature = "app")]
     Film(FilmArgs),
     /// Write a burst, its settings and what is asked of it into one file.
     Case(CaseArgs),

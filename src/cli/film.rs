@@ -4,19 +4,24 @@ use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, parse_slope};
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve_one};
+use super::probe::parse_place;
+use crate::app::figure::rasterise;
 use crate::baseline::search;
-use crate::detector::Slope;
+use crate::detector::scale_space::searched_octaves;
+use crate::detector::{Method, SearchParams, Slope, SlopeChoice};
 use crate::export::film::{FilmFormat, estimated_film_bytes, write_film};
 use crate::files::path_text;
-use crate::requests::{BurstSource, Film, OpenBurst, Sweep};
+use crate::requests::{BurstSource, Film, FilmError, FilmPlace, OpenBurst, Sweep};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Write a sweep over slope, scale or frames as an animation.
 ///
-/// The pictures share one range of values. Features of each step are drawn in the colours of their slopes, and a scale
-/// below the picture says which step it is. Number, size and rate are said before the file is written.
+/// Each picture has the features of its step in the colours of their slopes, the numbers of the step, and what the
+/// colours mean; below it D at a place over all steps, with a mark at this one. Pictures of a kind share one range of
+/// values. Number, size, rate and the estimated size of the file are said before it is written.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = FILM_HELP)]
 pub struct FilmArgs {
@@ -24,10 +29,19 @@ pub struct FilmArgs {
     #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// What changes from picture to picture: slope-u=MIN:MAX:COUNT or slope-v=MIN:MAX:COUNT in pixels per frame; scale,
-    /// the DoG of every octave and level; frames, added one by one; flip, the middle frame and the motion stack in
-    /// turn.
+    /// the DoG of every octave and level; frames, added one by one; flip=A,B, two pictures in turn: frame (the middle
+    /// one, with the features of SIFT), merged (with those of the merge), or a way of 'stack --combine', each of these
+    /// @U:V for a slope of its own.
     #[arg(long, value_name = "WHAT", value_parser = <Sweep as std::str::FromStr>::from_str)]
     pub sweep: Sweep,
+    /// The place whose D is drawn over the steps, in pixels at mid-burst: column and row [default: that of the
+    /// strongest feature].
+    #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
+    pub at: Option<[f32; 2]>,
+    /// Octave and level of that D.
+    #[arg(long, value_name = "OCTAVE,LEVEL", allow_hyphen_values = true, value_parser = parse_scale, requires = "at",
+          default_value = "0,1")]
+    pub scale: (i32, i32),
     /// Slope of the pictures, where that does not change, pixels per frame to the right and down.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope, default_value = "0,0")]
     pub slope: Slope,
@@ -54,12 +68,14 @@ pub struct FilmArgs {
 const FILM_HELP: &str = "\
 Examples:
   burstscope film night/ --sweep slope-u=-3:3:49 --out sweep.gif
-  burstscope film night/ --sweep frames --slope -2.1,0 --out frames.apng
+  burstscope film night/ --sweep frames --slope -2.1,0 --at 412,230 --out frames.apng
+  burstscope film night/ --sweep flip=mean@1.2:0,median@1.2:0 --rate 2 --out some.gif
+  burstscope film night/ --sweep flip=merged,mean --slope 1.2,0 --rate 2 --out methods.gif
 
 JSON (--json): {\"version\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\", \"bytes\"}";
 
 pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
-    let mut params = args.run.search.params()?;
+    let params = args.run.search.params()?;
     let format = FilmFormat::of(&args.out).ok_or_else(|| {
         Failure::usage(format!(
             "--out: films are GIF or animated PNG; name the file .gif or .apng: {}",
@@ -73,34 +89,37 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     rules.check(&args.out)?;
     console.begin(format!("{}: ", input.name));
     let burst = input.open(&options, &console.monitor.part(0.0, 0.1))?;
-    let mut detection = None;
-    if !args.no_features {
-        let searched = search(&burst, &params, &console.monitor.part(0.1, 0.4))?;
-        params.detector = searched.params;
-        detection = Some(searched.detection);
-    }
     params.detector.validate_for(burst.len(), burst.size())?;
-    let features = detection.as_ref().map_or(0, |detection| detection.features.len());
     let source = BurstSource::Paths(input.paths().to_vec());
-    let film = Film {
+    let mut film = Film {
         burst: OpenBurst::new(burst, source),
-        params: params.detector,
+        params: params.detector.clone(),
         sweep: args.sweep,
         slope: args.slope,
-        detection,
+        detections: Vec::new(),
+        place: args.at.map(|at| FilmPlace { at, scale: args.scale }),
         max_side_px: args.max_side as usize,
     };
-    let pictures = film.pictures(&console.monitor.part(0.5, 0.3))?;
-    let (width, height) = pictures[0].dimensions();
-    let sample = [&pictures[0], &pictures[pictures.len() / 2]];
-    let estimated = estimated_film_bytes(format, sample, pictures.len());
+    if !args.no_features {
+        find_features(&mut film, params, &console)?;
+    }
+    check_place(&film)?;
+    let features: usize = film.detections.iter().map(|(_, detection)| detection.features.len()).sum();
+    let failed = |error: FilmError| match error {
+        FilmError::Picture(error) => error.into(),
+        FilmError::Drawing(why) => Failure::Failed(anyhow::Error::msg(why)),
+    };
+    let count = film.steps().len();
+    let [first, middle] = film.samples(&rasterise, &console.monitor.part(0.4, 0.1)).map_err(failed)?;
+    let (width, height) = first.dimensions();
+    let estimated = estimated_film_bytes(format, [&first, &middle], count);
     let megabytes = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
     console.say(&format!(
-        "{} pictures of {width}×{height}, {} a second, about {}\n",
-        pictures.len(),
+        "{count} pictures of {width}×{height}, {} a second, about {}\n",
         args.rate,
         megabytes(estimated)
     ))?;
+    let pictures = film.pictures(&rasterise, &console.monitor.part(0.5, 0.3)).map_err(failed)?;
     rules.check(&args.out)?;
     write_film(&args.out, format, &pictures, args.rate, &console.monitor.part(0.8, 0.2))?;
     console.monitor.check()?;
@@ -110,7 +129,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         "version": env!("CARGO_PKG_VERSION"),
         "command": "film",
         "file": path_text(&args.out),
-        "pictures": pictures.len(),
+        "pictures": count,
         "width": width,
         "height": height,
         "rate": args.rate,
@@ -118,4 +137,46 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         "estimated_bytes": estimated,
         "bytes": bytes,
     }))
+}
+
+/// Finds the features of each method whose pictures are shown.
+fn find_features(film: &mut Film, mut params: SearchParams, console: &Console) -> Result<(), Failure> {
+    let methods = film.methods();
+    for (index, method) in methods.iter().copied().enumerate() {
+        let share = 0.3 / methods.len() as f32;
+        params.detector.method = method;
+        let monitor = console.monitor.part(0.1 + share * index as f32, share);
+        let searched = search(&film.burst.burst, &params, &monitor)?;
+        if method == Method::Buff {
+            film.params = searched.params;
+            (params.detector, params.slopes) = (film.params.clone(), SlopeChoice::Given);
+        }
+        film.detections.push((method, Arc::new(searched.detection)));
+    }
+    Ok(())
+}
+
+/// Checks that the place whose response is drawn lies in the picture, and its scale in the search.
+fn check_place(film: &Film) -> Result<(), Failure> {
+    let Some(FilmPlace { at: [u, v], scale: (octave, level) }) = film.place else { return Ok(()) };
+    let (width, height) = film.burst.burst.size();
+    if !(u >= 0.0 && v >= 0.0 && u <= (width - 1) as f32 && v <= (height - 1) as f32) {
+        return Err(crate::inspect::ProbeError::Outside { u, v, width, height }.into());
+    }
+    let octaves = searched_octaves(&film.params, (width, height));
+    if !octaves.contains(&octave) || !(0..film.params.levels as i32).contains(&level) {
+        return Err(Failure::usage(format!(
+            "--scale: the search has no octave {octave} with a level {level}; give an octave of {} to {} and a level of 0 to {}",
+            octaves.start,
+            octaves.end - 1,
+            film.params.levels - 1
+        )));
+    }
+    Ok(())
+}
+
+fn parse_scale(text: &str) -> Result<(i32, i32), String> {
+    let bad = || format!("'{text}' is no octave and level; give two whole numbers, such as 0,1");
+    let (octave, level) = text.split_once(',').ok_or_else(bad)?;
+    Ok((octave.trim().parse().map_err(|_| bad())?, level.trim().parse().map_err(|_| bad())?))
 }

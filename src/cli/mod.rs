@@ -23,6 +23,7 @@ pub mod evaluate_poses;
 mod evaluate_tables;
 mod failure;
 pub mod figures;
+#[cfg(feature = "app")]
 pub mod film;
 mod inputs;
 pub mod match_bursts;
@@ -133,6 +134,7 @@ fn done(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Merge(args)) => stack::run_merge(args),
         Some(Command::Probe(args)) => probe::run(args),
         Some(Command::Recover(args)) => recover::run(args),
+        #[cfg(feature = "app")]
         Some(Command::Film(args)) => film::run(args),
         Some(Command::Case(args)) => case::run(args),
         Some(Command::Slopes(args)) => probe::run_slopes(args),

@@ -7,7 +7,8 @@ use super::failure::Failure;
 use super::inputs::{self, open_options, resolve_one};
 use super::probe::write_text;
 use super::study::{Document, check_plot, write_plot};
-use crate::detector::SlopeAxis;
+use crate::detector::{SearchParams, SlopeAxis};
+use crate::export::case::{CASE_EXTENSION, Case, Enclosed, is_case, write_case};
 use crate::inspect::recover::plots::recover_svg;
 use crate::inspect::recover::report::planted_csv;
 use crate::inspect::recover::{Contrast, RecoverStudy, Shape};
@@ -70,6 +71,10 @@ pub struct RecoverArgs {
     /// Write the things, and what became of each, as a table.
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
+    /// Write the copy of the first seed, with the truth of what is planted in it, as a case, which the window compares
+    /// with its truth.
+    #[arg(long, value_name = "FILE.burstcase")]
+    pub case: Option<PathBuf>,
     #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
@@ -83,6 +88,7 @@ Examples:
   burstscope recover night/
   burstscope recover night/ --slopes-u -3:3:7 --plot seen.svg --csv planted.csv
   burstscope recover night/ --shape blob --radius 2,4,8 --copies 50 --json
+  burstscope recover night/ --copies 1 --case planted.burstcase
 
 JSON (--json):
   {\"version\", \"command\": \"recover\", \"burst\", \"size\": [columns, rows], \"frames\", \"detector\": {as in the parameter file}, \"grid\",
@@ -123,15 +129,24 @@ fn check_csv(path: &Path) -> Result<(), Failure> {
     Err(Failure::usage(format!("--csv: name the table .csv: {}", path.display())))
 }
 
+/// Checks that a case's name ends in `.burstcase`.
+fn check_case(path: &Path) -> Result<(), Failure> {
+    if is_case(path) {
+        return Ok(());
+    }
+    Err(Failure::usage(format!("--case: name the case .{CASE_EXTENSION}: {}", path.display())))
+}
+
 pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
     let study = args.study()?;
     args.plot.as_deref().map_or(Ok(()), check_plot)?;
     args.csv.as_deref().map_or(Ok(()), check_csv)?;
+    args.case.as_deref().map_or(Ok(()), check_case)?;
     let console = Console::new(&args.run.output)?;
     let input = resolve_one(&args.inputs, "recover")?;
     let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
     let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
-    for path in [&args.plot, &args.csv] {
+    for path in [&args.plot, &args.csv, &args.case] {
         inputs::check(&rules, path.as_deref())?;
     }
     console.begin(format!("{}: ", input.name));
@@ -142,6 +157,18 @@ pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
     if let Some(path) = &args.csv {
         rules.check(path)?;
         write_text(path, &planted_csv(&report.planted))?;
+        console.say(&format!("wrote {}\n", path.display()))?;
+    }
+    if let Some(path) = &args.case {
+        // With the slopes that were searched.
+        let search = SearchParams::from(report.detector.clone());
+        let study = RecoverStudy { search, ..study };
+        let (copy, truth) = study.planted_copy(&burst, study.first_seed, &console.monitor.silent())?;
+        let note = format!("{} things planted, seed {}", truth.features.len(), truth.seed);
+        let (case, copy) = Case::of(&copy, &study.search, None, None, &note);
+        rules.check(path)?;
+        let enclosed = Enclosed { session: None, truth: Some(truth) };
+        write_case(path, (&case, &copy), &enclosed, &console.monitor.silent())?;
         console.say(&format!("wrote {}\n", path.display()))?;
     }
     console.say_json(&Document::new("recover", &report))

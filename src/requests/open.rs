@@ -24,13 +24,15 @@ pub struct OpenBurst {
     pub burst: Arc<Burst>,
     /// Source of the frames.
     pub source: BurstSource,
+    /// Truth of what is planted in the frames, if anything is.
+    planted: Option<Arc<Truth>>,
 }
 
 impl OpenBurst {
     /// Wraps `burst` with a new id.
     pub fn new(burst: Burst, source: BurstSource) -> Self {
         static COUNTER: AtomicU64 = AtomicU64::new(1);
-        Self { id: BurstId(COUNTER.fetch_add(1, Ordering::Relaxed)), burst: Arc::new(burst), source }
+        Self { id: BurstId(COUNTER.fetch_add(1, Ordering::Relaxed)), burst: Arc::new(burst), source, planted: None }
     }
 
     /// Reads or computes the truth of the burst; `None` if it is not known.
@@ -38,6 +40,9 @@ impl OpenBurst {
     /// # Errors
     /// When `truth.json` cannot be read, is invalid, or belongs to pictures of another size.
     pub fn truth(&self, monitor: &Monitor) -> Result<Option<Truth>, TruthError> {
+        if let Some(truth) = &self.planted {
+            return Ok(Some(Truth::clone(truth)));
+        }
         match &self.source {
             // The chart was made once, so making it again fails only when cancelled; then the truth is not needed.
             BurstSource::Chart(chart) => Ok(synth_chart(chart, monitor).ok().map(|(_, truth)| truth)),
@@ -47,7 +52,7 @@ impl OpenBurst {
 
     /// Whether the burst may have a truth: a cheap check that reads no file.
     pub fn has_truth(&self) -> bool {
-        matches!(self.source, BurstSource::Chart(_)) || is_known(&self.burst)
+        self.planted.is_some() || matches!(self.source, BurstSource::Chart(_)) || is_known(&self.burst)
     }
 
     /// Describes the burst: its name, the number of its frames, and their size.
@@ -64,8 +69,10 @@ impl BurstSource {
     /// [`JobError::Several`] for a folder of bursts, [`JobError::Failed`] with a message that names the file,
     /// [`JobError::Cancelled`] once `monitor` was cancelled.
     pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<OpenBurst, JobError> {
-        match self.burst(options, monitor) {
-            Ok(burst) => Ok(OpenBurst::new(burst, self.clone())),
+        match self.burst_and_planted(options, monitor) {
+            Ok((burst, planted)) => {
+                Ok(OpenBurst { planted: planted.map(Arc::new), ..OpenBurst::new(burst, self.clone()) })
+            }
             Err(error) if error.is_cancelled() || monitor.is_cancelled() => Err(JobError::Cancelled),
             Err(SourceError::Open(OpenError::SeveralBursts { .. })) => Err(JobError::Several(bursts_at(self.paths()))),
             Err(error) => Err(JobError::failed(error)),

@@ -6,7 +6,7 @@ use crate::export::case::{CaseError, is_case, read_case};
 use crate::inspect::recover::RecoverStudy;
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::{
-    ChartParams, Example, FrameLevels, NoisyParams, SynthError, demo_burst, later_demo_burst, synth_chart,
+    ChartParams, Example, FrameLevels, NoisyParams, SynthError, Truth, demo_burst, later_demo_burst, synth_chart,
 };
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -155,6 +155,19 @@ impl BurstSource {
     /// # Errors
     /// See [`OpenError`] and [`SynthError`]; also when `monitor` was cancelled.
     pub fn burst(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, SourceError> {
+        Ok(self.burst_and_planted(options, monitor)?.0)
+    }
+
+    /// Reads or makes the burst, with the truth of what is planted in it, if anything is.
+    ///
+    /// # Errors
+    /// As [`Self::burst`].
+    pub(super) fn burst_and_planted(
+        &self,
+        options: &OpenOptions,
+        monitor: &Monitor,
+    ) -> Result<(Burst, Option<Truth>), SourceError> {
+        let mut planted = None;
         let burst = match self {
             Self::Demo => demo_burst(),
             Self::DemoLater => later_demo_burst(),
@@ -169,7 +182,8 @@ impl BurstSource {
             }
             Self::Planted { of, study, seed } => {
                 let whole = of.burst(options, &monitor.part(0.0, 0.3))?;
-                let (copy, _) = study.planted_copy(&whole, *seed, &monitor.part(0.3, 0.7))?;
+                let (copy, truth) = study.planted_copy(&whole, *seed, &monitor.part(0.3, 0.7))?;
+                planted = Some(truth);
                 Burst { name: self.label(), ..copy }
             }
             Self::Paths(paths) => match paths.as_slice() {
@@ -178,6 +192,6 @@ impl BurstSource {
             },
         };
         monitor.check()?;
-        Ok(burst)
+        Ok((burst, planted))
     }
 }

@@ -1,6 +1,8 @@
 //! `recover`, `film`, `case`, `stack --combine`, and `slopes` from the set-up.
 
 use super::support::{run_badly, run_well};
+use burstscope::export::case::{read_session, read_truth};
+use burstscope::synth::TruthKind;
 use serde_json::Value;
 use std::path::Path;
 
@@ -29,6 +31,15 @@ fn recover_says_what_would_be_found_and_draws_it() {
     // The same again, over its own files.
     let again = json(home.path(), &[&["recover"], &SEARCH[..], &few].concat());
     assert_eq!(found["planted"], again["planted"]);
+    // A copy is kept as a case, with the truth of what is planted in it.
+    json(home.path(), &[&["recover"], &SEARCH[..], &["--copies", "1", "--case", "a.burstcase", "--json"]].concat());
+    let truth = read_truth(&home.path().join("a.burstcase")).expect("read").expect("a truth");
+    let of_first: Vec<&Value> = planted.iter().filter(|one| one["seed"] == 1).collect();
+    assert_eq!((truth.kind, truth.features.len()), (TruthKind::Planted, of_first.len()));
+    assert!(truth.features.iter().zip(&of_first).all(|(disc, one)| one["truth"]["u"] == disc.u));
+    let line = ["detect", "a.burstcase", "--params", "a.burstcase", "--out", "found", "--json"];
+    assert!(json(home.path(), &line)["bursts"][0]["features"].as_u64().is_some_and(|n| n > 0));
+    assert!(run_badly(home.path(), &["recover", "demo", "--case", "a.zip"], 2).contains(".burstcase"));
     assert!(run_badly(home.path(), &["recover", "demo", "--copies", "0"], 2).contains("copies"));
     assert!(run_badly(home.path(), &["recover", "demo", "--csv", "a.txt"], 2).contains(".csv"));
 }
@@ -50,6 +61,14 @@ fn a_case_is_searched_like_the_burst_with_its_own_settings() {
         &[&["case"], &SEARCH[..], &["--at", "160,120", "--around", "40", "--out", "b.burstcase", "--json"]].concat(),
     );
     assert_eq!(part["case"]["size"], serde_json::json!([81, 81]));
+    // The truth of a built-in burst goes with it, that of the part at its places there.
+    let [whole, part] = ["a", "b"].map(|name| {
+        let path = home.path().join(format!("{name}.burstcase"));
+        assert!(read_session(&path).expect("read").is_none(), "only the window has one");
+        read_truth(&path).expect("read").expect("a truth")
+    });
+    assert!(part.features.len() < whole.features.len());
+    assert_eq!((part.width, part.height), (81, 81));
     std::fs::write(home.path().join("c.burstcase"), b"PK\x03\x04 and no more").expect("written");
     assert!(run_badly(home.path(), &["detect", "c.burstcase", "--out", "found"], 1).contains("not a case"));
     assert!(run_badly(home.path(), &["case", "demo", "--out", "a.zip"], 2).contains(".burstcase"));
@@ -65,6 +84,28 @@ fn a_sweep_is_a_film_and_frames_are_combined() {
         let bytes = std::fs::metadata(home.path().join(name)).expect("a file").len();
         let estimated = made["estimated_bytes"].as_u64().expect("a number");
         assert!((bytes / 3..3 * bytes).contains(&estimated), "{name}: {estimated} of {bytes}");
+        let size = [&made["width"], &made["height"]].map(|n| n.as_u64().expect("a number") as u32);
+        if name == "a.apng" {
+            let file = std::io::BufReader::new(std::fs::File::open(home.path().join(name)).expect("a file"));
+            let first = image::ImageReader::with_format(file, image::ImageFormat::Png).decode().expect("a picture");
+            assert_eq!([first.width(), first.height()], size);
+            // The mark of the curve, below the picture.
+            let is_mark = |p: &image::Rgba<u8>| p.0[0] > 180 && (60..130).contains(&p.0[1]) && p.0[2] < 60;
+            let below = first.to_rgba8();
+            assert!(below.enumerate_pixels().any(|(_, y, pixel)| y > 150 && is_mark(pixel)));
+        }
+    }
+    let flips = ["flip", "flip=mean@1:0,median@1:0", "flip=merged,mean"];
+    for flip in flips {
+        let line = ["--sweep", flip, "--max-side", "160", "--out", "flip.gif", "--force", "--json"];
+        assert_eq!(json(home.path(), &[&["film"], &SEARCH[..], &line].concat())["pictures"], 2, "{flip}");
+    }
+    let said = run_well(home.path(), &[&["film"], &SEARCH[..], &["--sweep", "flip", "--out", "b.gif"]].concat());
+    assert!(said.contains("2 pictures of") && said.contains("10 a second, about"), "{said}");
+    for (place, says) in [(["9999,1", "0,1"], "9999"), (["9,9", "9,0"], "octave"), (["9,9", "one"], "'one'")] {
+        let [at, scale] = place;
+        let line = ["--sweep", "scale", "--at", at, "--scale", scale, "--out", "c.gif"];
+        assert!(run_badly(home.path(), &[&["film"], &SEARCH[..], &line].concat(), 2).contains(says), "{says}");
     }
     assert!(run_badly(home.path(), &["film", "demo", "--sweep", "up", "--out", "a.gif"], 2).contains("no sweep"));
     assert!(run_badly(home.path(), &["film", "demo", "--sweep", "flip", "--out", "a.webm"], 2).contains("GIF"));

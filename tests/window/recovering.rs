@@ -2,11 +2,14 @@
 
 use crate::support::{Start, Window};
 use burstscope::app::project::BottomTab;
+use burstscope::app::project::against::With;
+use burstscope::app::project::film::FilmContent;
+use burstscope::app::project::side::Side;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::app::session::Session;
 use burstscope::app::view::ColourBy;
 use burstscope::detector::{DetectorParams, NoiseGate, SlopeChoice, SlopeGrid};
-use burstscope::export::case::{Case, write_case};
+use burstscope::export::case::{Case, Enclosed, read_session, read_truth, write_case};
 use burstscope::inspect::set_up::SetUp;
 use burstscope::inspect::study::StudyReport;
 use burstscope::requests::BurstSource;
@@ -28,7 +31,7 @@ fn with_case(home: &std::path::Path) -> Window {
     let (burst, params) = small();
     let (case, part) = Case::of(&burst, &params.into(), Some([120.0, 90.0]), None, "a note");
     let path = home.join("night.burstcase");
-    write_case(&path, &case, &part, &Monitor::default()).expect("written");
+    write_case(&path, (&case, &part), &Enclosed::default(), &Monitor::default()).expect("written");
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
     window.dialogs.will_choose(&path);
     window.run_action("open files");
@@ -53,10 +56,97 @@ fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
     window.settle();
     let read = burstscope::export::case::read_about(&again).expect("a case");
     assert_eq!((read.place, read.search.detector.slopes), (Some([120.0, 90.0]), params.slopes));
-    let film = home.path().join("sweep.gif");
-    window.dialogs.will_choose(&film);
-    window.run_action("export film as gif");
-    window.wait("it is written", |_| film.is_file());
+}
+
+#[test]
+fn a_case_restores_the_view_in_which_it_was_saved() {
+    let home = tempfile::tempdir().expect("a folder");
+    let mut window = with_case(home.path());
+    window.run_action("pin this result");
+    window.settle();
+    window.run_action("split right");
+    window.app_mut().model.filter.hide_slope_limit = true;
+    window.app_mut().model.params.edge_threshold = 8.0;
+    window.app_mut().model.lab.planted.copies = 3;
+    window.settle();
+    let before = window.app().model.panes.arrangement().in_rows();
+    assert_eq!(before.iter().flatten().count(), 2);
+    let kept = home.path().join("kept.burstcase");
+    window.dialogs.will_choose(&kept);
+    window.run_action("save case");
+    window.wait("it is written", |_| kept.is_file());
+    window.settle();
+    let session = read_session(&kept).expect("read").expect("a session");
+    assert!(!session.contains(&home.path().display().to_string()), "no path of this machine: {session}");
+    // Another window opens it.
+    let mut other = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
+    other.dialogs.will_choose(&kept);
+    other.run_action("open files");
+    other.settle();
+    let (model, was) = (&other.app().model, &window.app().model);
+    assert_eq!(
+        model.slots.a.burst.as_ref().expect("open").burst.frames,
+        was.slots.a.burst.as_ref().expect("open").burst.frames
+    );
+    assert_eq!(model.panes.arrangement().in_rows(), before);
+    assert!(model.filter.hide_slope_limit);
+    assert_eq!((model.params.edge_threshold, model.lab.planted.copies), (8.0, 3));
+    assert_eq!(model.probe.place(), Some([120.0, 90.0]));
+    let pinned = model.saved_against(Side::A).and_then(|against| against.pinned);
+    assert!(pinned.is_some_and(|pinned| pinned.detector.edge_threshold != 8.0));
+    assert_eq!(model.saved_against(Side::A), was.saved_against(Side::A));
+    let shown = model.slots.a.against.shown.as_ref().expect("compared with the pinned result");
+    assert_eq!(shown.summary, was.slots.a.against.shown.as_ref().expect("compared").summary);
+    // What names other files is left out, also where a case was changed to have some.
+    let hostile = session.replacen("[params", "[gold]\npaths = [\"/etc/passwd\"]\n\n[params", 1);
+    let (case, part) = Case::of(&small().0, &small().1.into(), None, None, "");
+    let path = home.path().join("hostile.burstcase");
+    for text in [hostile, "not a session".to_owned()] {
+        let enclosed = Enclosed { session: Some(text), truth: None };
+        write_case(&path, (&case, &part), &enclosed, &Monitor::default()).expect("written");
+        other.dialogs.will_choose(&path);
+        other.run_action("open files");
+        other.settle();
+        let model = &other.app().model;
+        assert_eq!(model.slots.a.burst.as_ref().expect("open").burst.sources, std::slice::from_ref(&path));
+        assert!(!model.messages.errors().iter().any(|error| error.text.contains("passwd")));
+    }
+    let errors = other.app().model.messages.errors();
+    assert!(errors.iter().any(|error| error.text.contains("hostile.burstcase")), "{errors:?}");
+}
+
+#[test]
+fn a_film_says_its_size_and_rate_and_two_panes_are_flipped() {
+    let home = tempfile::tempdir().expect("a folder");
+    let mut window = with_case(home.path());
+    window.run_action("split right");
+    window.run_action("show median");
+    window.settle();
+    window.run_action("export film");
+    window.settle();
+    assert!(window.shows("9 pictures of") && window.shows("10 a second: 0.9 s; about"));
+    window.click("Two panes in turn");
+    assert_eq!(window.app().model.film.content, FilmContent::Panes);
+    assert!(window.shows("2 pictures of"));
+    window.snapshot("film_of_two_panes");
+    let written = |window: &mut Window, name: &str| {
+        let path = home.path().join(name);
+        window.dialogs.will_choose(&path);
+        window.click("Animated PNG…");
+        window.wait("it is written", |_| path.is_file());
+        window.settle();
+        let file = std::io::BufReader::new(std::fs::File::open(&path).expect("a file"));
+        let animated = image::codecs::png::PngDecoder::new(file).expect("a PNG").apng().expect("an animated one");
+        image::AnimationDecoder::into_frames(animated).collect_frames().expect("frames")
+    };
+    // Two panes as they are shown.
+    let flip = written(&mut window, "flip.apng");
+    assert_eq!(flip.len(), 2);
+    assert_ne!(flip[0].buffer(), flip[1].buffer());
+    window.app_mut().model.film.content = FilmContent::Slopes;
+    window.run_action("export film");
+    window.settle();
+    assert_eq!(written(&mut window, "sweep.apng").len(), 9);
 }
 
 #[test]
@@ -99,6 +189,30 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     assert!(matches!(source, BurstSource::Planted { seed, .. } if *seed == thing.seed), "{source:?}");
     let place = model.probe.place().expect("probed");
     assert!((f64::from(place[0]) - thing.truth.u).abs() < 0.01 && (f64::from(place[1]) - thing.truth.v).abs() < 0.01);
+    // The copy is compared with the truth of what is planted in it.
+    window.run_action("detect");
+    window.settle();
+    window.run_action("compare with the truth");
+    window.settle();
+    let against = &window.app().model.slots.a.against;
+    assert_eq!(against.with, Some(With::Truth));
+    let of_copy = report.planted.iter().filter(|one| one.seed == thing.seed);
+    let found = of_copy.clone().filter(|one| one.found.is_some()).count();
+    let summary = format!("{found} of {} found", of_copy.count());
+    assert!(against.shown.as_ref().is_some_and(|shown| shown.summary.starts_with(&summary)), "{summary}");
+    // A case keeps both.
+    let kept = home.path().join("planted.burstcase");
+    window.dialogs.will_choose(&kept);
+    window.run_action("save case");
+    window.wait("it is written", |_| kept.is_file());
+    window.settle();
+    let truth = read_truth(&kept).expect("read").expect("a truth");
+    assert_eq!(truth.seed, thing.seed);
+    window.dialogs.will_choose(&kept);
+    window.run_action("open files");
+    window.settle();
+    let against = &window.app().model.slots.a.against;
+    assert!(against.shown.as_ref().is_some_and(|shown| shown.summary.starts_with(&summary)), "{summary}");
 }
 
 #[test]

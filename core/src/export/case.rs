@@ -1,7 +1,8 @@
 //! A case: a burst, or the part of it around a place, with the settings and the question about it, in one file.
 //!
-//! The file is a ZIP without compression of its own: `case.toml`, and one 16-bit grey PNG for each frame,
-//! `frames/00000.png` and on. Values are `offset + word·scale`; those of 8 and 16-bit files come back as they were,
+//! The file is a ZIP without compression of its own: `case.toml`, one 16-bit grey PNG for each frame,
+//! `frames/00000.png` and on, and where there are some the session of the window, `session.toml`, and the truth of the
+//! frames, `truth.json`. Values are `offset + word·scale`; those of 8 and 16-bit files come back as they were,
 //! those of calibrated ones within rounding. Reading is bounded: the sizes that `case.toml` declares are checked before
 //! frames are decoded, and no entry is read further than a frame of that size can need.
 
@@ -9,9 +10,10 @@ use super::atomic::write_whole;
 use super::error::ExportError;
 use crate::burst::{Burst, Encoding, Limits};
 use crate::detector::SearchParams;
-use crate::files::MAX_SETTINGS_BYTES;
+use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::{Plane, memory};
+use crate::synth::{FeatureTruth, Truth};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek, Write};
@@ -24,8 +26,21 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 pub const CASE_EXTENSION: &str = "burstcase";
 /// Name of the entry with the settings.
 const ABOUT: &str = "case.toml";
+/// Name of the entry with the session.
+const SESSION: &str = "session.toml";
+/// Name of the entry with the truth.
+const TRUTH: &str = "truth.json";
 /// Version of the format.
 const VERSION: u32 = 1;
+
+/// What a case holds beside its frames and settings.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Enclosed {
+    /// Text of the window's session, which is of the case's frames.
+    pub session: Option<String>,
+    /// Truth of the frames: what was planted in them, or of what they were made.
+    pub truth: Option<Truth>,
+}
 
 /// Settings, place and note of a case, and the form of its frames.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -160,19 +175,42 @@ fn words_of(burst: &Burst) -> (f64, f64) {
     (min, ((max - min) / 65535.0).max(f64::MIN_POSITIVE))
 }
 
+impl Truth {
+    /// The truth of the part of a burst that a case holds: what is centred in it at mid-burst, at its places there.
+    pub fn within(&self, case: &Case) -> Self {
+        let [corner_u, corner_v] = case.corner.map(|at| at as f64);
+        let [width, height] = case.size;
+        let features =
+            self.features.iter().map(|one| FeatureTruth { u: one.u - corner_u, v: one.v - corner_v, ..*one });
+        let is_inside = |x: f64, n: usize| x >= -0.5 && x < n as f64 - 0.5;
+        let features = features.filter(|one| is_inside(one.u, width) && is_inside(one.v, height)).collect();
+        Self { width, height, features, ..self.clone() }
+    }
+}
+
 /// Writes a case; `burst` has its frames.
 ///
 /// # Errors
 /// When the file cannot be written; an older one is then unchanged. [`ExportError::Write`] with the reason when
 /// cancelled.
-pub fn write_case(path: &Path, case: &Case, burst: &Burst, monitor: &Monitor) -> Result<(), ExportError> {
-    let text = toml::to_string(case).expect("a case is plain values, which TOML can always hold");
+pub fn write_case(
+    path: &Path,
+    (case, burst): (&Case, &Burst),
+    enclosed: &Enclosed,
+    monitor: &Monitor,
+) -> Result<(), ExportError> {
+    let about = toml::to_string(case).expect("a case is plain values, which TOML can always hold");
+    let truth = enclosed.truth.as_ref().map(|truth| truth.within(case));
+    let truth = truth.map(|truth| serde_json::to_string(&truth).expect("a truth is plain values"));
+    let texts = [(ABOUT, Some(&about)), (SESSION, enclosed.session.as_ref()), (TRUTH, truth.as_ref())];
     write_whole(path, |out| {
         // The size and sum of an entry come before its bytes, so it is written to memory first.
         let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
         let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
-        zip.start_file(ABOUT, stored).map_err(std::io::Error::other)?;
-        zip.write_all(text.as_bytes())?;
+        for (name, text) in texts.iter().filter_map(|(name, text)| Some((*name, (*text)?))) {
+            zip.start_file(name, stored).map_err(std::io::Error::other)?;
+            zip.write_all(text.as_bytes())?;
+        }
         for (t, frame) in burst.frames.iter().enumerate() {
             monitor.check().map_err(std::io::Error::other)?;
             monitor.report(Stage::Write, t as f32 / burst.len() as f32);
@@ -248,6 +286,42 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
     Ok((case, burst))
 }
 
+/// Reads the text of a case's session; `None` where it has none.
+///
+/// # Errors
+/// See [`CaseError`].
+pub fn read_session(path: &Path) -> Result<Option<String>, CaseError> {
+    text(path, &mut opened(path)?, SESSION, MAX_SESSION_BYTES)
+}
+
+/// Reads the truth of a case's frames; `None` where it has none.
+///
+/// # Errors
+/// See [`CaseError`].
+pub fn read_truth(path: &Path) -> Result<Option<Truth>, CaseError> {
+    let text = text(path, &mut opened(path)?, TRUTH, MAX_SESSION_BYTES)?;
+    text.map(|text| serde_json::from_str(&text).map_err(|error| invalid(path, format!("{TRUTH}: {error}")))).transpose()
+}
+
+/// Whether a case has the truth of its frames; its contents are not read.
+pub fn has_truth(path: &Path) -> bool {
+    opened(path).is_ok_and(|zip| zip.index_for_name(TRUTH).is_some())
+}
+
+/// The text of an entry, of which there may be `limit` bytes at most; `None` where there is no such entry.
+fn text<R: Read + Seek>(
+    path: &Path,
+    zip: &mut ZipArchive<R>,
+    name: &str,
+    limit: u64,
+) -> Result<Option<String>, CaseError> {
+    if zip.index_for_name(name).is_none() {
+        return Ok(None);
+    }
+    let bytes = entry(path, zip, name, limit)?;
+    String::from_utf8(bytes).map(Some).map_err(|_| invalid(path, format!("{name} is no text")))
+}
+
 fn invalid(path: &Path, problem: impl ToString) -> CaseError {
     CaseError::Invalid { path: path.to_owned(), problem: problem.to_string() }
 }
@@ -270,8 +344,8 @@ fn entry<R: Read + Seek>(path: &Path, zip: &mut ZipArchive<R>, name: &str, limit
 }
 
 fn about<R: Read + Seek>(path: &Path, zip: &mut ZipArchive<R>) -> Result<Case, CaseError> {
-    let bytes = entry(path, zip, ABOUT, MAX_SETTINGS_BYTES)?;
-    let text = String::from_utf8(bytes).map_err(|_| invalid(path, format!("{ABOUT} is no text")))?;
+    let text = text(path, zip, ABOUT, MAX_SETTINGS_BYTES)?;
+    let text = text.ok_or_else(|| invalid(path, format!("there is no {ABOUT}")))?;
     let case: Case = toml::from_str(&text).map_err(|error| invalid(path, format!("{ABOUT}: {error}")))?;
     let wrong = |problem: &str| Err(invalid(path, format!("{ABOUT}: {problem}")));
     if case.version != VERSION {
@@ -319,25 +393,33 @@ mod tests {
     use crate::synth::random::Stream;
     use crate::synth::{ChartParams, synth_chart};
 
-    fn chart() -> Burst {
+    fn chart() -> (Burst, Truth) {
         let chart =
             ChartParams { width: 96, height: 64, discs: 3, frames: 4, radius: 3.6..=8.0, ..ChartParams::default() };
-        synth_chart(&chart, &Monitor::default()).expect("a chart").0
+        synth_chart(&chart, &Monitor::default()).expect("a chart")
     }
 
-    fn written(case: &Case, burst: &Burst) -> (tempfile::TempDir, PathBuf) {
+    fn written(case: &Case, burst: &Burst, enclosed: &Enclosed) -> (tempfile::TempDir, PathBuf) {
         let home = tempfile::tempdir().expect("a folder");
         let path = home.path().join("a.burstcase");
-        write_case(&path, case, burst, &Monitor::default()).expect("written");
+        write_case(&path, (case, burst), enclosed, &Monitor::default()).expect("written");
         (home, path)
     }
 
     #[test]
     fn a_case_comes_back_as_it_was() {
-        let burst = chart();
+        let (burst, truth) = chart();
         let search = SearchParams::default();
         let (case, part) = Case::of(&burst, &search, Some([40.0, 30.0]), None, "why not this one?");
-        let (_home, path) = written(&case, &part);
+        // A case without session and truth, as they were written before there were any.
+        let (_home, path) = written(&case, &part, &Enclosed::default());
+        assert!(!has_truth(&path));
+        assert!(matches!((read_session(&path), read_truth(&path)), (Ok(None), Ok(None))));
+        let enclosed = Enclosed { session: Some("version = 3\n".to_owned()), truth: Some(truth.clone()) };
+        let (_home, path) = written(&case, &part, &enclosed);
+        assert!(has_truth(&path));
+        assert_eq!(read_session(&path).expect("read"), enclosed.session);
+        assert_eq!(read_truth(&path).expect("read"), enclosed.truth);
         let (read, back) = read_case(&path, &Limits::default(), &Monitor::default()).expect("read");
         assert_eq!(read, case);
         assert!(back.frames == burst.frames, "12-bit values are exact");
@@ -345,15 +427,20 @@ mod tests {
         let (case, part) = Case::of(&burst, &search, Some([90.0, 30.0]), Some(10), "");
         assert_eq!((case.corner, case.size, case.place), ([80, 20], [16, 21], Some([10.0, 10.0])));
         assert_eq!(part.frames[1].at(3, 4), burst.frames[1].at(83, 24));
-        let (_home, path) = written(&case, &part);
+        let (_home, path) = written(&case, &part, &enclosed);
+        let of_part = read_truth(&path).expect("read").expect("a truth");
+        assert_eq!((of_part.width, of_part.height), (16, 21));
+        let inside = truth.features.iter().filter(|one| one.u >= 79.5 && (19.5..40.5).contains(&one.v));
+        assert_eq!(of_part.features.len(), inside.count());
         assert!(read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1.frames == part.frames);
     }
 
     #[test]
     fn damaged_and_hostile_cases_are_refused_and_never_panic() {
-        let burst = chart();
+        let (burst, truth) = chart();
         let (case, part) = Case::of(&burst, &SearchParams::default(), None, None, "");
-        let (_home, path) = written(&case, &part);
+        let enclosed = Enclosed { session: Some("version = 3\n".repeat(20)), truth: Some(truth) };
+        let (_home, path) = written(&case, &part, &enclosed);
         let good = std::fs::read(&path).expect("read");
         let mut stream = Stream::new(11, 0);
         let mut refused = 0;
@@ -366,12 +453,14 @@ mod tests {
                     bytes[at] = stream.below(256) as u8;
                 }),
                 _ => {
-                    // The text at the beginning, where the settings are.
-                    let at = stream.below(900);
+                    // The texts at the beginning: settings, session and truth.
+                    let at = stream.below(2400);
                     bytes[at] = b"0123456789.-[]={}\"\n"[stream.below(19)];
                 }
             }
             std::fs::write(&path, &bytes).expect("written");
+            let others = [read_session(&path).err(), read_truth(&path).err()];
+            assert!(others.iter().flatten().all(|error| error.to_string().contains("a.burstcase")), "{others:?}");
             match read_case(&path, &Limits::default(), &Monitor::default()) {
                 Ok((read, burst)) => assert_eq!(burst.len(), read.frames),
                 Err(error) => {
@@ -380,7 +469,7 @@ mod tests {
                 }
             }
         }
-        assert!(refused > 200, "{refused}");
+        assert!(refused > 150, "{refused}");
         // Declared sizes beyond the limits are refused before anything of that size is made.
         for (size, frames) in [([1 << 40, 1 << 40], 4), ([96, 64], 1 << 40), ([0, 64], 4), ([97, 64], 4), ([96, 64], 5)]
         {
@@ -398,5 +487,13 @@ mod tests {
             let error = read_case(&path, &Limits::default(), &Monitor::default()).expect_err("a lie");
             assert!(matches!(error, CaseError::Invalid { .. }), "{error}");
         }
+        // Texts beyond their limits are not read to their end, whatever they unpack to.
+        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        let packed = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+        zip.start_file(SESSION, packed).expect("started");
+        zip.write_all(&vec![b'#'; MAX_SESSION_BYTES as usize + 1]).expect("written");
+        std::fs::write(&path, zip.finish().expect("finished").into_inner()).expect("written");
+        let error = read_session(&path).expect_err("too long").to_string();
+        assert!(error.contains("session.toml") && error.contains("larger"), "{error}");
     }
 }

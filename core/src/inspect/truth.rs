@@ -7,6 +7,7 @@ use super::probe::fates_near;
 use super::{Fate, ProbeCache};
 use crate::burst::Burst;
 use crate::evaluate::score::{Ranking, finds, judge};
+use crate::export::case::{self, is_case};
 use crate::files::{MAX_TABLE_BYTES, read_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::{Example, FeatureTruth, Truth, TruthKind, demo_truth};
@@ -57,7 +58,7 @@ pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
     serde_json::from_str(&text).map_err(|e| TruthError::Json { path: path.into(), reason: e.to_string() })
 }
 
-/// The truth of a burst: the `truth.json` in its folder, or that of a built-in burst. `None` where there is none.
+/// The truth of a burst: the `truth.json` in its folder or case, or that of a built-in burst. `None` where there is none.
 ///
 /// # Errors
 /// A `truth.json` that cannot be read, is invalid, or is of pictures of another size.
@@ -68,11 +69,15 @@ pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
         let example = Example::named(&burst.name).filter(|_| built_in);
         return Ok(is_demo.then(demo_truth).or_else(|| example.map(Example::truth)));
     };
-    let path = source.join("truth.json");
-    if !path.is_file() {
-        return Ok(None);
-    }
-    let truth = read_truth(&path)?;
+    let (path, truth) = if is_case(source) {
+        let unread = |error: case::CaseError| TruthError::Json { path: source.clone(), reason: error.to_string() };
+        (source.clone(), case::read_truth(source).map_err(unread)?)
+    } else {
+        let path = source.join("truth.json");
+        let truth = path.is_file().then(|| read_truth(&path)).transpose()?;
+        (path, truth)
+    };
+    let Some(truth) = truth else { return Ok(None) };
     let size = (truth.width, truth.height);
     if size != burst.size() {
         return Err(TruthError::Size { path, truth: size, burst: burst.size() });
@@ -80,9 +85,10 @@ pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
     Ok(Some(truth))
 }
 
-/// Whether a burst has a truth, without reading a file.
+/// Whether a burst has a truth, without reading it.
 pub fn is_known(burst: &Burst) -> bool {
     match &burst.sources[..] {
+        [source] if is_case(source) => case::has_truth(source),
         [source] => source.join("truth.json").is_file(),
         _ => burst.sources.is_empty() && (burst.name == DEMO || Example::named(&burst.name).is_some()),
     }

@@ -13,6 +13,8 @@ pub enum TruthKind {
     Scene,
     /// Scene that is built into the program.
     Demo,
+    /// Things planted in another burst.
+    Planted,
 }
 
 /// Truth of a synthetic burst. Positions are image pixels at `t0`, the centre of the first pixel is (0, 0).

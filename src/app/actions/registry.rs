@@ -122,7 +122,7 @@ actions! {
     OpenDemo, File 0, "Open demo burst", [], "Open the burst that is built into the program";
     RestoreSession, File 1, "Open session…", [], "Restore the burst, parameters, view and selection from a session file";
     SaveSession, File 1, "Save session…", [CTRL S], "Write the burst's path, parameters, view and selection to a file";
-    SaveCase, File 1, "Save case…", [], "Write the frames, the search and the probed place to one file, which opens like a burst on any machine";
+    SaveCase, File 1, "Save case…", [], "Write the frames, the search, the panes, the pinned result and the probed place to one file, which opens like a burst on any machine";
     LoadParams, File 2, "Load parameters…", [], "Read detector parameters from a TOML file";
     SaveParams, File 2, "Save parameters…", [CTRL_SHIFT S], "Write the detector parameters to a TOML file, as --params reads it";
     ExportCsv, File 3, "Export features as CSV…", [CTRL E], "Write one row for each feature, strongest first";
@@ -133,8 +133,9 @@ actions! {
     ExportSvg, File 4, "Export figure as SVG…", [], "Write the panes with their overlays as vector graphics, for papers";
     ExportFigurePng, File 4, "Export figure as PNG…", [], "Write the panes with their overlays as pixels, at any scale";
     FigureOptions, File 4, "Figure options…", [], "Choose what figures show: panes, part of the picture, legend, colour bar, scale bar, lines";
-    ExportFilmGif, File 4, "Export film as GIF…", [], "Write a sweep over the slopes, with the features of each, as an animation";
-    ExportFilmApng, File 4, "Export film as animated PNG…", [], "Write a sweep over the slopes, with the features of each, as an animation of all colours";
+    FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames, or two panes in turn; its size and rate are said before it is written";
+    ExportFilmGif, File 4, "Export film as GIF…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation";
+    ExportFilmApng, File 4, "Export film as animated PNG…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation of all colours";
     ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes";
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts";
     ExportMatchPicture, File 5, "Export match picture as PNG…", [], "Write both pictures as they are shown, with the matches of the table between them";

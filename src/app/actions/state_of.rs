@@ -75,6 +75,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::ResetMatching => model.pair.params != MatchParams::default(),
         A::SaveSession
         | A::SaveCase
+        | A::FilmOptions
         | A::ExportFilmGif
         | A::ExportFilmApng
         | A::Fit

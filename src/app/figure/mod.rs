@@ -1,9 +1,11 @@
 //! Figures of the shown panes, with filter, faint features, colours and visible part of the image, as vectors or as
 //! pixels: the dialog that chooses the content, and the content of the panes as panels, with the match lines between
-//! them.
+//! them. And films of them.
 
+mod film;
 mod raster;
 
+pub use film::{FilmDialog, film_of};
 pub use raster::rasterise;
 
 use crate::app::actions::{ActionId, Queue};
@@ -97,16 +99,29 @@ pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -
     } else {
         vec![vec![model.focus()]]
     };
+    drawing_of_panes(model, widgets, &rows, choice)
+}
+
+/// Makes the figure of some panes, row by row.
+///
+/// # Errors
+/// When there is no picture.
+fn drawing_of_panes(
+    model: &Model,
+    widgets: &PaneWidgets,
+    rows: &[Vec<PaneId>],
+    choice: &FigureChoice,
+) -> Result<Drawing, String> {
     let mut panes = Vec::new();
-    let mut panels = |row: Vec<PaneId>| {
-        let panel = |id: PaneId| {
+    let mut panels = |row: &Vec<PaneId>| {
+        let panel = |&id: &PaneId| {
             let panel = panel_of(model, widgets, id, choice)?;
             panes.push(id);
             Some(panel)
         };
-        row.into_iter().filter_map(panel).collect()
+        row.iter().filter_map(panel).collect()
     };
-    let rows: Vec<Vec<FigurePanel>> = rows.into_iter().map(&mut panels).collect();
+    let rows: Vec<Vec<FigurePanel>> = rows.iter().map(&mut panels).collect();
     if rows.iter().all(Vec::is_empty) {
         return Err("there is no picture; open a burst first".to_owned());
     }
@@ -190,17 +205,11 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
 }
 
 fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
-    const STEPS: usize = 64;
-    let colours = display.colours();
-    let value = |i: usize| display.min + (display.max - display.min) * (i as f32 + 0.5) / STEPS as f32;
-    ColourBar {
-        colors: (0..STEPS).map(|i| colours.colour(value(i))).collect(),
-        low: number(display.min, 3),
-        high: match class {
-            RangeClass::Share => format!("{} of the frames", number(display.max, 3)),
-            _ => format!("{} of full scale", number(display.max, 3)),
-        },
-    }
+    let high = match class {
+        RangeClass::Share => format!("{} of the frames", number(display.max, 3)),
+        _ => format!("{} of full scale", number(display.max, 3)),
+    };
+    ColourBar::of(display, number(display.min, 3), high)
 }
 
 /// Legend entries: the colours of the slopes of the grid that have features (at most 12), or of five steps through the

@@ -11,6 +11,7 @@ pub mod datasets;
 pub mod effect;
 pub mod explained;
 pub mod figure;
+pub mod film;
 pub mod filter;
 pub mod history;
 pub mod lab;
@@ -46,6 +47,7 @@ use compare::Compare;
 use datasets::Datasets;
 use explained::{CoherenceState, ExplainedState};
 use figure::FigureChoice;
+use film::FilmChoice;
 use filter::{Column, Filter, Order};
 use look::Look;
 use measure::Measure;
@@ -139,6 +141,8 @@ pub struct Model {
     pub messages: Messages,
     /// Contents and style of figures.
     pub figure: FigureChoice,
+    /// Contents, rate and size of a film.
+    pub film: FilmChoice,
     /// Steps that can be undone and redone.
     pub history: History,
     /// A line and a rectangle on a picture.

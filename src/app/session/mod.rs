@@ -13,10 +13,11 @@ pub use saved::{PairSession, SavedDataset, SavedTrajectories};
 use super::canvas::View;
 use super::canvas::overlay::ColourBy;
 use super::pane::{Content, PaneId, SavedPanes, SavedWorkspaces};
-use crate::app::project::against::SavedAgainst;
+use crate::app::project::against::{SavedAgainst, With};
 use crate::app::project::compare::CompareLook;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::filter::{Column, Filter, Order};
+use crate::app::project::lab::Lab;
 use crate::app::project::look::Look;
 use crate::app::project::pair::Side;
 use crate::app::project::probe::SavedProbe;
@@ -24,6 +25,8 @@ use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model, SavedSelection};
 use crate::burst::OpenOptions;
 use crate::detector::SearchParams;
+use crate::export::case::read_session;
+use crate::inspect::recover::RecoverStudy;
 use crate::inspect::set_up::SetUp;
 use crate::requests::BurstSource;
 use saved::{
@@ -31,6 +34,7 @@ use saved::{
 };
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// The version that this program writes; it reads this and older ones.
 const VERSION: u32 = 3;
@@ -115,6 +119,9 @@ pub struct Session {
     /// Source of the gold standard.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gold: Option<BurstSource>,
+    /// The study of things planted in the burst, where it is not the default one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub planted: Option<RecoverStudy>,
 }
 
 impl Session {
@@ -149,7 +156,40 @@ impl Session {
             gold: gold_source(model, Side::A),
             dataset: model.datasets.open.as_ref().map(saved_dataset),
             trajectories: saved_trajectories(&model.trajectories),
+            planted: Some(model.lab.planted.clone()).filter(|study| *study != Lab::default().planted),
         })
+    }
+
+    /// The session for a case: of its frames alone, without what lies in other files.
+    pub fn for_case(self) -> Self {
+        let of_burst = matches!(self.workspace, Workspace::Inspect | Workspace::Methods | Workspace::Lab);
+        let against = self.against.map(|against| SavedAgainst {
+            with: against.with.filter(|with| *with != With::File),
+            file: None,
+            ..against
+        });
+        Self {
+            burst: BurstSource::Paths(Vec::new()),
+            calibration: OpenOptions::default(),
+            pair_panes: None,
+            against: against.filter(|against| *against != SavedAgainst::default()),
+            dataset: None,
+            trajectories: None,
+            workspace: if of_burst { self.workspace } else { Workspace::Inspect },
+            pair: PairSession { burst: None, gold: None, probe: None, against: None, ..self.pair },
+            gold: None,
+            ..self
+        }
+    }
+
+    /// Reads the session in a case. It opens no file but the case.
+    ///
+    /// # Errors
+    /// When the case cannot be read, or its session is none; the message names the case.
+    pub fn in_case(path: &Path) -> Result<Option<Self>, String> {
+        let Some(text) = read_session(path).map_err(|error| error.to_string())? else { return Ok(None) };
+        let session = Self::from_toml(&text).map_err(|error| format!("{error}: {}", path.display()))?;
+        Ok(Some(Self { burst: BurstSource::Paths(vec![path.to_owned()]), ..session.for_case() }))
     }
 
     /// The file's text, which [`Session::from_toml`] reads back.
@@ -226,6 +266,7 @@ impl Session {
         model.bottom_tab = self.bottom_tab;
         model.workspace = self.workspace;
         model.compare.look = self.methods.clone().sanitised();
+        model.lab.planted = self.planted.clone().unwrap_or_else(|| Lab::default().planted);
     }
 }
 
@@ -240,7 +281,6 @@ fn read_noting_unknown_keys<T: DeserializeOwned>(text: &str) -> Result<(T, Vec<S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::against::With;
     use crate::burst::{Burst, OpenOptions};
     use crate::detector::Slope;
     use crate::plane::Plane;

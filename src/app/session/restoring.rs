@@ -8,6 +8,7 @@ use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::dataset::DatasetSource;
 use crate::engine::{Ended, Engine};
+use crate::export::case::{is_case, read_about};
 use crate::files::{MAX_SESSION_BYTES, explained, read_text};
 use crate::requests::{BurstSource, JobError, JobId, OpenRequest};
 use std::path::Path;
@@ -32,16 +33,44 @@ impl Restoring {
         match read.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e))) {
             Ok(session) => {
                 model.messages.resolved(TITLE);
-                let (source, options) = (session.burst.clone(), session.calibration.clone());
-                let id = model.slots.a.opening.ask(engine, OpenRequest { source, options });
-                self.session = Some((id, Box::new(session)));
-                Some(id)
+                Some(self.begin(session, model, engine))
             }
             Err(error) => {
                 model.messages.error(TITLE, format!("{error}: {}", path.display()));
                 None
             }
         }
+    }
+
+    /// Opens the burst of a session, which is restored then.
+    fn begin(&mut self, session: Session, model: &mut Model, engine: &Engine) -> JobId {
+        let (source, options) = (session.burst.clone(), session.calibration.clone());
+        let id = model.slots.a.opening.ask(engine, OpenRequest { source, options });
+        self.session = Some((id, Box::new(session)));
+        id
+    }
+
+    /// Opens a burst as A. That of a case is shown as it was saved: with its session, or else with its search and the
+    /// place that is asked about.
+    pub fn open(&mut self, source: BurstSource, model: &mut Model, engine: &Engine) {
+        let case = match source.paths() {
+            [path] if is_case(path) => Some(path.clone()),
+            _ => None,
+        };
+        match case.as_deref().map(Session::in_case) {
+            Some(Ok(Some(session))) => {
+                self.begin(session, model, engine);
+                return;
+            }
+            Some(Err(why)) => model.messages.error(TITLE, why),
+            Some(Ok(None)) | None => {}
+        }
+        // A case that cannot be read is reported when it is opened.
+        if let Some(Ok(case)) = case.as_deref().map(read_about) {
+            model.set_search(case.search);
+            model.lab.probe_when_open = case.place.map(|place| (source.clone(), place));
+        }
+        model.open(Side::A, source, engine);
     }
 
     /// Request that opens the burst of the session that is being restored. A session whose request was superseded or

@@ -9,14 +9,17 @@
 //! the direction of its orientation; and an arrow along its motion. The image's first pixel has its centre at (0, 0)
 //! and covers −0.5 … 0.5.
 
+mod curve;
 mod layout;
 mod links;
 mod svg;
 
+pub use curve::{FigureCurve, curve_height, draw_curve};
 pub use layout::lay_out;
 pub use links::{FigureLink, draw_links};
 pub use svg::write_drawing_svg;
 
+use crate::plane::display::Display;
 use std::sync::Arc;
 
 /// Red, green, blue.
@@ -61,6 +64,16 @@ pub struct ColourBar {
     pub low: String,
     /// Label of the right end, with the unit.
     pub high: String,
+}
+
+impl ColourBar {
+    /// The colours of a picture, with the labels of the ends of its range.
+    pub fn of(display: &Display, low: String, high: String) -> Self {
+        const STEPS: usize = 64;
+        let colours = display.colours();
+        let value = |i: usize| display.min + (display.max - display.min) * (i as f32 + 0.5) / STEPS as f32;
+        Self { colors: (0..STEPS).map(|i| colours.colour(value(i))).collect(), low, high }
+    }
 }
 
 /// One picture with its overlays.

@@ -55,32 +55,42 @@ pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slo
     let t0 = 0.5 * (frame_count as f64 - 1.0);
     let at = grid.slope(searched);
     let off = f64::from(slope.u - at.u).hypot(f64::from(slope.v - at.v));
-    let displaced: Vec<f64> = chosen.iter().map(|&index| (kept[index] as f64 - t0).abs() * off).collect();
+    let displaced = distances(chosen.iter().map(|&index| (kept[index] as f64 - t0).abs() * off).collect());
     let (blur_u, blur_v) = interpolation_blur(&offsets);
     // The filter starts from an assumed blur; a pixel is a square, and shifted frames are interpolated.
     let more = 1.0 / 12.0 + 0.5 * (blur_u + blur_v) - SIGMA_INPUT * SIGMA_INPUT;
     let (space, own_sigma) = (trail.space(), shape.sigma(radius));
-    let mut best: Option<Expected> = None;
+    let mut best: Option<(f64, (i32, i32))> = None;
     for octave in trail.octaves() {
-        for level in 0..space.levels as i32 {
-            let [low, high] = [0, 1].map(|up| space.sigma_image(octave, f64::from(level + up)));
-            if !(own_sigma / SCALE_REACH..=own_sigma * SCALE_REACH).contains(&low) {
-                continue;
-            }
-            let value = |sigma: f64| {
-                let filter = (sigma * sigma + more).max(0.05).sqrt();
-                displaced.iter().map(|&d| filtered(shape, radius, filter, d)).sum::<f64>() / displaced.len() as f64
-            };
-            let response = (value(low) - value(high)).abs();
-            let sigma_d = f64::from(trail.sigma_d_at((octave, level), ((place.0 as f32, place.1 as f32), at), &chosen));
-            let one = Expected { response, sigma_d, scale: (octave, level), frames: chosen.len() };
+        let sigma = |step: i32| space.sigma_image(octave, f64::from(step));
+        let suits = |level: &i32| (own_sigma / SCALE_REACH..=own_sigma * SCALE_REACH).contains(&sigma(*level));
+        let value = |step: i32| {
+            let filter = (sigma(step).powi(2) + more).max(0.05).sqrt();
+            let over_frames = |&(d, count): &(f64, usize)| count as f64 * filtered(shape, radius, filter, d);
+            displaced.iter().map(over_frames).sum::<f64>() / chosen.len() as f64
+        };
+        // The upper end of a level is the lower one of the next.
+        let mut known: Option<(i32, f64)> = None;
+        for level in (0..space.levels as i32).filter(suits) {
+            let low = known.filter(|(step, _)| *step == level).map_or_else(|| value(level), |(_, value)| value);
+            let high = value(level + 1);
+            known = Some((level + 1, high));
+            let response = (low - high).abs();
             // A candidate is an extremum of D, not of its ratio to the noise.
-            if best.is_none_or(|best| response > best.response) {
-                best = Some(one);
+            if best.is_none_or(|(best, _)| response > best) {
+                best = Some((response, (octave, level)));
             }
         }
     }
-    best
+    let (response, scale) = best?;
+    let sigma_d = f64::from(trail.sigma_d_at(scale, ((place.0 as f32, place.1 as f32), at), &chosen));
+    Some(Expected { response, sigma_d, scale, frames: chosen.len() })
+}
+
+/// The different distances among `all`, each with how often it occurs.
+fn distances(mut all: Vec<f64>) -> Vec<(f64, usize)> {
+    all.sort_by(f64::total_cmp);
+    all.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect()
 }
 
 /// Index of the grid's slope that is nearest to `slope`.
@@ -103,17 +113,28 @@ fn filtered(shape: Shape, radius: f64, sigma: f64, off: f64) -> f64 {
     }
 }
 
+/// Abscissae above 0 and weights of Gauss's integration with 16 points on −1 … 1 (Handbook of Mathematical Functions,
+/// 25.4.30).
+const GAUSS: [(f64, f64); 8] = [
+    (0.095_012_509_837_637_4, 0.189_450_610_455_068_5),
+    (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
+    (0.458_016_777_657_227_4, 0.169_156_519_395_002_5),
+    (0.617_876_244_402_643_7, 0.149_595_988_816_576_7),
+    (0.755_404_408_355_003, 0.124_628_971_255_533_9),
+    (0.865_631_202_387_831_7, 0.095_158_511_682_492_8),
+    (0.944_575_023_073_232_6, 0.062_253_523_938_647_9),
+    (0.989_400_934_991_649_9, 0.027_152_459_411_754_1),
+];
+
 /// Share of a Gaussian of standard deviation `sigma` around a point at distance `off` from a disc's centre that lies in
-/// the disc of `radius`.
+/// the disc of `radius`. A disc is at most a few σ wide here, so that few points give the integral over its rings.
 fn disc_filtered(radius: f64, sigma: f64, off: f64) -> f64 {
-    const STEPS: usize = 96;
-    let step = radius / STEPS as f64;
     let s2 = sigma * sigma;
-    let ring = |i: usize| {
-        let rho = (i as f64 + 0.5) * step;
+    let ring = |x: f64| {
+        let rho = 0.5 * radius * (1.0 + x);
         rho / s2 * (-(rho - off).powi(2) / (2.0 * s2)).exp() * scaled_bessel_i0(rho * off / s2)
     };
-    (0..STEPS).map(ring).sum::<f64>() * step
+    0.5 * radius * GAUSS.iter().map(|&(x, weight)| weight * (ring(x) + ring(-x))).sum::<f64>()
 }
 
 /// exp(−x)·I0(x) for x ≥ 0 (M. Abramowitz and I. Stegun, Handbook of Mathematical Functions, 9.8.1 and 9.8.2); the
@@ -158,6 +179,10 @@ mod tests {
             let (is, should) = (f64::from(blurred.at(40 + off, 40)), disc_filtered(6.0, sigma, off as f64));
             assert!((is - should).abs() < 2e-3, "{off}: {is} {should}");
         }
-        assert!((disc_filtered(6.0, 3.5, 0.0) - (1.0 - (-36.0f64 / 24.5).exp())).abs() < 1e-4);
+        // In the middle of a disc, and where the disc is as wide, relative to the filter, as it ever is.
+        for (radius, sigma) in [(6.0f64, 3.5), (5.0, 0.35 * 5.0), (16.0, 0.35 * 16.0)] {
+            let should = 1.0 - (-radius * radius / (2.0 * sigma * sigma)).exp();
+            assert!((disc_filtered(radius, sigma, 0.0) - should).abs() < 1e-6, "{radius} {sigma}");
+        }
     }
 }

@@ -31,7 +31,7 @@ use crate::evaluate::score::{Ranking, judge_by_discs};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::synth::random::Stream;
-use crate::synth::truth::{FeatureTruth, disc_sigma};
+use crate::synth::truth::{FeatureTruth, Truth, TruthKind, disc_sigma};
 use expected::{expected, nearest_slope};
 use ground::Ground;
 use rayon::prelude::*;
@@ -249,22 +249,30 @@ impl RecoverStudy {
         self.run_telling(burst, monitor, &|_| {})
     }
 
-    /// Makes the copy of a seed again, without searching it: its frames, and what is planted in it.
+    /// Makes the copy of a seed again, without searching it: its frames, and the truth of what is planted in it.
     ///
     /// # Errors
     /// As [`Self::run_telling`].
-    pub fn planted_copy(
-        &self,
-        burst: &Burst,
-        seed: u64,
-        monitor: &Monitor,
-    ) -> Result<(Burst, Vec<Planted>), EvaluateError> {
+    pub fn planted_copy(&self, burst: &Burst, seed: u64, monitor: &Monitor) -> Result<(Burst, Truth), EvaluateError> {
         self.check()?;
         let ground = Ground::new(self, burst, &monitor.part(0.0, 0.9))?;
         let levels = Levels::of(self, &ground)?;
         let planted = self.things(&ground, &levels, seed.saturating_sub(self.first_seed));
         let copy = self.plant(burst, &ground, &planted, seed, monitor)?;
-        Ok((copy, planted))
+        let (width, height) = burst.size();
+        let truth = Truth {
+            kind: TruthKind::Planted,
+            width,
+            height,
+            frames: ground.used.len(),
+            t0: -ground.time(0),
+            seed,
+            noise: None,
+            black_level: 0.0,
+            layers: Vec::new(),
+            features: planted.iter().map(|one| one.truth).collect(),
+        };
+        Ok((copy, truth))
     }
 
     /// Plants, searches and judges one copy.

@@ -116,6 +116,9 @@ pub struct FaintnessMap {
     pub plane: Arc<Plane>,
 }
 
+/// Ratio of the SNR of which half are found to the one that noise and gate let expect, above which something other
+/// than noise decides.
+const HIDDEN: f64 = 1.5;
 /// Number of cells along the longer side of the map, about.
 const CELLS: f64 = 16.0;
 /// Standard deviation, in cells, within which things count for a cell.
@@ -299,9 +302,15 @@ impl RecoverReport {
     }
 
     /// Changes in the world that it takes for nine of ten things of half of [`HalfFound::snr`] to be found, a
-    /// sentence.
+    /// sentence. Where the scene hides more than the noise does, it says that instead.
     pub fn outlook(&self) -> Option<String> {
         let half = self.half?;
+        if half.snr - 2.0 * half.error > HIDDEN * self.levels.expected_half {
+            return Some(format!(
+                "9 of 10 are found at SNR {}; the scene hides more than the noise, so that more frames or light help little",
+                number(self.curve.strength_at(0.9) as f32, 2)
+            ));
+        }
         let [same, faint] = [half.snr, 0.5 * half.snr];
         let needed = |snr: f64| self.frames_needed(snr, 0.9);
         Some(format!(

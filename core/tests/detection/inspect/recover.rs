@@ -173,12 +173,14 @@ fn the_same_seeds_give_the_same_things_and_a_copy_can_be_made_again() {
     let (one, two) = (in_pool(1), in_pool(3));
     assert_eq!(one.planted, two.planted);
     let (copy, planted) = study.planted_copy(&burst, 2, &Monitor::default()).expect("made again");
+    assert_eq!((planted.width, planted.height, planted.frames), (burst.size().0, burst.size().1, burst.len()));
+    assert_eq!(planted.t0, 0.5 * (burst.len() as f64 - 1.0));
     let of_copy: Vec<_> = one.planted.iter().filter(|thing| thing.seed == 2).map(|thing| thing.truth).collect();
-    assert_eq!(planted.iter().map(|thing| thing.truth).collect::<Vec<_>>(), of_copy);
+    assert_eq!(planted.features, of_copy);
     assert_ne!(copy.frames, burst.frames);
     // Strong features of the burst are left alone: every disc that was found is found again in the same place.
     let away = |thing: &burstscope_core::synth::FeatureTruth| {
-        planted.iter().all(|one| (one.truth.u - thing.u).hypot(one.truth.v - thing.v) > thing.radius)
+        planted.features.iter().all(|one| (one.u - thing.u).hypot(one.v - thing.v) > thing.radius)
     };
     let (_, truth) = made(&chart(6, 0.6));
     assert!(truth.features.iter().filter(|disc| away(disc)).count() >= 5);

@@ -1,0 +1,514 @@
+//! A sweep over slope, scale or frames as a film, or two pictures in turn: each step as a figure with its features, its
+//! numbers, the meaning of the colours, and the response at a place over all steps.
+
+mod sweep;
+
+pub use sweep::{FilmStep, FilmView, Flipped, MAX_FILM_PICTURES, Sweep};
+
+use super::open::OpenBurst;
+use crate::baseline::merge_burst;
+use crate::detector::scale_space::{ScaleSpace, searched_octaves};
+use crate::detector::view::{combined_view, dog_view};
+use crate::detector::{Combine, DetectError, Detection, DetectorParams, Feature, FrameRange, Method, Slope, SlopeGrid};
+use crate::export::{
+    ColourBar, Drawing, FigureCurve, FigureMark, FigureOptions, FigurePanel, LegendEntry, curve_height, draw_curve,
+    lay_out,
+};
+use crate::inspect::words::{counted, number, slope_text};
+use crate::monitor::{Monitor, Stage};
+use crate::plane::Plane;
+use crate::plane::display::{ColourMap, Display, direction_colour, to_rgba8};
+use crate::plane::sample::bilinear;
+use crate::plane::statistics::{Region, percentiles};
+use image::RgbaImage;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Place whose response is drawn as a curve: that of a feature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilmPlace {
+    /// Column and row at mid-burst, pixels of the input.
+    pub at: [f32; 2],
+    /// Octave and level of the DoG.
+    pub scale: (i32, i32),
+}
+
+/// A film of a burst.
+#[derive(Debug, Clone)]
+pub struct Film {
+    /// The burst.
+    pub burst: OpenBurst,
+    /// The parameters of its search, with slopes.
+    pub params: DetectorParams,
+    /// The quantity that is swept.
+    pub sweep: Sweep,
+    /// Slope of the steps, where that is not swept.
+    pub slope: Slope,
+    /// The features to draw, of each method whose pictures have some.
+    pub detections: Vec<(Method, Arc<Detection>)>,
+    /// The place whose response is drawn; `None` for that of the strongest feature.
+    pub place: Option<FilmPlace>,
+    /// Longest side of a burst's picture, pixels; larger ones are made smaller by a whole number.
+    pub max_side_px: usize,
+}
+
+/// Makes pixels of a drawing; the error says what went wrong.
+pub type Rasteriser<'a> = dyn Fn(&Drawing) -> Result<RgbaImage, String> + Sync + 'a;
+
+/// Reason why there is no film.
+#[derive(Debug, thiserror::Error)]
+pub enum FilmError {
+    /// A picture cannot be made.
+    #[error(transparent)]
+    Picture(#[from] DetectError),
+    /// A drawing cannot be made into pixels.
+    #[error("{0}")]
+    Drawing(String),
+}
+
+/// Percentiles of all pictures that are black and white.
+const RANGE: [f32; 2] = [0.1, 99.9];
+/// Height of letters, pixels.
+const FONT_PX: f32 = 12.0;
+/// Colour of the mark at the place of the curve.
+const MARK: [u8; 3] = [240, 228, 66];
+/// Most entries of the legend.
+const MAX_ENTRIES: usize = 8;
+
+impl Film {
+    /// The steps.
+    pub fn steps(&self) -> Vec<FilmStep> {
+        let still = FilmStep { slope: self.slope, view: FilmView::Stack(Combine::Mean), frames: None };
+        let along = |first: f32, last: f32, count: usize, i: usize| {
+            first + (last - first) * i as f32 / (count.max(2) - 1) as f32
+        };
+        match self.sweep {
+            Sweep::SlopeU(first, last, count) => (0..count)
+                .map(|i| FilmStep { slope: Slope::new(along(first, last, count, i), self.slope.v), ..still })
+                .collect(),
+            Sweep::SlopeV(first, last, count) => (0..count)
+                .map(|i| FilmStep { slope: Slope::new(self.slope.u, along(first, last, count, i)), ..still })
+                .collect(),
+            Sweep::Scale => {
+                let octaves = searched_octaves(&self.params, self.burst.burst.size());
+                let levels = self.params.levels as i32;
+                let scales = octaves.flat_map(|octave| (0..levels).map(move |level| FilmView::Dog(octave, level)));
+                scales.map(|view| FilmStep { view, ..still }).collect()
+            }
+            Sweep::Frames => {
+                let all = self.frame_count();
+                (1..=all.min(MAX_FILM_PICTURES)).map(|frames| FilmStep { frames: Some(frames), ..still }).collect()
+            }
+            Sweep::Flip(both) => both
+                .map(|one| FilmStep { slope: one.slope.unwrap_or(self.slope), view: one.view, frames: None })
+                .to_vec(),
+        }
+    }
+
+    /// Methods whose features are drawn.
+    pub fn methods(&self) -> Vec<Method> {
+        let mut methods: Vec<Method> = self.steps().iter().map(|step| step.view.method()).collect();
+        methods.dedup();
+        methods
+    }
+
+    fn frame_count(&self) -> usize {
+        self.params.used_frames(self.burst.burst.len()).len()
+    }
+
+    /// Columns and rows of a picture with its texts.
+    pub fn size(&self) -> (u32, u32) {
+        let [width, height] = self.sheet();
+        (width.ceil() as u32, height.ceil() as u32)
+    }
+
+    /// The pictures of all steps, made by `draw`.
+    ///
+    /// # Errors
+    /// See [`FilmError`]; also when `monitor` was cancelled.
+    pub fn pictures(&self, draw: &Rasteriser<'_>, monitor: &Monitor) -> Result<Vec<RgbaImage>, FilmError> {
+        self.pictures_of(&(0..self.steps().len()).collect::<Vec<_>>(), draw, monitor)
+    }
+
+    /// The first and the middle picture, from which the size of the file can be estimated.
+    ///
+    /// # Errors
+    /// As [`Self::pictures`].
+    pub fn samples(&self, draw: &Rasteriser<'_>, monitor: &Monitor) -> Result<[RgbaImage; 2], FilmError> {
+        let pictures = self.pictures_of(&[0, self.steps().len() / 2], draw, monitor)?;
+        pictures.try_into().map_err(|_| FilmError::Drawing("a film has at least one picture".to_owned()))
+    }
+
+    fn pictures_of(
+        &self,
+        chosen: &[usize],
+        draw: &Rasteriser<'_>,
+        monitor: &Monitor,
+    ) -> Result<Vec<RgbaImage>, FilmError> {
+        let all = self.steps();
+        let steps: Vec<FilmStep> = chosen.iter().map(|&index| all[index]).collect();
+        let place = self.place();
+        let (mut planes, mut responses) = (Vec::with_capacity(steps.len()), Vec::with_capacity(steps.len()));
+        for (index, step) in steps.iter().enumerate() {
+            monitor.check().map_err(DetectError::from)?;
+            monitor.report(Stage::Search { octave: 0 }, 0.7 * index as f32 / steps.len() as f32);
+            let silent = monitor.silent();
+            planes.push(self.plane(step, &silent)?);
+            let response = place.filter(|_| self.has_curve()).map(|place| self.response(step, place, &silent));
+            responses.push(response.transpose()?.unwrap_or(f32::NAN));
+        }
+        let displays = self.displays(&steps, &planes);
+        let sheet = self.sheet();
+        let picture = |index: usize| -> Result<RgbaImage, FilmError> {
+            monitor.check().map_err(DetectError::from)?;
+            let (step, display) = (&steps[index], &displays[index]);
+            let panel = self.panel(step, Some((&planes[index], display)));
+            let mut drawing = lay_out(&[vec![panel]], &self.options());
+            drawing.size = sheet;
+            if self.has_curve() && place.is_some() {
+                drawing.size[1] -= curve_height(FONT_PX);
+                draw_curve(&mut drawing, &self.curve(&steps, &responses, index), FONT_PX);
+            }
+            draw(&drawing).map_err(FilmError::Drawing)
+        };
+        (0..steps.len()).into_par_iter().map(picture).collect()
+    }
+
+    /// Width and height of all pictures: with room for the longest of their texts.
+    fn sheet(&self) -> [f32; 2] {
+        let size = |step: &FilmStep| lay_out(&[vec![self.panel(step, None)]], &self.options()).size;
+        let largest = self.steps().iter().map(size).fold([1f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        let curve = if self.has_curve() && self.place().is_some() { curve_height(FONT_PX) } else { 0.0 };
+        [largest[0].ceil(), (largest[1] + curve).ceil()]
+    }
+
+    fn options(&self) -> FigureOptions {
+        FigureOptions { scale: 1.0 / self.shrink() as f32, font_size_px: FONT_PX, ..FigureOptions::default() }
+    }
+
+    /// Number of the burst's pixels along one of a picture.
+    fn shrink(&self) -> usize {
+        let (width, height) = self.burst.burst.size();
+        width.max(height).div_ceil(self.max_side_px.max(16)).max(1)
+    }
+
+    /// The values of a step, one for each pixel of the picture.
+    fn plane(&self, step: &FilmStep, monitor: &Monitor) -> Result<Plane, DetectError> {
+        let burst = &self.burst.burst;
+        let params = self.params_of(step);
+        let used = params.used_frames(burst.len());
+        let (plane, per_pixel) = match step.view {
+            FilmView::Frame => ((*burst.frames[used.start + used.len() / 2]).clone(), 1.0),
+            FilmView::Merged => ((*merge_burst(burst, used, monitor)?.frames[0]).clone(), 1.0),
+            FilmView::Stack(combine) => (combined_view(burst, &params, step.slope, combine, monitor)?, 1.0),
+            FilmView::Dog(octave, level) => {
+                (dog_view(burst, &params, step.slope, octave, level, monitor)?, 2f32.powi(-octave))
+            }
+        };
+        let (shrink, (width, height)) = (self.shrink(), burst.size());
+        let at = |x: usize, n: usize| ((x as f32 * shrink as f32 * per_pixel) as usize).min(n - 1);
+        let (columns, rows) = ((width / shrink).max(1), (height / shrink).max(1));
+        Ok(Plane::from_fn(columns, rows, |u, v| plane.at(at(u, plane.width()), at(v, plane.height()))))
+    }
+
+    /// The parameters with the frames of a step: those around the middle, so that the picture stays in place.
+    fn params_of(&self, step: &FilmStep) -> DetectorParams {
+        let used = self.params.used_frames(self.burst.burst.len());
+        let frames = step.frames.filter(|count| *count < used.len()).map(|count| {
+            let start = used.start + (used.len() - count) / 2;
+            FrameRange { start, end: start + count }
+        });
+        DetectorParams { frames: frames.or(self.params.frames), ..self.params.clone() }
+    }
+
+    /// One display for all pictures of a kind, so that they can be compared.
+    fn displays(&self, steps: &[FilmStep], planes: &[Plane]) -> Vec<Display> {
+        let display = |step: &FilmStep| {
+            let alike = steps.iter().zip(planes).filter(|(other, _)| kind(other.view) == kind(step.view));
+            let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+            for (_, plane) in alike {
+                if let Some(range) = percentiles(plane, &Region::whole(plane), &RANGE) {
+                    (low, high) = (low.min(range[0]), high.max(range[1]));
+                }
+            }
+            if low > high {
+                return Display::default();
+            }
+            if kind(step.view) == ValueKind::Signed {
+                return Display::symmetric(low.abs().max(high.abs()).max(f32::MIN_POSITIVE));
+            }
+            Display { map: ColourMap::default(), ..Display::default() }
+                .with_range(low, high.max(low + f32::MIN_POSITIVE))
+        };
+        steps.iter().map(display).collect()
+    }
+
+    /// A step as a panel of a figure; without values an empty one of the same size.
+    fn panel(&self, step: &FilmStep, values: Option<(&Plane, &Display)>) -> FigurePanel {
+        let (shrink, (width, height)) = (self.shrink(), self.burst.burst.size());
+        let size = ((width / shrink).max(1), (height / shrink).max(1));
+        let display = values.map_or_else(Display::default, |(_, display)| *display);
+        let shown: Vec<&Feature> = self.features(step).collect();
+        let place = self.place().filter(|_| self.has_curve()).map(place_mark);
+        let marks = shown.iter().map(|feature| self.mark(feature)).chain(place);
+        let ends = [display.min, display.max].map(|end| format!("{:>6}", number(100.0 * end, 2)));
+        let [low, high] = ends;
+        FigurePanel {
+            size,
+            rgba: Arc::new(values.map_or_else(Vec::new, |(plane, display)| to_rgba8(plane, display).into_raw())),
+            origin_image: [-0.5, -0.5],
+            image_px_per_px: shrink as f32,
+            marks: if values.is_some() { marks.collect() } else { Vec::new() },
+            title: Some(self.title(step, shown.len())),
+            legend: self.legend(),
+            bar: Some(ColourBar::of(&display, low, format!("{high} % of full scale"))),
+        }
+    }
+
+    /// The numbers of a step.
+    fn title(&self, step: &FilmStep, features: usize) -> String {
+        let frames = counted(step.frames.unwrap_or(self.frame_count()), "frame");
+        let slope = format!("slope {} px/frame", slope_text(step.slope));
+        let what = match step.view {
+            FilmView::Frame => "middle frame".to_owned(),
+            FilmView::Merged => format!("{frames} merged"),
+            FilmView::Stack(combine) => format!("{} of {frames}, {slope}", combine.name().replace('-', " ")),
+            FilmView::Dog(octave, level) => {
+                let sigma = self.sigma_px(octave, level);
+                format!("σ {} px (octave {octave}, level {level}), {slope}", number(sigma, 1))
+            }
+        };
+        if self.detection(step.view).is_some() { format!("{what}: {}", counted(features, "feature")) } else { what }
+    }
+
+    fn sigma_px(&self, octave: i32, level: i32) -> f32 {
+        ScaleSpace::of(&self.params).sigma_image(octave, f64::from(level)) as f32
+    }
+
+    fn detection(&self, view: FilmView) -> Option<&Detection> {
+        self.detections.iter().find(|(method, _)| *method == view.method()).map(|(_, detection)| &**detection)
+    }
+
+    /// The features of a step: of its scale, or moving as its slope; of one image all of them.
+    fn features(&self, step: &FilmStep) -> impl Iterator<Item = &Feature> {
+        let grid = self.params.used_slopes();
+        let near = 0.75 * grid.u.step().max(grid.v.step()).max(0.1);
+        let all = self.detection(step.view).into_iter().flat_map(|detection| &detection.features);
+        let (view, slope) = (step.view, step.slope);
+        all.filter(move |feature| match view {
+            FilmView::Frame | FilmView::Merged => true,
+            FilmView::Dog(octave, level) => (feature.octave, feature.level) == (octave, level),
+            FilmView::Stack(_) => (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) <= near,
+        })
+    }
+
+    fn mark(&self, feature: &Feature) -> FigureMark {
+        let half = 0.5 * (self.frame_count() as f32 - 1.0);
+        let (du, dv) = (half * feature.slope.u, half * feature.slope.v);
+        FigureMark {
+            centre: [feature.u, feature.v],
+            radius: feature.sigma * std::f32::consts::SQRT_2,
+            orientation: None,
+            motion: Some([[feature.u - du, feature.v - dv], [feature.u + du, feature.v + dv]]),
+            color: colour(feature.slope, &self.params.used_slopes()),
+            opacity: 0.95,
+            weight: 1.0,
+            dashed: feature.at_slope_limit,
+        }
+    }
+
+    /// Meanings of the colours: slopes of the grid that have features.
+    fn legend(&self) -> Vec<LegendEntry> {
+        let Some(detection) = self.detection(FilmView::Stack(Combine::Mean)) else { return Vec::new() };
+        let mut used: Vec<usize> = detection.features.iter().map(|feature| feature.slope_index).collect();
+        used.sort_unstable();
+        used.dedup();
+        let every = used.len().div_ceil(MAX_ENTRIES).max(1);
+        let entry = |index: &usize| {
+            let slope = detection.slopes.slope(*index);
+            LegendEntry { color: colour(slope, &detection.slopes), label: slope_text(slope) }
+        };
+        used.iter().step_by(every).map(entry).collect()
+    }
+
+    /// Whether the response at a place is drawn over the steps.
+    fn has_curve(&self) -> bool {
+        !matches!(self.sweep, Sweep::Flip(_))
+    }
+
+    /// The place whose response is drawn: the given one, or that of the strongest feature at the film's slope, or at
+    /// any.
+    fn place(&self) -> Option<FilmPlace> {
+        let of = |feature: &Feature| FilmPlace { at: [feature.u, feature.v], scale: (feature.octave, feature.level) };
+        let stack = FilmStep { slope: self.slope, view: FilmView::Stack(Combine::Mean), frames: None };
+        let strongest = |features: &mut dyn Iterator<Item = &Feature>| {
+            features.max_by(|a, b| a.strength().total_cmp(&b.strength())).map(of)
+        };
+        let moves = matches!(self.sweep, Sweep::SlopeU(..) | Sweep::SlopeV(..));
+        let at_slope = || strongest(&mut self.features(&stack)).filter(|_| !moves);
+        let any = || strongest(&mut self.detection(stack.view)?.features.iter());
+        let is_searched = |place: &FilmPlace| {
+            let (octave, level) = place.scale;
+            let octaves = searched_octaves(&self.params, self.burst.burst.size());
+            octaves.contains(&octave) && (0..self.params.levels as i32).contains(&level)
+        };
+        self.place.filter(is_searched).or_else(at_slope).or_else(any)
+    }
+
+    /// D at the place, with the slope, scale and frames of a step, fraction of full scale; NaN outside.
+    fn response(&self, step: &FilmStep, place: FilmPlace, monitor: &Monitor) -> Result<f32, DetectError> {
+        let (octave, level) = match step.view {
+            FilmView::Dog(octave, level) => (octave, level),
+            _ => place.scale,
+        };
+        let dog = dog_view(&self.burst.burst, &self.params_of(step), step.slope, octave, level, monitor)?;
+        let [x, y] = place.at.map(|at| at * 2f32.powi(-octave));
+        Ok(bilinear(&dog, x, y).unwrap_or(f32::NAN))
+    }
+
+    fn curve(&self, steps: &[FilmStep], responses: &[f32], marked: usize) -> FigureCurve {
+        let x = |index: usize| match self.sweep {
+            Sweep::SlopeU(..) => steps[index].slope.u,
+            Sweep::SlopeV(..) => steps[index].slope.v,
+            _ => (index + 1) as f32,
+        };
+        let points: Vec<[f32; 2]> = responses.iter().enumerate().map(|(index, d)| [x(index), 100.0 * d]).collect();
+        let first_level = |(index, step): (usize, &FilmStep)| match step.view {
+            FilmView::Dog(octave, 0) => Some(((index + 1) as f32, number(self.sigma_px(octave, 0), 1))),
+            _ => None,
+        };
+        let label_x = match self.sweep {
+            Sweep::SlopeU(..) => "slope u, px/frame",
+            Sweep::SlopeV(..) => "slope v, px/frame",
+            Sweep::Scale => "σ, px",
+            Sweep::Frames | Sweep::Flip(_) => "frames",
+        };
+        let [u, v] = self.place().map_or([0.0; 2], |place| place.at);
+        let now = responses.get(marked).filter(|d| d.is_finite());
+        let now = now.map_or_else(|| "outside".to_owned(), |d| format!("{} % of full scale", number(100.0 * d, 3)));
+        FigureCurve {
+            points,
+            marked,
+            title: format!("D at ({}, {}): {now}", number(u, 0), number(v, 0)),
+            label_x: label_x.to_owned(),
+            ticks_x: steps.iter().enumerate().filter_map(first_level).collect(),
+        }
+    }
+}
+
+/// Kinds of values; those of one kind share a range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ValueKind {
+    Brightness,
+    Deviation,
+    Signed,
+}
+
+fn kind(view: FilmView) -> ValueKind {
+    match view {
+        FilmView::Dog(..) | FilmView::Stack(Combine::MeanMinusMedian) => ValueKind::Signed,
+        FilmView::Stack(Combine::Deviation) => ValueKind::Deviation,
+        FilmView::Frame | FilmView::Merged | FilmView::Stack(_) => ValueKind::Brightness,
+    }
+}
+
+/// Colour of a slope, as in the window.
+fn colour(slope: Slope, grid: &SlopeGrid) -> [u8; 3] {
+    direction_colour(slope.v.atan2(slope.u), slope.magnitude() / grid.max_magnitude().max(1e-3))
+}
+
+fn place_mark(place: FilmPlace) -> FigureMark {
+    FigureMark {
+        centre: place.at,
+        radius: 9.0,
+        orientation: None,
+        motion: None,
+        color: MARK,
+        opacity: 1.0,
+        weight: 1.6,
+        dashed: true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::FigureShape;
+    use crate::requests::BurstSource;
+
+    fn film(sweep: Sweep) -> Film {
+        let chart = crate::synth::ChartParams { width: 96, height: 64, discs: 2, frames: 4, ..Default::default() };
+        let source = BurstSource::Chart(Box::new(chart));
+        let burst = source.open(&crate::burst::OpenOptions::default(), &Monitor::default()).expect("a chart");
+        let place = Some(FilmPlace { at: [40.0, 30.0], scale: (0, 1) });
+        let params = DetectorParams::default();
+        Film { burst, params, sweep, slope: Slope::default(), detections: Vec::new(), place, max_side_px: 48 }
+    }
+
+    /// A drawing as pixels of its size, whose colours are a sum of all that is drawn.
+    fn digest(drawing: &Drawing) -> Result<RgbaImage, String> {
+        let text = format!("{:?}", drawing.shapes);
+        let sum = text.bytes().fold(0u32, |sum, byte| sum.wrapping_mul(31).wrapping_add(u32::from(byte)));
+        let [width, height] = drawing.size.map(|x| x as u32);
+        Ok(RgbaImage::from_pixel(width, height, image::Rgba(sum.to_le_bytes())))
+    }
+
+    #[test]
+    fn every_sweep_has_its_steps_in_pictures_of_one_size() {
+        // Three octaves of five levels.
+        let counts = [
+            ("slope-u=-2:2:5", 5),
+            ("slope-v=0:1:2", 2),
+            ("frames", 4),
+            ("flip", 2),
+            ("flip=merged,mean-minus-median@1:0", 2),
+            ("scale", 15),
+        ];
+        for (text, count) in counts {
+            let film = film(text.parse().expect(text));
+            let pictures = film.pictures(&digest, &Monitor::default()).expect("made");
+            assert_eq!(pictures.len(), count, "{text}");
+            assert!(pictures.iter().all(|picture| picture.dimensions() == film.size()), "{text}");
+            assert_ne!(pictures[0], pictures[1], "{text}");
+            let [first, _] = film.samples(&digest, &Monitor::default()).expect("made");
+            assert_eq!(first.dimensions(), film.size(), "{text}");
+        }
+        let steps = film(Sweep::SlopeU(-2.0, 2.0, 5)).steps();
+        assert_eq!(steps.iter().map(|step| step.slope.u).collect::<Vec<_>>(), [-2.0, -1.0, 0.0, 1.0, 2.0]);
+    }
+
+    #[test]
+    fn a_step_shows_its_numbers_its_features_and_the_curve_with_its_mark() {
+        let mut film = film(Sweep::SlopeU(-1.0, 1.0, 3));
+        film.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
+        let found = crate::baseline::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
+        let strongest = found.features.iter().max_by(|a, b| a.strength().total_cmp(&b.strength())).expect("some");
+        let (at, slope) = ([strongest.u, strongest.v], strongest.slope);
+        (film.place, film.detections) = (None, vec![(Method::Buff, Arc::new(found.clone()))]);
+        assert_eq!(film.place().map(|place| place.at), Some(at));
+        let (texts, marks) = (std::sync::Mutex::new(Vec::new()), std::sync::Mutex::new(Vec::new()));
+        let keep = |drawing: &Drawing| {
+            for shape in &drawing.shapes {
+                match shape {
+                    FigureShape::Text { text, .. } => texts.lock().expect("kept").push(text.clone()),
+                    FigureShape::Circle { centre, .. } => marks.lock().expect("kept").push(centre[0]),
+                    _ => {}
+                }
+            }
+            digest(drawing)
+        };
+        film.pictures(&keep, &Monitor::default()).expect("made");
+        let texts = texts.into_inner().expect("kept");
+        for part in ["slope −1 px/frame: ", "slope 1 px/frame: ", "D at (", "slope u, px/frame", "% of full scale"] {
+            assert!(texts.iter().any(|text| text.contains(part)), "{part}: {texts:?}");
+        }
+        assert_eq!(marks.into_inner().expect("kept").len(), 3, "one point of the curve is marked in each picture");
+        // At the feature's slope the response is stronger than at the other end of the range.
+        let steps = film.steps();
+        let place = film.place().expect("a feature");
+        let d: Vec<f32> =
+            steps.iter().map(|s| film.response(s, place, &Monitor::default()).expect("made").abs()).collect();
+        let (near, far) = if slope.u > 0.0 { (d[2].max(d[1]), d[0]) } else { (d[0].max(d[1]), d[2]) };
+        assert!(near > far, "{d:?} at {slope:?}");
+    }
+}
