@@ -6,7 +6,6 @@
 
 use crate::kernel::compact_kernel::PixelView;
 use multiversion::multiversion;
-use std::ops::Range;
 
 /// Orders of derivatives along one axis, 0 to 4.
 const ORDERS: usize = 5;
@@ -26,9 +25,8 @@ pub type Jet = [[f64; ORDERS]; ORDERS];
 pub struct JetPixels {
     lines: Vec<f32>,
     along_u: Vec<f32>,
-    along_v: Vec<[f32; WEIGHTS]>,
-    /// Columns and rows.
-    count: usize,
+    along_v: Vec<f32>,
+    wider: Vec<f32>,
     stride: usize,
     /// Column and row of the first pixel.
     first: (i64, i64),
@@ -38,12 +36,12 @@ impl JetPixels {
     /// Reads the pixels up to `radius` from the pixel at `middle`, less `local_mean`.
     pub fn read(&mut self, pixels: &PixelView<'_>, middle: (i64, i64), radius: usize, local_mean: f32) {
         self.first = (middle.0 - radius as i64, middle.1 - radius as i64);
-        self.count = 2 * radius + 1;
-        self.stride = self.count.next_multiple_of(LANES);
+        let count = 2 * radius + 1;
+        self.stride = count.next_multiple_of(LANES);
         self.lines.clear();
-        self.lines.resize(self.stride * self.count, 0.0);
+        self.lines.resize(self.stride * count, 0.0);
         for (line, v) in self.lines.chunks_exact_mut(self.stride).zip(self.first.1..) {
-            let line = &mut line[..self.count];
+            let line = &mut line[..count];
             pixels.line(v, self.first.0, line);
             line.iter_mut().for_each(|x| *x -= local_mean);
         }
@@ -52,16 +50,12 @@ impl JetPixels {
     /// Jets at the place (x, y) of the image under sampled Gaussians of the two `variances`, square pixels; the pixels
     /// that were read are all that is summed.
     pub fn jets(&mut self, (x, y): (f64, f64), variances: [f64; 2]) -> [Jet; 2] {
-        let Self { lines, along_u, along_v, count, stride, first } = self;
-        along_u.clear();
-        along_u.resize(WEIGHTS * *stride, 0.0);
-        along_v.clear();
-        along_v.resize(*count, [0.0; WEIGHTS]);
-        for (g, &variance) in variances.iter().enumerate() {
-            weights(variance, first.0 as f64 - x, *count, |i, order, w| {
-                along_u[(g * ORDERS + order) * *stride + i] = w;
-            });
-            weights(variance, first.1 as f64 - y, *count, |i, order, w| along_v[i][g * ORDERS + order] = w);
+        let Self { lines, along_u, along_v, wider, stride, first } = self;
+        for (along, d) in [(&mut *along_u, first.0 as f64 - x), (&mut *along_v, first.1 as f64 - y)] {
+            along.resize(WEIGHTS * *stride, 0.0);
+            for (of_one, variance) in along.chunks_exact_mut(ORDERS * *stride).zip(variances) {
+                weights(variance, d, *stride, of_one, wider);
+            }
         }
         sums(lines, along_u, along_v, *stride).map(|terms| {
             let mut terms = terms.into_iter().map(f64::from);
@@ -74,57 +68,69 @@ impl JetPixels {
     }
 }
 
-/// Smallest variance of the Gaussian whose third and fourth derivatives are taken, square pixels: samples of those of
-/// narrower ones do not sum to 0. There these orders are those of a slightly smoother image.
-const MIN_VARIANCE_OF_HIGH_ORDERS: f64 = 0.8;
+/// Smallest variance of a Gaussian whose samples are its weights, square pixels. Samples of narrower ones hold no
+/// longer what the pixels show: their second derivative is wrong by several percent, depending on where the pixels fall.
+const MIN_SAMPLED_VARIANCE: f64 = 1.2;
+/// Terms by which a sampled Gaussian is made as sharp as a narrower one, beside itself.
+const SHARPENING: usize = 4;
 
-/// Calls `write(i, order, weight)` with the derivatives, with respect to its centre, of a Gaussian of `variance` at
-/// `count` whole distances from `d` on.
-fn weights(variance: f64, d: f64, count: usize, mut write: impl FnMut(usize, usize, f32)) {
-    if variance >= MIN_VARIANCE_OF_HIGH_ORDERS {
-        return weights_of_orders(0..ORDERS, variance, d, count, &mut write);
+/// Writes the derivatives of each order, with respect to its centre, of a Gaussian of `variance` at `stride` whole
+/// distances from `d` on, order after order. Of one that is too narrow to be sampled, the weights are those of the wider
+/// Gaussian g sharpened, exp(−c/2·∂²)g with the difference c of the variances: on smooth pixels their sums are the same.
+/// `wider` is a buffer.
+fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Vec<f32>) {
+    let missing = MIN_SAMPLED_VARIANCE - variance;
+    if missing <= 0.0 {
+        return derivatives(variance, d, stride, out);
     }
-    weights_of_orders(0..3, variance, d, count, &mut write);
-    weights_of_orders(3..ORDERS, MIN_VARIANCE_OF_HIGH_ORDERS, d, count, &mut write);
+    wider.resize((ORDERS + 2 * SHARPENING) * stride, 0.0);
+    derivatives(MIN_SAMPLED_VARIANCE, d, stride, wider);
+    for (order, out) in out.chunks_exact_mut(stride).enumerate() {
+        out.copy_from_slice(&wider[order * stride..][..stride]);
+        let mut factor = 1.0;
+        for term in 1..=SHARPENING {
+            factor *= (-0.5 * missing / term as f64) as f32;
+            let derivative = &wider[(order + 2 * term) * stride..][..stride];
+            out.iter_mut().zip(derivative).for_each(|(out, x)| *out += factor * x);
+        }
+    }
 }
 
-/// As [`weights`], of some orders.
-fn weights_of_orders(
-    orders: Range<usize>,
-    variance: f64,
-    mut d: f64,
-    count: usize,
-    write: &mut impl FnMut(usize, usize, f32),
-) {
-    // Each sample is the one before times a ratio that itself falls by a constant ratio.
+/// Writes derivatives of a Gaussian of `variance` with respect to its centre, as [`weights`] does: as many orders as
+/// `out` holds.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn derivatives(variance: f64, d: f64, stride: usize, out: &mut [f32]) {
     let inverse = 1.0 / variance;
+    // Each sample is the one before times a ratio that itself falls by a constant ratio.
     let mut value = (-0.5 * d * d * inverse).exp() / (2.0 * std::f64::consts::PI * variance).sqrt();
     let mut ratio = (-(d + 0.5) * inverse).exp();
     let fall = (-inverse).exp();
-    for i in 0..count {
-        let mut before = 0.0;
-        let mut now = value;
-        for order in 0..orders.end {
-            if order >= orders.start {
-                write(i, order, now as f32);
-            }
-            (before, now) = (now, inverse * (d * now - order as f64 * before));
-        }
+    for out in &mut out[..stride] {
+        *out = value as f32;
         value *= ratio;
         ratio *= fall;
-        d += 1.0;
+    }
+    let (first, step) = ((d * inverse) as f32, inverse as f32);
+    for order in 1..out.len() / stride {
+        let (before, next) = out.split_at_mut(order * stride);
+        let now = &before[(order - 1) * stride..];
+        let factor = step * (order - 1) as f32;
+        let before = &before[order.saturating_sub(2) * stride..][..stride];
+        for (i, ((next, now), before)) in next[..stride].iter_mut().zip(now).zip(before).enumerate() {
+            *next = (first + step * i as f32) * now - factor * before;
+        }
     }
 }
 
 /// The sums of `lines`, rows of `stride` pixels, under the products of the weights of columns and of rows.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn sums(lines: &[f32], along_u: &[f32], along_v: &[[f32; WEIGHTS]], stride: usize) -> [[f32; TERMS]; 2] {
+fn sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize) -> [[f32; TERMS]; 2] {
     let mut totals = [[[0.0f32; LANES]; TERMS]; 2];
     for start in (0..stride).step_by(LANES) {
         let mut acc = [[0.0f32; LANES]; WEIGHTS];
-        for (line, weights) in lines.chunks_exact(stride).zip(along_v) {
+        for (v, line) in lines.chunks_exact(stride).enumerate() {
             let pixels: &[f32; LANES] = line[start..][..LANES].try_into().expect("a whole vector");
-            for (acc, weight) in acc.iter_mut().zip(weights) {
+            for (acc, weight) in acc.iter_mut().zip(along_v[v..].iter().step_by(stride)) {
                 for l in 0..LANES {
                     acc[l] = weight.mul_add(pixels[l], acc[l]);
                 }
@@ -192,6 +198,35 @@ mod tests {
                 prop_assert!((jet[2][2] - second(&|d| second(&|f| at(d, f)))).abs() < 5e-3);
                 let fourth = (at(0.4, 0.0) - 4.0 * at(0.2, 0.0) + 6.0 * at(0.0, 0.0) - 4.0 * at(-0.2, 0.0) + at(-0.4, 0.0)) / 0.2f64.powi(4);
                 prop_assert!((jet[4][0] - fourth).abs() < 0.03 * (1.0 + fourth.abs()), "{} {fourth}", jet[4][0]);
+            }
+        }
+    }
+
+    #[test]
+    fn narrow_jets_of_smooth_pixels_are_those_of_the_scene() {
+        // A blob of variance s² that is blurred by a Gaussian is one of the sum of their variances.
+        let own = 1.7f64 * 1.7;
+        for (x, y) in [(20.0, 15.0), (20.5, 15.5), (20.3, 14.6)] {
+            let plane = Plane::from_fn(40, 30, |u, v| {
+                (-((u as f64 - x).powi(2) + (v as f64 - y).powi(2)) / (2.0 * own)).exp() as f32
+            });
+            let mut pixels = JetPixels::default();
+            pixels.read(&PixelView::of(&plane), (20, 15), 9, 0.0);
+            for variance in [0.3, 0.5, 0.8, 1.1, 1.3] {
+                let [jet, _] = pixels.jets((x, y), [variance, 2.0]);
+                let all = own + variance;
+                let peak = own / all;
+                for ((p, q), expected, error) in [
+                    ((0, 0), peak, 1e-3),
+                    ((1, 0), 0.0, 2e-3),
+                    ((2, 0), -peak / all, 5e-3),
+                    ((0, 2), -peak / all, 5e-3),
+                    ((2, 2), peak / (all * all), 2e-2),
+                    ((4, 0), 3.0 * peak / (all * all), 3e-2),
+                ] {
+                    let found = jet[p][q];
+                    assert!((found - expected).abs() < error, "{p} {q} of {variance} at {x} {y}: {found} {expected}");
+                }
             }
         }
     }

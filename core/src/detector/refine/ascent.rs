@@ -4,14 +4,18 @@
 //! burst that is cropped by a pixel would keep other keypoints, with other values, and so another choice among those on
 //! one blob. So in octaves after the first the fit is only the start of an ascent. D at any place and scale is the
 //! difference of two sums of pixels under Gaussians; their [jets](crate::kernel::gaussian_jet) give its gradient and
-//! its second derivatives, over place and, since ∂G/∂σ = σ∇²G, over ln σ. Newton's steps lead to the maximum, which two
-//! or three evaluations reach. The first level is smooth enough that its pixels hold all of it.
+//! its second derivatives, over place and, since ∂G/∂σ = σ∇²G, over ln σ. Newton's steps lead to the maximum, which one
+//! or two evaluations reach. The first level is smooth enough that its pixels hold all of it.
+//!
+//! Most samples that begin an ascent lie on no peak of their own: the first step tells, since it leads to another level,
+//! or D is not peaked where it begins.
 
 use crate::detector::scale_space::ScaleSpace;
 use crate::kernel::compact_kernel::{PixelView, RIM};
 use crate::kernel::gaussian_jet::{Jet, JetPixels};
 use nalgebra::{Cholesky, Matrix3, Vector3};
 use std::cell::RefCell;
+use std::ops::Range;
 
 /// Source of exact values of D: an octave's first level, at one slope.
 #[derive(Debug, Clone, Copy)]
@@ -41,19 +45,17 @@ pub struct Peak {
 
 /// Radius at which the Gaussians are cut, in standard deviations of the wider one at the start.
 const CUT: f64 = 3.5;
-/// Smallest variance of Gaussians whose samples have true fourth derivatives, octave pixels². At 0.5 these are wrong by
-/// as much as those of a blob are large, and its level by a half.
-const MIN_VARIANCE: f64 = 0.7;
+/// Smallest variance beyond the first level's, octave pixels²: finer Gaussians show too little of what the first level
+/// lost.
+const MIN_VARIANCE: f64 = 0.3;
 /// Maximum number of evaluations.
-const MAX_STEPS: usize = 9;
+const MAX_STEPS: usize = 4;
 /// Length of a step after which no other evaluation is needed: the parabola's peak is exact to a part in a thousand.
 const SHORT_PX: f64 = 0.1;
 /// Largest step.
 const LONGEST_PX: f64 = 0.7;
 /// Largest distance from the start, octave pixels.
 pub const FARTHEST_PX: f64 = 2.5;
-/// Largest distance from the start, levels.
-const FARTHEST_LEVELS: f64 = 2.5;
 
 thread_local! {
     static PIXELS: RefCell<JetPixels> = RefCell::default();
@@ -61,12 +63,20 @@ thread_local! {
 
 impl FirstLevel<'_> {
     /// The maximum of sign·D to which the ascent from column `x`, row `y` and DoG level index `level` leads; `None`
-    /// where it does not converge nearby.
-    pub fn ascend(&self, start: (f64, f64), level: f64, sign: f64) -> Option<Peak> {
-        PIXELS.with_borrow_mut(|pixels| self.ascend_with(start, level, sign, pixels))
+    /// where D is not peaked on the way, where a step leads out of the level indices `within`, or where it does not
+    /// converge nearby.
+    pub fn ascend(&self, start: (f64, f64), level: f64, within: Range<f64>, sign: f64) -> Option<Peak> {
+        PIXELS.with_borrow_mut(|pixels| self.ascend_with(start, level, &within, sign, pixels))
     }
 
-    fn ascend_with(&self, start: (f64, f64), level: f64, sign: f64, pixels: &mut JetPixels) -> Option<Peak> {
+    fn ascend_with(
+        &self,
+        start: (f64, f64),
+        level: f64,
+        within: &Range<f64>,
+        sign: f64,
+        pixels: &mut JetPixels,
+    ) -> Option<Peak> {
         let levels = self.space.levels as f64;
         let k2 = 4f64.powf(1.0 / levels);
         let own = self.sigma * self.sigma;
@@ -100,24 +110,21 @@ impl FirstLevel<'_> {
                     d.y_log / unit,
                     d.log_log / (unit * unit),
                 );
-            let peaked = Cholesky::new(bend);
-            let is_peaked = peaked.is_some();
-            let step = match peaked {
-                Some(peaked) => peaked.solve(&gradient),
-                None => uphill(bend, gradient)?,
-            };
+            let step = Cholesky::new(bend)?.solve(&gradient);
+            let level = 1.0 + levels * ((log + step.z / unit).exp() / self.space.sigma_octave(0.0)).log2();
+            if !within.contains(&level) {
+                return None;
+            }
             let length = step.norm();
             // Beyond the finest scale that the pixels show the parabola's peak is taken as it is.
             let ends_there = log <= finest && step.z < 0.0 && step.xy().norm() < SHORT_PX;
-            if is_peaked && (length < SHORT_PX || ends_there) {
-                let level = 1.0 + levels * ((log + step.z / unit).exp() / self.space.sigma_octave(0.0)).log2();
+            if length < SHORT_PX || ends_there {
                 let value = d.value + 0.5 * sign * gradient.dot(&step);
                 return Some(Peak { x: x + step.x, y: y + step.y, level, value, curvature: [d.xx, d.xy, d.yy] });
             }
             let step = step * (LONGEST_PX / length).min(1.0);
             (x, y, log) = (x + step.x, y + step.y, (log + step.z / unit).max(finest));
-            let far = (x - start.0).hypot(y - start.1) > FARTHEST_PX;
-            if far || (log - begin).abs() * levels / std::f64::consts::LN_2 > FARTHEST_LEVELS {
+            if (x - start.0).hypot(y - start.1) > FARTHEST_PX {
                 return None;
             }
         }
@@ -128,15 +135,6 @@ impl FirstLevel<'_> {
 /// The grey level around the place, which is subtracted so that cutting the Gaussians off changes nothing.
 fn pixels_mean(pixels: &PixelView<'_>, at: (f64, f64), sigma: f64) -> f32 {
     pixels.local_mean(RIM.on_rim(std::f64::consts::SQRT_2 * sigma), at)
-}
-
-/// A step uphill where D is not peaked: that of the nearest peaked form.
-fn uphill(bend: Matrix3<f64>, gradient: Vector3<f64>) -> Option<Vector3<f64>> {
-    let size = bend.norm();
-    [0.3, 1.0, 2.0]
-        .into_iter()
-        .find_map(|part| Cholesky::new(bend + Matrix3::identity() * (part * size)))
-        .map(|peaked| peaked.solve(&gradient))
 }
 
 /// D and its derivatives over place and `log` = ln σ.
@@ -186,7 +184,7 @@ mod tests {
     /// Ascends to the maximum of sign·D on `plane`, a first level.
     fn ascend(plane: &Plane, start: (f64, f64), level: f64, sign: f64) -> Option<Peak> {
         let space = space();
-        FirstLevel { pixels: PixelView::of(plane), sigma: 1.6, space: &space }.ascend(start, level, sign)
+        FirstLevel { pixels: PixelView::of(plane), sigma: 1.6, space: &space }.ascend(start, level, -1.0..9.0, sign)
     }
 
     /// A dark blob of height 0.2 and standard deviation `sigma`, which includes the first level's.

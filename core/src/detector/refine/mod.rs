@@ -186,14 +186,18 @@ pub fn refine(
 const LONGEST_START: f64 = 0.7;
 
 /// Distance in levels from which on the quadratic fit shows that a sample is not the nearest to a peak.
-const FARTHEST_FIT: f64 = 1.0;
+const FARTHEST_FIT: f64 = 0.8;
 
-/// Levels from which an ascent's peak is that of a sample: those to which its level is the nearest, so that of several
-/// samples whose ascents end at one peak one is accepted.
-const NEAREST: f64 = 0.5;
-/// Levels in place of [`NEAREST`] below the octave's first level: a little into the finer octave, so that no peak is
+/// Distance in levels up to which an ascent's peak is that of a sample: those to which its level is the nearest, and a
+/// little more, because not every sample nearest to a peak begins an ascent. A peak between two levels may so be found
+/// from both; the choice of distinct keypoints takes one.
+const NEAREST: f64 = 0.6;
+/// Distance in place of [`NEAREST`] below the octave's first level: farther into the finer octave, so that no peak is
 /// lost between them.
-const BELOW_FIRST: f64 = 0.55;
+const BELOW_FIRST: f64 = 0.65;
+
+/// Distance in levels beyond those at which a step of an ascent ends it.
+const STRAY: f64 = 0.2;
 
 /// Extremum of D around (x, y, level index): that of the quadratic fit, or, with the octave's first level, the exact
 /// one to which the [ascent] from there leads; `None` where there is none. `size` is the octave's.
@@ -215,9 +219,11 @@ pub fn fit(
     let (x, y) = (start(place.0, x), start(place.1, y));
     let level = start(level_index, quadratic.level_refined);
     let sign = f64::from(dog.at(level_index, place.0, place.1)).signum();
-    let peak = first.ascend((x, y), level, sign)?;
-    let offset = [peak.x - place.0 as f64, peak.y - place.1 as f64, peak.level - level_index as f64];
-    let level_reach = if level_index == 1 && offset[2] < 0.0 { BELOW_FIRST } else { NEAREST };
+    let (sample, below) = (level_index as f64, if level_index == 1 { BELOW_FIRST } else { NEAREST });
+    let within = sample - below - STRAY..sample + NEAREST + STRAY;
+    let peak = first.ascend((x, y), level, within, sign)?;
+    let offset = [peak.x - place.0 as f64, peak.y - place.1 as f64, peak.level - sample];
+    let level_reach = if offset[2] < 0.0 { below } else { NEAREST };
     let Peak { level: level_refined, value, curvature, .. } = peak;
     Some(Fit { x: place.0, y: place.1, offset, level_refined, level_reach, value, curvature })
 }

@@ -239,7 +239,7 @@ impl Search<'_> {
 pub const FIRST_PEAK_PART: f32 = 0.8;
 /// Part of the noise gate that its first test uses, on a sample; the refined value is compared with the whole. So
 /// whether a blob passes does not depend on where the samples fall on it.
-const FIRST_GATE_PART: f32 = 0.85;
+const FIRST_GATE_PART: f32 = 0.93;
 
 /// Part of the noise gate that samples of a search with `params` are compared with. With the quadratic fit alone, as in
 /// the published codes, it is the whole gate, and the refined value is not compared.
