@@ -39,6 +39,8 @@ pub enum Combine {
 
 /// Standard deviations from the median within which values count for the clipped mean.
 pub const CLIP_SIGMAS: f32 = 2.5;
+/// Columns whose sums are kept at hand while the rows are added.
+const BLOCK: usize = 64;
 /// Distance of the quartiles of a normal distribution, in standard deviations.
 const QUARTILES: f32 = 1.348_98;
 
@@ -242,16 +244,24 @@ fn combine_rows(rows: &mut [f32], network: &[(usize, usize)], combine: Combine, 
         }
         Combine::ClippedMean => {
             let (low, high) = (row(n / 4), row(n - 1 - n / 4));
-            for i in 0..length {
-                let (median, limit) = (0.5 * (lower[i] + upper[i]), clip_limit(low[i], high[i]));
-                let (mut sum, mut count) = (0.0, 0.0);
+            for first in (0..length).step_by(BLOCK) {
+                let (mut sum, mut count) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
+                let columns = first..length.min(first + BLOCK);
                 for t in 0..n {
-                    let x = rows[t * length + i];
-                    let counts = if (x - median).abs() <= limit { 1.0 } else { 0.0 };
-                    sum += counts * x;
-                    count += counts;
+                    let values = &row(t)[columns.clone()];
+                    let middle = lower[columns.clone()].iter().zip(&upper[columns.clone()]);
+                    let ends = low[columns.clone()].iter().zip(&high[columns.clone()]);
+                    let sums = sum.iter_mut().zip(&mut count);
+                    for ((&x, (a, b)), ((low, high), (sum, count))) in values.iter().zip(middle).zip(ends.zip(sums)) {
+                        let counts = if (x - 0.5 * (a + b)).abs() <= clip_limit(*low, *high) { 1.0 } else { 0.0 };
+                        *sum += counts * x;
+                        *count += counts;
+                    }
                 }
-                out[i] = if count > 0.0 { sum / count } else { median };
+                for (i, out) in out[columns].iter_mut().enumerate() {
+                    let median = 0.5 * (lower[first + i] + upper[first + i]);
+                    *out = if count[i] > 0.0 { sum[i] / count[i] } else { median };
+                }
             }
         }
         Combine::Mean | Combine::MeanMinusMedian | Combine::Deviation => {
@@ -268,10 +278,18 @@ fn combine_rows(rows: &mut [f32], network: &[(usize, usize)], combine: Combine, 
                     out[i] -= 0.5 * (lower[i] + upper[i]);
                 }
             } else if combine == Combine::Deviation {
-                for i in 0..length {
-                    let mean = out[i];
-                    let squares: f32 = (0..n).map(|t| (rows[t * length + i] - mean).powi(2)).sum();
-                    out[i] = (squares / (n.max(2) - 1) as f32).sqrt();
+                for first in (0..length).step_by(BLOCK) {
+                    let mut squares = [0.0f32; BLOCK];
+                    let columns = first..length.min(first + BLOCK);
+                    for t in 0..n {
+                        let values = row(t)[columns.clone()].iter().zip(&out[columns.clone()]);
+                        for ((x, mean), sum) in values.zip(&mut squares) {
+                            *sum += (x - mean) * (x - mean);
+                        }
+                    }
+                    for (out, sum) in out[columns].iter_mut().zip(&squares) {
+                        *out = (sum / (n.max(2) - 1) as f32).sqrt();
+                    }
                 }
             }
         }
