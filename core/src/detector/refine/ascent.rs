@@ -184,7 +184,7 @@ mod tests {
     /// Ascends to the maximum of sign·D on `plane`, a first level.
     fn ascend(plane: &Plane, start: (f64, f64), level: f64, sign: f64) -> Option<Peak> {
         let space = space();
-        FirstLevel { pixels: PixelView::of(plane), sigma: 1.6, space: &space }.ascend(start, level, -1.0..9.0, sign)
+        FirstLevel { pixels: PixelView::of(plane), sigma: 1.6, space: &space }.ascend(start, level, -9.0..9.0, sign)
     }
 
     /// A dark blob of height 0.2 and standard deviation `sigma`, which includes the first level's.

@@ -253,7 +253,7 @@ fn the_faint_discs_of_the_example_are_lost_to_the_gate() {
         cache.detection().features.iter().any(|f| (f.u - u).hypot(f.v - v) < 4.0 && (2.5..8.0).contains(&f.sigma))
     };
     assert!((0..3).all(found), "the bright ones are found");
-    assert!(!found(6) && !found(8), "the faint ones are not");
+    assert!(!found(7) && !found(8), "the faint ones are not");
     let probe = burstscope_core::inspect::probe(&cache, example.place(), &Default::default(), &Monitor::default())
         .expect("inside");
     assert!(!probe.fates.is_empty());
