@@ -147,7 +147,8 @@ fn no_blob_is_lost_between_octaves() {
         });
         (0.3 + heights.sum::<f64>()) as f32
     });
-    let burst = Burst { frames: vec![Arc::new(frame); 3], ..scene(1) };
+    let frame = Arc::new(frame);
+    let burst = Burst { frames: (0..3).map(|_| frame.clone()).collect(), ..scene(1) };
     let params = DetectorParams { slopes: SlopeGrid::line(0.0..=0.0, 1), ..params() };
     let found = detect(&burst, &params, &Monitor::default()).expect("valid parameters").features;
     // The scale of D's maximum on a Gaussian blob: the geometric mean of the two Gaussians' σ is the blob's.
