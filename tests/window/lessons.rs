@@ -87,6 +87,10 @@ fn fulfil(window: &mut Window, goal: &Goal) {
             window.slide(label, f64::from(wanted.middle()));
         }
     }
+    if goal.reads_depths == Some(true) {
+        window.harness.get_by_role_and_label(Role::CheckBox, "Read slopes as depths").click();
+        window.harness.run_steps(2);
+    }
     if goal.features.is_some() && goal.slopes.is_none() {
         window.click("Detect");
     }
@@ -453,7 +457,7 @@ fn what_was_measured_stays_from_step_to_step() {
 
 #[test]
 fn the_search_in_two_directions_circles_the_lanterns() {
-    let mut window = at_step("slope-is-depth", 6, [1280.0, 800.0]);
+    let mut window = at_step("slope-is-depth", 7, [1280.0, 800.0]);
     let near = |window: &Window| {
         let rising = |f: &&burstscope::Feature| (f.slope.u - 1.6).hypot(f.slope.v + 1.2) < 0.5;
         window.app().model.features().iter().filter(rising).count()

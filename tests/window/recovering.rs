@@ -125,7 +125,8 @@ fn a_film_says_its_size_and_rate_and_two_panes_are_flipped() {
     window.run_action("export film");
     window.settle();
     assert!(window.shows("9 pictures of") && window.shows("10 a second: 0.9 s; about"));
-    window.click("Two panes in turn");
+    window.harness.get_by_label("Two panes in turn").click();
+    window.settle();
     assert_eq!(window.app().model.film.content, FilmContent::Panes);
     assert!(window.shows("2 pictures of"));
     window.snapshot("film_of_two_panes");
@@ -240,7 +241,7 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
         SetUp { speed_m_s: 0.06, direction_deg: 180.0, depth_m: [0.5, 8.0], ..SetUp::default() };
     window.run_action("slopes from the set-up");
     window.settle();
-    window.click("Read slopes as depths");
+    window.harness.get_by_role_and_label(Role::CheckBox, "Read slopes as depths").click();
     window.settle();
     window.snapshot("slopes_from_set_up");
     window.app_mut().model.bottom_tab = BottomTab::Table;
@@ -248,8 +249,8 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     window.click("Sort by Depth");
     window.settle();
     let model = &window.app().model;
-    let depths: Vec<Option<f64>> =
-        model.listed.iter().map(|&i| model.set_up.values.depth_at(model.features()[i].slope)).collect();
+    let depth_of = |i: &usize| model.set_up.values.depth_at(model.features()[*i].slope).map(|metres| metres as f32);
+    let depths: Vec<Option<f32>> = model.listed.iter().map(depth_of).collect();
     let known = depths.iter().take_while(|depth| depth.is_some()).count();
     assert!(known > 10 && known < depths.len(), "features of both directions: {known} of {}", depths.len());
     assert!(depths[..known].is_sorted() && depths[known..].iter().all(Option::is_none));
@@ -261,7 +262,7 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     assert_eq!(session.depths_by, Some(window.app().model.set_up.values));
     window.app_mut().model.bottom_tab = BottomTab::Slopes;
     window.settle();
-    window.click("Read slopes as depths");
+    window.harness.get_by_role_and_label(Role::CheckBox, "Read slopes as depths").click();
     window.settle();
     assert_eq!(window.app().model.colour_by, ColourBy::SlopeDirection);
 }
