@@ -8,6 +8,7 @@ use super::colmap::ColmapArgs;
 use super::evaluate_args::EvaluateArgs;
 use super::failure::{Failure, print};
 use super::figures::FiguresArgs;
+#[cfg(feature = "app")]
 use super::film::FilmArgs;
 use super::match_bursts::MatchArgs;
 use super::probe::{ProbeArgs, SlopesArgs};
