@@ -38,7 +38,8 @@ struct ColmapDocument<'a> {
 
 /// Parameters of the search where none are given: as everywhere, with the gate that keeps what guided matching can use.
 fn defaults() -> SearchParams {
-    DetectorParams { noise_gate: NoiseGate::Matching, ..DetectorParams::default() }.into()
+    let search = SearchParams::default();
+    SearchParams { detector: DetectorParams { noise_gate: NoiseGate::Matching, ..search.detector }, ..search }
 }
 
 /// Says the default of this command's gate.

@@ -196,6 +196,10 @@ fn colmap_keeps_faint_features_unless_told_otherwise() {
     assert_eq!((of_command, as_told), (Some("matching"), Some("auto")));
     assert!(kept > fewer, "{kept} {fewer}");
     assert_eq!(gate("rec3", &["--params", "mine.toml"]).0, Some("auto"), "a parameter file has the usual defaults");
+    // The slopes are found, as everywhere, unless they are given.
+    let json = run_well(home.path(), &["colmap", "nights", "--octaves", "2", "--json", "--out", "rec4"]);
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["params"]["slopes"], "auto");
     let help = run_well(home.path(), &["colmap", "--help"]);
     assert!(help.contains("[default of this command: matching]"), "{help}");
 }
