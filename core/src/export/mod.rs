@@ -10,6 +10,7 @@ mod atomic;
 pub mod case;
 mod colmap;
 mod csv;
+mod density;
 mod error;
 mod figure;
 pub mod film;
@@ -35,6 +36,7 @@ pub use csv::{
     COLUMNS, FeatureRow, MATCH_COLUMNS, MatchRow, PROFILE_COLUMNS, PictureProfile, read_features_csv, write_csv,
     write_matches_csv, write_profiles_csv,
 };
+pub use density::{Cells, IN_A_CELL};
 pub use error::ExportError;
 pub use figure::{
     Colour, ColourBar, Drawing, FigureCurve, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect,

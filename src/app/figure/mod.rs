@@ -9,7 +9,7 @@ pub use film::{FilmDialog, film_of};
 pub use raster::rasterise;
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::overlay::{ColourBy, ColourScale, LineKind, circle_radius_image, motion_image};
+use crate::app::canvas::overlay::{ColourBy, ColourScale, LineKind, motion_image};
 use crate::app::canvas::{self, number};
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
@@ -190,7 +190,7 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
         let (first, last) = motion_image(own, frames);
         FigureMark {
             centre: [placed.u, placed.v],
-            radius: circle_radius_image(placed),
+            radius: placed.circle_radius_px(),
             orientation: (layer.orientations && !faint).then_some(placed.orientation),
             motion: (layer.motions && !faint).then(|| [first.into(), last.into()]),
             color: rgb(scale.colour(i, placed)),

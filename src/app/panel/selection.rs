@@ -2,7 +2,6 @@
 //! 4 × 4 roses of eight directions. The patch and the descriptor are also drawn for matches.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::canvas::overlay::circle_radius_image;
 use crate::app::canvas::signed_number;
 use crate::app::panel::widgets::{number_row_ui, section_ui};
 use crate::app::project::Model;
@@ -265,7 +264,7 @@ impl PatchView<'_> {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
         }
-        let radius = circle_radius_image(&self.feature) * 0.5 * side / half_width_px;
+        let radius = self.feature.circle_radius_px() * 0.5 * side / half_width_px;
         let tip = rect.center() + radius * Vec2::angled(self.feature.orientation - angle_rad);
         for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.4, Color32::from_rgb(255, 214, 90))] {
             ui.painter().circle_stroke(rect.center(), radius, Stroke::new(width, colour));

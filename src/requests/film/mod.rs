@@ -11,8 +11,8 @@ use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::view::{combined_view, dog_view};
 use crate::detector::{Combine, DetectError, Detection, DetectorParams, Feature, FrameRange, Method, Slope, SlopeGrid};
 use crate::export::{
-    ColourBar, Drawing, FigureCurve, FigureMark, FigureOptions, FigurePanel, LegendEntry, curve_height, draw_curve,
-    lay_out,
+    Cells, ColourBar, Drawing, FigureCurve, FigureMark, FigureOptions, FigurePanel, IN_A_CELL, LegendEntry,
+    curve_height, draw_curve, lay_out,
 };
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
@@ -249,8 +249,12 @@ impl Film {
         let size = ((width / shrink).max(1), (height / shrink).max(1));
         let display = values.map_or_else(Display::default, |(_, display)| *display);
         let shown: Vec<&Feature> = self.features(step).collect();
+        // As in the window: as many of the strongest as each part of the picture can bear.
+        let mut cells = Cells::new(1.0 / shrink as f32, [[-0.5, -0.5], [width as f32 - 0.5, height as f32 - 0.5]]);
+        let is_drawn = |feature: &&Feature| cells.add([feature.u, feature.v]).is_some_and(|before| before < IN_A_CELL);
+        let drawn: Vec<&Feature> = shown.iter().copied().filter(is_drawn).collect();
         let place = self.place().filter(|_| self.has_curve()).map(place_mark);
-        let marks = shown.iter().map(|feature| self.mark(feature)).chain(place);
+        let marks = drawn.iter().map(|feature| self.mark(feature)).chain(place);
         let ends = [display.min, display.max].map(|end| format!("{:>6}", number(100.0 * end, 2)));
         let [low, high] = ends;
         FigurePanel {
@@ -259,14 +263,14 @@ impl Film {
             origin_image: [-0.5, -0.5],
             image_px_per_px: shrink as f32,
             marks: if values.is_some() { marks.collect() } else { Vec::new() },
-            title: Some(self.title(step, shown.len())),
+            title: Some(self.title(step, drawn.len(), shown.len())),
             legend: self.legend(),
             bar: Some(ColourBar::of(&display, low, format!("{high} % of full scale"))),
         }
     }
 
     /// The numbers of a step.
-    fn title(&self, step: &FilmStep, features: usize) -> String {
+    fn title(&self, step: &FilmStep, drawn: usize, features: usize) -> String {
         let frames = counted(step.frames.unwrap_or(self.frame_count()), "frame");
         let slope = format!("slope {} px/frame", slope_text(step.slope));
         let what = match step.view {
@@ -278,7 +282,8 @@ impl Film {
                 format!("σ {} px (octave {octave}, level {level}), {slope}", number(sigma, 1))
             }
         };
-        if self.detection(step.view).is_some() { format!("{what}: {}", counted(features, "feature")) } else { what }
+        let of = if drawn < features { format!("{drawn} of ") } else { String::new() };
+        if self.detection(step.view).is_some() { format!("{what}: {of}{}", counted(features, "feature")) } else { what }
     }
 
     fn sigma_px(&self, octave: i32, level: i32) -> f32 {
@@ -307,7 +312,7 @@ impl Film {
         let (du, dv) = (half * feature.slope.u, half * feature.slope.v);
         FigureMark {
             centre: [feature.u, feature.v],
-            radius: feature.sigma * std::f32::consts::SQRT_2,
+            radius: feature.circle_radius_px(),
             orientation: None,
             motion: Some([[feature.u - du, feature.v - dv], [feature.u + du, feature.v + dv]]),
             color: colour(feature.slope, &self.params.used_slopes()),

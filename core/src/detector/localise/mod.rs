@@ -18,7 +18,7 @@
 pub mod scale;
 
 use crate::detector::describe::patch::{Describing, around};
-use crate::detector::feature::Keypoint;
+use crate::detector::feature::{Feature, Keypoint};
 use crate::detector::localise::scale::scale_peak;
 use crate::detector::params::slope_grid::SlopeGrid;
 use crate::detector::params::{DetectorParams, Localisation, SlopeExtrema};
@@ -171,6 +171,17 @@ pub const FARTHEST_MOVE_PX: usize = 1;
 const MAX_STEPS: usize = 6;
 /// Step length, in pixels, below which a step is the last.
 const SHORT_PX: f64 = 2e-3;
+
+/// Levels of the default parameters.
+const USUAL_LEVELS: usize = 5;
+
+impl Feature {
+    /// Radius of the circle that stands for it, input pixels: the rim of the disc to which D responds most strongly at
+    /// its scale; 1.51·σ for the usual five levels an octave (four: 1.54·σ, ten: 1.46·σ).
+    pub fn circle_radius_px(&self) -> f32 {
+        rim_radius(f64::from(self.sigma), USUAL_LEVELS) as f32
+    }
+}
 
 /// Radius of the rim of a feature of scale `sigma` found with `levels` levels an octave, in the units of `sigma`: that
 /// of the disc to which D responds most strongly at that scale.

@@ -1,21 +1,14 @@
 //! Choice of the features that are drawn in full, and of the lines of matches: as many of the strongest as each part of
 //! the picture can bear.
 //!
-//! The image is divided into square cells whose side is a power of two, in image pixels, and lies between
-//! [`CELL_POINTS`] and half of it on the screen. In each cell the strongest [`IN_A_CELL`] features are drawn, and the next
-//! of the strongest [`SEEN_IN_A_CELL`] as dots. Cells of one zoom nest in those of the next coarser one, so zooming in only adds features; and because the cells belong to
-//! the image, panning changes none.
+//! In each cell ([`crate::export::Cells`]) the strongest [`IN_A_CELL`] features are drawn, and the next of the strongest
+//! [`SEEN_IN_A_CELL`] as dots.
 
 use super::match_lines::{LineKind, MatchLine, Pane};
 use crate::app::canvas::RectTransform;
 use crate::detector::feature::Feature;
-use egui::{Pos2, Rect, pos2};
-
-/// Largest side of a cell on the screen, in points.
-const CELL_POINTS: f32 = 64.0;
-
-/// Number of features that are drawn in a cell.
-const IN_A_CELL: u16 = 2;
+use crate::export::{Cells, IN_A_CELL};
+use egui::{Rect, pos2};
 
 /// Number of features in a cell of which anything is drawn.
 const SEEN_IN_A_CELL: u16 = 14;
@@ -23,12 +16,9 @@ const SEEN_IN_A_CELL: u16 = 14;
 /// Number of lines that begin in a cell.
 const LINES_IN_A_CELL: u16 = 3;
 
-/// Largest number of cells along a side of the view and its surroundings; larger views share the cells at their rim.
-const MAX_CELLS: usize = 256;
-
-/// Side of a cell in image pixels, for a picture of `points_per_pixel` points an image pixel.
-fn cell_image(points_per_pixel: f32) -> f32 {
-    (CELL_POINTS / points_per_pixel.clamp(1e-6, 1e6)).log2().floor().exp2()
+/// Empty cells for the part `view_image` of a picture of `points_per_pixel` points an image pixel.
+fn cells(points_per_pixel: f32, view_image: Rect) -> Cells {
+    Cells::new(points_per_pixel, [view_image.min.into(), view_image.max.into()])
 }
 
 /// The features that are drawn in full, and their number beside that of all that are in view.
@@ -63,12 +53,12 @@ pub fn drawn(
     view_image: Rect,
     always: impl Fn(usize) -> bool,
 ) -> Drawn {
-    let mut cells = [(); 2].map(|()| Cells::new(ui_from_image.scale(), view_image));
+    let mut cells = [(); 2].map(|()| cells(ui_from_image.scale(), view_image));
     let mut out = Drawn { flags: vec![false; features.len()], ..Drawn::default() };
     for (i, feature) in features.iter().enumerate() {
         let Some(group) = group(i) else { continue };
         let place = pos2(feature.u, feature.v);
-        let Some(stronger) = cells[group as usize].add(place) else { continue };
+        let Some(stronger) = cells[group as usize].add(place.into()) else { continue };
         let is_drawn = stronger < IN_A_CELL || always(i);
         out.flags[i] = is_drawn;
         if view_image.contains(place) {
@@ -87,51 +77,14 @@ pub fn drawn(
 pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);
-    let mut cells = Cells::new(t.scale(), view_image);
+    let mut cells = cells(t.scale(), view_image);
     let mut flags = vec![false; lines.len()];
     for is_inlier in [true, false] {
         for (flag, line) in flags.iter_mut().zip(lines).filter(|(_, l)| (l.kind == LineKind::Inlier) == is_inlier) {
-            *flag = cells.add(line.a).is_some_and(|before| before < LINES_IN_A_CELL) || always(line.index);
+            *flag = cells.add(line.a.into()).is_some_and(|before| before < LINES_IN_A_CELL) || always(line.index);
         }
     }
     flags
-}
-
-/// Square cells over a view and its surroundings, with the number of marks in each.
-struct Cells {
-    /// One over the side of a cell.
-    per_pixel: f32,
-    first: (f32, f32),
-    size: (usize, usize),
-    held: Vec<u16>,
-}
-
-impl Cells {
-    /// Empty cells for a picture of `points_per_pixel` that is visible in `view_image`.
-    fn new(points_per_pixel: f32, view_image: Rect) -> Self {
-        let side = cell_image(points_per_pixel);
-        // Circles reach into the view from outside: cells one view around it are counted too.
-        let around = view_image.expand2(view_image.size());
-        let first = ((around.min.x / side).floor(), (around.min.y / side).floor());
-        let count = |to: f32, first: f32| (((to / side).floor() - first) as usize + 1).clamp(1, MAX_CELLS);
-        let size = (count(around.max.x, first.0), count(around.max.y, first.1));
-        // The side is a power of two, so that this is exact.
-        Self { per_pixel: side.recip(), first, size, held: vec![0; size.0 * size.1] }
-    }
-
-    /// Adds a mark to the cell of `place`; returns the number of marks that were there before. `None` for a place that is
-    /// no number.
-    fn add(&mut self, place: Pos2) -> Option<u16> {
-        if place.any_nan() {
-            return None;
-        }
-        let index =
-            |at: f32, first: f32, count: usize| ((at * self.per_pixel - first).max(0.0) as usize).min(count - 1);
-        let at = index(place.y, self.first.1, self.size.1) * self.size.0 + index(place.x, self.first.0, self.size.0);
-        let before = self.held[at];
-        self.held[at] = before.saturating_add(1);
-        Some(before)
-    }
 }
 
 #[cfg(test)]

@@ -20,7 +20,6 @@ pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_line
 
 use super::{CanvasOutput, RectTransform};
 use crate::detector::feature::Feature;
-use crate::detector::localise::rim_radius;
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, pos2};
 use strokes::Strokes;
 
@@ -63,15 +62,6 @@ impl<'a> OverlayStyle<'a> {
         }
     }
 }
-
-/// Radius of a feature's circle, in image pixels: the rim of the disc to which D responds most strongly at its scale;
-/// 1.51·σ for the usual five levels an octave (four: 1.54·σ, ten: 1.46·σ).
-pub fn circle_radius_image(feature: &Feature) -> f32 {
-    rim_radius(f64::from(feature.sigma), USUAL_LEVELS) as f32
-}
-
-/// Levels of the default parameters.
-const USUAL_LEVELS: usize = 5;
 
 /// Places of a feature in the first and in the last of `frames` frames, in image pixels.
 pub fn motion_image(feature: &Feature, frames: usize) -> (Pos2, Pos2) {
@@ -149,7 +139,7 @@ struct Line {
 
 fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &OverlayStyle<'_>, line: Line) {
     let centre = t.pos(pos2(feature.u, feature.v));
-    let radius = (circle_radius_image(feature) * t.scale()).max(MIN_RADIUS_POINTS);
+    let radius = (feature.circle_radius_px() * t.scale()).max(MIN_RADIUS_POINTS);
     if style.motion {
         let (first, last) = motion_image(feature, style.frames);
         let (first, last) = (t.pos(first), t.pos(last));
@@ -168,7 +158,7 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
 /// Whether any part of the feature may be visible in the canvas.
 fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
     let (first, last) = motion_image(feature, frames);
-    let reach = circle_radius_image(feature) + 4.0 / output.ui_from_image.scale();
+    let reach = feature.circle_radius_px() + 4.0 / output.ui_from_image.scale();
     let bounds = egui::Rect::from_two_pos(first, last)
         .union(egui::Rect::from_center_size(pos2(feature.u, feature.v), egui::Vec2::splat(2.0 * reach)));
     bounds.is_finite() && bounds.intersects(output.visible_image)
@@ -196,7 +186,7 @@ pub fn feature_at(
     let mut around: Option<(f32, usize)> = None;
     for (i, feature) in features.iter().enumerate().filter(|&(i, _)| is_shown(shown, i)) {
         let distance = ui_from_image.pos(Pos2::new(feature.u, feature.v)).distance(pos_ui);
-        let radius = circle_radius_image(feature) * ui_from_image.scale();
+        let radius = feature.circle_radius_px() * ui_from_image.scale();
         if !(distance.is_finite() && radius.is_finite()) {
             continue;
         }

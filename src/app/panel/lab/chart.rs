@@ -1,7 +1,6 @@
 //! Chart behind a point of a curve: the mean of its frames, with the found and missed discs and the false features.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::canvas::overlay::circle_radius_image;
 use crate::app::histogram::PERCENTILES;
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::dot_ui;
@@ -137,7 +136,7 @@ fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged], texture: &mut 
         match judged.disc {
             Some(disc) => found[disc] = true,
             None => {
-                let (centre, radius) = (pos_ui(feature.u, feature.v), (circle_radius_image(feature) * scale).max(2.0));
+                let (centre, radius) = (pos_ui(feature.u, feature.v), (feature.circle_radius_px() * scale).max(2.0));
                 painter.circle_stroke(centre, radius, Stroke::new(1.2, FALSE));
                 marks.push((
                     centre,
