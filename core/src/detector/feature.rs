@@ -85,16 +85,18 @@ pub enum Test {
     Outside,
     /// A stronger keypoint shows this blob.
     Duplicate,
+    /// Stronger keypoints around explain it: see [`crate::detector::side_lobes`].
+    SideLobe,
     /// Single frames respond too differently along its motion.
     Coherence,
     /// Its features are weaker than the strongest `max_features`. Keypoints weaker than all of these come to this test
-    /// without the two before it.
+    /// without the three before it.
     MaxFeatures,
 }
 
 impl Test {
     /// All tests, in order.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::PeakThreshold,
         Self::NoiseGate,
         Self::SpaceExtremum,
@@ -105,6 +107,7 @@ impl Test {
         Self::Edge,
         Self::Outside,
         Self::Duplicate,
+        Self::SideLobe,
         Self::Coherence,
         Self::MaxFeatures,
     ];
@@ -122,6 +125,7 @@ impl Test {
             Self::Edge => "on an edge",
             Self::Outside => "outside the image or the scales",
             Self::Duplicate => "the same blob as a stronger one",
+            Self::SideLobe => "a side lobe of stronger ones",
             Self::Coherence => "only some frames respond",
             Self::MaxFeatures => "weaker than the strongest kept",
         }
@@ -135,7 +139,7 @@ pub struct Tally {
     /// which lack neighbours) × the levels that have one above and one below × the slopes.
     pub samples: u64,
     /// Number of samples that each test rejected, in the order of [`Test::ALL`].
-    pub rejected: [u64; 12],
+    pub rejected: [u64; 13],
     /// Number of keypoints that passed every test; a keypoint may have several features.
     pub kept: u64,
 }

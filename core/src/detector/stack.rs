@@ -30,6 +30,12 @@ impl FrameTimes {
         Self { frame_count, kept: (0..frame_count).collect() }
     }
 
+    /// Times of the frames that take part, from mid-burst, frames.
+    pub fn from_middle(&self) -> Vec<f32> {
+        let middle = 0.5 * (self.frame_count as f32 - 1.0);
+        self.kept.iter().map(|&t| t as f32 - middle).collect()
+    }
+
     /// Selects the offsets of the frames that take part from those of all frames.
     pub fn of(&self, offsets: Vec<FrameOffset>) -> Vec<FrameOffset> {
         self.kept.iter().map(|&t| offsets[t]).collect()

@@ -126,7 +126,10 @@ impl PaperFigure {
                 "Discs found against false features as the threshold falls. The grey line is where a tenth of the detections is false, \
                  the dot what the method finds at its default threshold (noise gate strict)."
             }
-            Self::Fig6 => "What more frames are worth, at one signal-to-noise ratio. Bars are standard errors.",
+            Self::Fig6 => {
+                "What more frames are worth, at one signal-to-noise ratio: above with the defaults, below without side lobes. Bars are \
+                 standard errors."
+            }
             Self::Fig7 => {
                 "A view of the scene of Fig. 1 and the tables: a frame in good light, the gold standard (no noise), a frame in the dark as \
                  it is recorded, and the same with its contrast stretched."
@@ -160,7 +163,7 @@ impl PaperFigure {
             Self::Fig3 => 2.0,
             Self::Fig4 => 5.0,
             Self::Fig5 => 60.0,
-            Self::Fig6 => 70.0,
+            Self::Fig6 => 140.0,
             Self::Fig7 => 4.0,
             Self::Fig9 => 2.0,
             Self::Table1 => 330.0,

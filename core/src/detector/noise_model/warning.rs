@@ -161,7 +161,7 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
 
 /// False features a megapixel that pass the strict gate on white noise merged from eight frames (`evaluate noise --case
 /// white --method merge --noise-gate strict --frames 0..8`).
-const KEPT_BY_MERGE: f32 = 10.0;
+const KEPT_BY_MERGE: f32 = 12.0;
 
 /// Warning about the noise of a merged image.
 pub(in crate::detector) fn of_merge() -> NoiseWarning {

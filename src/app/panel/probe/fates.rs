@@ -36,6 +36,7 @@ fn short_name(test: Test) -> &'static str {
         Test::Edge => "edge",
         Test::Outside => "inside",
         Test::Duplicate => "distinct",
+        Test::SideLobe => "side lobe",
         Test::Coherence => "coherence",
         Test::MaxFeatures => "strongest",
     }
@@ -209,7 +210,9 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, (fate, outlook): (&Fate, Option<&Outl
         rival_ui(ui, model, &rival);
     }
     ui.add_space(2.0);
-    for report in &fate.tests {
+    // A test that is off and has no number tells nothing.
+    let telling = |report: &&TestReport| report.outcome != Outcome::NotAsked || report.value.is_some();
+    for report in fate.tests.iter().filter(telling) {
         test_ui(ui, report, fate.first_failed == Some(report.test));
     }
 }
