@@ -163,7 +163,7 @@ impl PaperFigure {
             Self::Fig3 => 2.0,
             Self::Fig4 => 5.0,
             Self::Fig5 => 60.0,
-            Self::Fig6 => 140.0,
+            Self::Fig6 => 50.0,
             Self::Fig7 => 4.0,
             Self::Fig9 => 2.0,
             Self::Table1 => 330.0,
