@@ -38,14 +38,25 @@ impl Blob {
         Self { place: [u, v], sigma, slope: keypoint.slope, magnitude: keypoint.value.abs() }
     }
 
-    /// |D| that this blob leaves at `other`'s place, scale and slope; `dts` are the frames' times from mid-burst.
+    /// |D| that this blob leaves at `other`'s place, scale and slope; `dts` are the frames' times from mid-burst, in order.
     fn spread_to(&self, other: &Self, dts: &[f32]) -> f32 {
         let apart = [other.place[0] - self.place[0], other.place[1] - self.place[1]];
         let moves = [other.slope.u - self.slope.u, other.slope.v - self.slope.v];
-        let (flat, width) = (FLAT_RADIUS * self.sigma, self.sigma.hypot(other.sigma));
+        let variance = self.sigma * self.sigma + other.sigma * other.sigma;
+        let (flat, width) = (FLAT_RADIUS * self.sigma, variance.sqrt());
+        let distance_at = |dt: f32| {
+            let [du, dv] = [0, 1].map(|axis| apart[axis] + dt * moves[axis]);
+            (du * du + dv * dv).sqrt()
+        };
+        // Most pairs never come near each other.
+        let speed_squared = moves[0] * moves[0] + moves[1] * moves[1];
+        let nearest_dt = -(apart[0] * moves[0] + apart[1] * moves[1]) / speed_squared.max(f32::MIN_POSITIVE);
+        let (first, last) = (dts[0], dts[dts.len() - 1]);
+        if distance_at(nearest_dt.clamp(first, last)) - flat >= 1.01 * CUT * width {
+            return 0.0;
+        }
         let bump = |dt: &f32| {
-            let beyond = (apart[0] + dt * moves[0]).hypot(apart[1] + dt * moves[1]) - flat;
-            let at = beyond.max(0.0) / width;
+            let at = (distance_at(*dt) - flat).max(0.0) / width;
             if at < CUT { (-0.5 * at * at).exp() } else { 0.0 }
         };
         // D of a blob falls with the square of the scale at scales beyond its own.
@@ -62,7 +73,7 @@ struct Class {
 }
 
 /// Limits below which |D| of each of `keypoints` is a side lobe of the stronger ones: `part` of their spread, and twice
-/// the noise. `dts` are the times of the frames from mid-burst, in frames; at least one.
+/// the noise. `dts` are the times of the frames from mid-burst, in frames and in order; at least one.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
