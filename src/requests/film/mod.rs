@@ -483,6 +483,19 @@ mod tests {
     }
 
     #[test]
+    fn crowded_features_are_thinned_and_the_title_says_so() {
+        let mut film = film(Sweep::SlopeU(-1.0, 1.0, 3));
+        film.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
+        let mut found = crate::baseline::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
+        let one = found.features[0];
+        found.features = vec![one; 100];
+        film.detections = vec![(Method::Buff, Arc::new(found))];
+        let step = FilmStep { slope: one.slope, ..film.steps()[0] };
+        let title = film.panel(&step, None).title.expect("a title");
+        assert!(title.ends_with(": 2 of 100 features"), "{title}");
+    }
+
+    #[test]
     fn a_step_shows_its_numbers_its_features_and_the_curve_with_its_mark() {
         let mut film = film(Sweep::SlopeU(-1.0, 1.0, 3));
         film.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
