@@ -37,6 +37,19 @@ pub fn pycolmap(_: TokenStream, test: TokenStream) -> TokenStream {
     with_ignore((!imported.is_ok_and(|output| output.status.success())).then_some(&reason), test)
 }
 
+/// Ignores the test where the kernel has no Landlock, by which a thread gives up files.
+#[proc_macro_attribute]
+pub fn landlock(_: TokenStream, test: TokenStream) -> TokenStream {
+    #[cfg(target_os = "linux")]
+    let is_offered = {
+        use landlock::{AccessFs, CompatLevel, Compatible, Ruleset, RulesetAttr};
+        Ruleset::default().set_compatibility(CompatLevel::HardRequirement).handle_access(AccessFs::ReadFile).is_ok()
+    };
+    #[cfg(not(target_os = "linux"))]
+    let is_offered = false;
+    with_ignore((!is_offered).then_some(&"needs a kernel with Landlock".to_owned()), test)
+}
+
 /// Folder of the real input: that of `BURSTSCOPE_SHARED`, or `shared` beside the folder that holds `Cargo.lock`.
 fn shared_root() -> Option<PathBuf> {
     if let Some(named) = std::env::var_os("BURSTSCOPE_SHARED") {

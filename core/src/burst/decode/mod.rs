@@ -2,7 +2,7 @@
 //! order. The kind of a file is told by its first bytes, not by its name.
 //!
 //! Before any decoder runs, the sizes that the file declares are checked ([`look`]). Third-party decoders run in a
-//! child process ([`child`]) where they could take much memory, and always for raw files.
+//! child process ([`child`], [`serve`]) where they could take much memory, and always for raw files.
 
 mod child;
 mod image;
@@ -13,12 +13,14 @@ mod npy_header;
 mod pixels;
 #[cfg(feature = "raw")]
 mod raw;
+mod serve;
 mod tiff;
 mod wire;
 
-pub use child::{DecodeWorker, serve_decoding};
+pub use child::DecodeWorker;
 pub(super) use look::RAW_EXTENSIONS;
 pub use pixels::LUMA_WEIGHTS;
+pub use serve::serve_decoding;
 
 use super::error::OpenError;
 use super::options::{Encoding, OpenOptions};

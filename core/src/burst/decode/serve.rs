@@ -1,0 +1,249 @@
+//! The process that decodes one file for another process: it reads the request, gives up what decoding does not need,
+//! and sends the frame back.
+//!
+//! A decoder that a crafted file has taken over can do what its process may do. So before the file is read the process
+//! gives up the rest ([`confine`]): reading any other file, changing any, the network, other programs and processes.
+
+use super::wire::{DecodeRequest, Part, receive, send_reply};
+use super::{Expected, RawFrame, frame, page};
+use crate::burst::error::OpenError;
+use crate::burst::options::OpenOptions;
+use crate::monitor::Monitor;
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+/// Decodes the file `path` as the request on standard input says, and writes it to standard output: the main function
+/// of a program started as a [`DecodeWorker`](super::DecodeWorker). The process limits its own memory and time, gives up
+/// what decoding does not need, and ends when its input does. Returns the exit code.
+pub fn serve_decoding(path: &Path) -> u8 {
+    // A panic becomes an error about the file, which is sent; its message is dropped.
+    std::panic::set_hook(Box::new(|_| {}));
+    match serve(path) {
+        Ok(()) => 0,
+        // There was no request, or the answer could not be sent.
+        Err(_) => 1,
+    }
+}
+
+fn serve(path: &Path) -> io::Result<()> {
+    let request: DecodeRequest = receive(&mut io::stdin().lock())?;
+    limit(request.memory_bytes, request.cpu_seconds);
+    confine(path);
+    // Decoders that work in parallel use this thread alone; others would take address space of their own.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
+    std::thread::Builder::new().stack_size(64 << 10).spawn(|| {
+        // No more input is expected. When it ends, the requesting process is gone.
+        let _ = io::stdin().lock().read(&mut [0]);
+        std::process::exit(1);
+    })?;
+    let mut output = io::stdout().lock();
+    send_reply(&mut output, answer(path, &request))?;
+    output.flush()
+}
+
+fn answer(path: &Path, request: &DecodeRequest) -> Result<RawFrame, OpenError> {
+    if request.version != env!("CARGO_PKG_VERSION") {
+        return Err(OpenError::Read {
+            path: path.into(),
+            reason: "the program was replaced while it ran; start it again".to_owned(),
+        });
+    }
+    let options = OpenOptions { limits: request.limits, ..request.options.clone() };
+    let expected = request.expected.map(|size| Expected { first: path, size });
+    match request.part {
+        Part::Only => frame(path, expected, &options, &Monitor::default()),
+        Part::Page { page: number, frame } => page(path, number, frame, &options),
+    }
+}
+
+/// Limits this process: memory that it may address (bytes) and processor time (seconds). No file that it writes may
+/// grow.
+#[cfg(unix)]
+fn limit(memory_bytes: u64, cpu_seconds: u64) {
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+    // The soft limit of time sends a signal that tells the cause, the hard one kills.
+    let limits = [
+        (Resource::As, memory_bytes, memory_bytes),
+        (Resource::Cpu, cpu_seconds, cpu_seconds.saturating_add(5)),
+        (Resource::Core, 0, 0),
+        (Resource::Fsize, 0, 0),
+    ];
+    for (resource, current, maximum) in limits {
+        let now = getrlimit(resource);
+        let lower = |limit: Option<u64>, to: u64| Some(limit.map_or(to, |limit| limit.min(to)));
+        let lowered = Rlimit { current: lower(now.current, current), maximum: lower(now.maximum, maximum) };
+        // Where the system has no such limit, the parent's wall-clock limit remains.
+        let _ = setrlimit(resource, lowered);
+    }
+}
+
+/// Sets no limits: the parent's wall-clock limit remains.
+#[cfg(not(unix))]
+fn limit(_memory_bytes: u64, _cpu_seconds: u64) {}
+
+/// Gives up what decoding `path` does not need, for the calling thread and those that it starts. Where the system does
+/// not offer a part of it, the rest and the limits hold.
+fn confine(path: &Path) {
+    #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+    let _ = (confined::to_file(path), confined::without_calls());
+    #[cfg(not(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64"))))]
+    let _ = path;
+}
+
+/// Rights that a thread can give up on Linux, without privileges and for ever.
+#[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+mod confined {
+    use landlock::{
+        ABI, Access, AccessFs, AccessNet, PathBeneath, PathFd, Ruleset, RulesetAttr, RulesetCreatedAttr, RulesetError,
+        RulesetStatus, Scope,
+    };
+    use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, TargetArch, apply_filter};
+    use std::path::Path;
+
+    /// Newest interface of Landlock whose rights are given up; an older kernel offers fewer of them.
+    const NEWEST: ABI = ABI::V10;
+
+    /// Gives up all files but reading `path`, TCP, signals to other processes, and privileges of programs that might be
+    /// started. Returns how much of it the kernel offers.
+    pub(super) fn to_file(path: &Path) -> Result<RulesetStatus, RulesetError> {
+        let rules = Ruleset::default()
+            .handle_access(AccessFs::from_all(NEWEST))?
+            .handle_access(AccessNet::from_all(NEWEST))?
+            .scope(Scope::from_all(NEWEST))?
+            .create()?;
+        let rules = match PathFd::new(path) {
+            Ok(file) => rules.add_rule(PathBeneath::new(file, AccessFs::ReadFile))?,
+            // Opening it will say why not.
+            Err(_) => rules,
+        };
+        Ok(rules.restrict_self()?.ruleset)
+    }
+
+    /// System calls of which decoding makes none and that [`to_file`] leaves. Each then fails with `EPERM`.
+    const CALLS: &[i64] = &[
+        // The network, and programs that wait for orders at a socket.
+        libc::SYS_socket,
+        libc::SYS_io_uring_setup,
+        // Other programs and processes.
+        libc::SYS_execve,
+        libc::SYS_execveat,
+        libc::SYS_ptrace,
+        libc::SYS_process_vm_readv,
+        libc::SYS_process_vm_writev,
+        libc::SYS_pidfd_getfd,
+        // Permissions, owners, times and attributes of files, in which Landlock has no say.
+        libc::SYS_fchmod,
+        libc::SYS_fchmodat,
+        libc::SYS_fchown,
+        libc::SYS_fchownat,
+        libc::SYS_utimensat,
+        libc::SYS_setxattr,
+        libc::SYS_lsetxattr,
+        libc::SYS_fsetxattr,
+        libc::SYS_removexattr,
+        libc::SYS_lremovexattr,
+        libc::SYS_fremovexattr,
+        #[cfg(target_arch = "x86_64")]
+        libc::SYS_chmod,
+        #[cfg(target_arch = "x86_64")]
+        libc::SYS_chown,
+        #[cfg(target_arch = "x86_64")]
+        libc::SYS_lchown,
+        #[cfg(target_arch = "x86_64")]
+        libc::SYS_utime,
+        #[cfg(target_arch = "x86_64")]
+        libc::SYS_utimes,
+        #[cfg(target_arch = "x86_64")]
+        libc::SYS_futimesat,
+        // fchmodat2, setxattrat, removexattrat, file_setattr: one number on all processors, not yet in `libc` for all.
+        452,
+        463,
+        466,
+        469,
+    ];
+
+    /// Gives up [`CALLS`].
+    pub(super) fn without_calls() -> Result<(), seccompiler::Error> {
+        let denied = SeccompAction::Errno(libc::EPERM.unsigned_abs());
+        let calls = CALLS.iter().map(|call| (*call, Vec::new())).collect();
+        let filter =
+            SeccompFilter::new(calls, SeccompAction::Allow, denied, TargetArch::try_from(std::env::consts::ARCH)?)?;
+        apply_filter(&BpfProgram::try_from(filter)?)
+    }
+}
+
+#[cfg(all(test, target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+mod tests {
+    use super::confined;
+    use landlock::RulesetStatus;
+    use std::fs::{self, File, OpenOptions, Permissions};
+    use std::io::ErrorKind::PermissionDenied;
+    use std::io::{self, Read};
+    use std::net::{TcpStream, UdpSocket};
+    use std::os::unix::fs::PermissionsExt;
+    use std::os::unix::net::UnixStream;
+    use std::path::Path;
+    use std::process::Command;
+
+    /// Runs `test` in a thread of its own with the paths of two files and their folder. What a thread gives up, the
+    /// others keep, so it may not end others' tests.
+    fn with_files(test: impl FnOnce(&Path, &Path, &Path) + Send) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (own, other) = (folder.path().join("own.raw"), folder.path().join("other.raw"));
+        fs::write(&own, "own").expect("written");
+        fs::write(&other, "other").expect("written");
+        std::thread::scope(|scope| scope.spawn(|| test(&own, &other, folder.path())).join()).expect("no panic");
+        let read = |path: &Path| fs::read_to_string(path).expect("this thread may read it");
+        assert_eq!((read(&own).as_str(), read(&other).as_str()), ("own", "other"));
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 2);
+    }
+
+    #[track_caller]
+    fn assert_denied<T>(asked: io::Result<T>) {
+        assert_eq!(asked.map(|_| "granted").map_err(|error| error.kind()), Err(PermissionDenied));
+    }
+
+    #[needs::landlock]
+    #[test]
+    fn a_process_that_decodes_may_read_its_file_and_no_other() {
+        with_files(|own, other, folder| {
+            File::open(other).expect("nothing is given up yet");
+            let mut kept = File::open(own).expect("nothing is given up yet");
+            assert_ne!(confined::to_file(own).expect("the kernel takes it"), RulesetStatus::NotEnforced);
+            assert_eq!(fs::read_to_string(own).expect("it may be read"), "own");
+            let mut text = String::new();
+            kept.read_to_string(&mut text).expect("it may still be read");
+            assert_denied(File::open(other));
+            assert_denied(fs::read_dir(folder));
+            assert_denied(File::open("/etc/passwd"));
+            assert_denied(OpenOptions::new().write(true).open(own));
+            assert_denied(OpenOptions::new().append(true).open(other));
+            assert_denied(File::create(folder.join("new")));
+            assert_denied(fs::create_dir(folder.join("new")));
+            assert_denied(fs::remove_file(own));
+            assert_denied(fs::rename(other, folder.join("new")));
+            assert_denied(std::os::unix::fs::symlink(own, folder.join("new")));
+        });
+    }
+
+    #[test]
+    fn a_process_that_decodes_starts_nothing_and_has_no_network() {
+        with_files(|own, other, _| {
+            UdpSocket::bind("127.0.0.1:0").expect("nothing is given up yet");
+            let modes = || [own, other].map(|path| fs::metadata(path).expect("it is there").permissions().mode());
+            let before = modes();
+            confined::without_calls().expect("the kernel takes it");
+            assert_denied(UdpSocket::bind("127.0.0.1:0"));
+            assert_denied(TcpStream::connect("127.0.0.1:9"));
+            assert_denied(UnixStream::connect(own));
+            assert_denied(Command::new("/bin/sh").args(["-c", "exit 0"]).status());
+            assert_denied(fs::set_permissions(other, Permissions::from_mode(0o777)));
+            assert_denied(File::open(own).and_then(|file| file.set_permissions(Permissions::from_mode(0o777))));
+            assert_denied(File::open(own).and_then(|file| file.set_modified(std::time::UNIX_EPOCH)));
+            assert_eq!(modes(), before);
+            // Threads are still there, and what reads.
+            let read = std::thread::scope(|scope| scope.spawn(|| fs::read_to_string(own)).join()).expect("no panic");
+            assert_eq!(read.expect("it may be read"), "own");
+        });
+    }
+}
