@@ -18,7 +18,7 @@ name=burstscope-$version-$triple
 mkdir "$work/$name"
 install -m 755 "$program" "$work/$name/"
 strip "$work/$name/burstscope"
-install -m 644 assets/burstscope.desktop assets/icon.svg README.md LICENSE-APACHE LICENSE-MIT "$work/$name/"
+install -m 644 assets/burstscope.desktop assets/icon.svg README.md CITATION.cff LICENSE-APACHE LICENSE-MIT assets/THIRD-PARTY.txt "$work/$name/"
 install -m 755 packaging/install.sh "$work/$name/"
 tar -C "$work" --owner=0 --group=0 --sort=name -czf "$out/$name.tar.gz" "$name"
 
@@ -33,7 +33,11 @@ else
     install -Dm 644 assets/burstscope.desktop "$root/usr/share/applications/burstscope.desktop"
     install -Dm 644 assets/icon.svg "$root/usr/share/icons/hicolor/scalable/apps/burstscope.svg"
     install -Dm 644 README.md "$root/usr/share/doc/burstscope/README"
-    cat LICENSE-MIT LICENSE-APACHE >"$work/copyright"
+    install -Dm 644 assets/THIRD-PARTY.txt CITATION.cff -t "$root/usr/share/doc/burstscope"
+    {
+        cat LICENSE-MIT LICENSE-APACHE
+        printf '\nLicences of software of others in the program: /usr/share/doc/burstscope/THIRD-PARTY.txt\n'
+    } >"$work/copyright"
     install -Dm 644 "$work/copyright" "$root/usr/share/doc/burstscope/copyright"
     mkdir "$root/DEBIAN"
     cat >"$root/DEBIAN/control" <<CONTROL

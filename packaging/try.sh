@@ -41,11 +41,23 @@ start() {
     echo "   $1: started, features found"
 }
 
+# The notices of others' software: the text of rawler's licence, the way to build with another rawler, those of the fonts.
+noticed() {
+    for words in "GNU LESSER GENERAL PUBLIC LICENSE" "patch.crates-io" "UBUNTU FONT LICENCE" "SIL OPEN FONT LICENSE"; do
+        chroot "$base/root" sh -c "grep -q '$words' $1" || {
+            echo "try: no '$words' in $1" >&2
+            exit 1
+        }
+    done
+    echo "   notices: $1"
+}
+
 for package in "$out"/burstscope-*.tar.gz; do
     echo "== $(basename "$package"), $(stat -c %s "$package") bytes"
     fresh
     chroot "$base/root" sh -euc "tar -xzf /packages/$(basename "$package") -C /opt && /opt/burstscope-*/install.sh /usr/local >/dev/null"
     start "portable package" /usr/local/bin
+    noticed /usr/local/share/doc/burstscope/THIRD-PARTY.txt
 done
 
 for package in "$out"/burstscope_*.deb; do
@@ -53,6 +65,7 @@ for package in "$out"/burstscope_*.deb; do
     fresh
     chroot "$base/root" dpkg --install "/packages/$(basename "$package")" >/dev/null
     start "Debian package" /usr/bin
+    noticed /usr/share/doc/burstscope/THIRD-PARTY.txt
     chroot "$base/root" dpkg --remove burstscope >/dev/null
 done
 
@@ -67,6 +80,7 @@ for package in "$out"/burstscope-*.whl; do
         python3 -m venv /opt/venv
         /opt/venv/bin/pip install --quiet --no-index --find-links /packages /packages/$(basename "$package")"
     start "wheel" /opt/venv/bin
+    noticed "/opt/venv/lib/python*/site-packages/burstscope-*.dist-info/licenses/THIRD-PARTY.txt"
     chroot "$base/root" /opt/venv/bin/python -c "
 import burstscope as bs
 found = bs.detect(bs.open('demo'), slopes_u=(-3, 3, 7))

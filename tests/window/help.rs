@@ -2,6 +2,7 @@
 //! menu, from a caption, from a parameter's tooltip, and searched; the figures of the paper.
 
 use crate::probe::answer;
+use crate::steps_back::copied;
 use crate::support::{Start, Window};
 use burstscope::detector::{NoiseGate, SlopeChoice, Test};
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
@@ -171,4 +172,20 @@ fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
     app.model.figures.ask(&app.engine, job);
     window.wait("it is there", said("index.html"));
     assert!(out.join("fig9.svg").is_file() && window.app().model.messages.errors().is_empty());
+}
+
+#[test]
+fn about_lists_the_software_of_others_and_copies_its_licences() {
+    let notices = include_str!("../../assets/THIRD-PARTY.txt");
+    let packages = notices.lines().filter(|line| line.matches(" | ").count() == 3).count() - 1;
+    let mut window = Start::nothing_open().open();
+    window.run_action("about burstscope");
+    assert!(window.shows("MIT or Apache-2.0, at your option.") && !window.shows("accesskit "));
+    window.click("Software of others");
+    window.harness.run_steps(30);
+    assert!(packages > 300 && window.shows(&format!("{packages} packages, under licences of their own")));
+    // The list is long: what is not in sight is not drawn.
+    assert!(window.shows("accesskit ") && window.shows("MIT OR Apache-2.0") && !window.shows("zvariant "));
+    let button = |window: &mut Window| window.harness.get_by_role_and_label(Role::Button, "Copy licences").click();
+    assert_eq!(copied(&mut window, button), [notices]);
 }

@@ -13,7 +13,7 @@ fn redo(window: &mut Window) {
 }
 
 /// Clipboard contents set by the window while `act` runs: texts, and the sizes of pictures.
-fn copied(window: &mut Window, act: impl FnOnce(&mut Window)) -> Vec<String> {
+pub fn copied(window: &mut Window, act: impl FnOnce(&mut Window)) -> Vec<String> {
     act(window);
     let mut texts = Vec::new();
     for _ in 0..3 {

@@ -134,6 +134,39 @@ fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip
     ui.end_row();
 }
 
+/// Notices of software and fonts of others in the program: a list of packages, then the texts of their licences.
+const NOTICES: &str = include_str!("../../../assets/THIRD-PARTY.txt");
+
+/// Packages of others in the program, each with its name, version, licence and source.
+fn packages() -> Vec<[&'static str; 4]> {
+    let heading = NOTICES.lines().skip_while(|line| *line != "name | version | licence | source");
+    let rows = heading.skip(1).take_while(|line| !line.is_empty());
+    rows.filter_map(|row| row.split(" | ").collect::<Vec<_>>().try_into().ok()).collect()
+}
+
+/// Draws the list of packages of others, folded until it is asked for.
+fn notices_ui(ui: &mut Ui) {
+    egui::CollapsingHeader::new("Software of others").show(ui, |ui| {
+        let packages = packages();
+        ui.label(format!("{} packages, under licences of their own; fonts are in one of them.", packages.len()));
+        let height = ui.text_style_height(&egui::TextStyle::Body);
+        let area = ScrollArea::vertical().max_height(220.0).auto_shrink(false);
+        area.show_rows(ui, height, packages.len(), |ui, shown| {
+            egui::Grid::new("packages").num_columns(2).start_row(shown.start).striped(true).show(ui, |ui| {
+                for [name, version, licence, source] in &packages[shown] {
+                    ui.label(format!("{name} {version}")).on_hover_text(*source);
+                    ui.add(egui::Label::new(*licence).truncate()).on_hover_text(*licence);
+                    ui.end_row();
+                }
+            });
+        });
+        let copy = ui.button("Copy licences").on_hover_text("Copy this list and the texts of all licences");
+        if copy.clicked() {
+            ui.copy_text(NOTICES.to_owned());
+        }
+    });
+}
+
 /// Draws the box if it is open.
 pub fn about_ui(ctx: &egui::Context, open: &mut bool) {
     if !*open {
@@ -150,6 +183,9 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool) {
             ui.add_space(6.0);
             ui.weak(format!("Graphics adapter: {}", gpu.adapter_name));
         }
+        ui.add_space(6.0);
+        ui.label("MIT or Apache-2.0, at your option.");
+        notices_ui(ui);
         ui.add_space(6.0);
         if ui.button("Close").clicked() {
             ui.close();

@@ -5,17 +5,25 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-/// Libraries in the tree of `package` with only `features`.
-fn tree(package: &str, features: &[&str]) -> BTreeSet<String> {
+/// Answer of a `command` of cargo about the workspace as it is locked, without any download.
+pub fn cargo(command: &str, arguments: &[&str]) -> String {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
-        .args(["tree", "--locked", "--offline", "-e", "normal", "--prefix", "none", "--format", "{lib}"])
-        .args(["--package", package, "--no-default-features", "--features", &features.join(",")])
+        .args([command, "--locked", "--offline"])
+        .args(arguments)
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()
         .expect("cargo runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text").lines().map(str::to_owned).collect()
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// Libraries in the tree of `package` with only `features`.
+fn tree(package: &str, features: &[&str]) -> BTreeSet<String> {
+    let features = features.join(",");
+    let of_package = ["--package", package, "--no-default-features", "--features", &features];
+    let tree = cargo("tree", &[&["-e", "normal", "--prefix", "none", "--format", "{lib}"], &of_package[..]].concat());
+    tree.lines().map(str::to_owned).collect()
 }
 
 #[test]
@@ -120,26 +128,8 @@ fn dependencies_have_known_licences_and_known_duplicates() {
     let skipped: BTreeSet<&str> =
         rules["bans"]["skip"].as_array().expect("a list").iter().filter_map(|skip| skip["name"].as_str()).collect();
     // `cargo tree` needs only this system's packages, and so no download.
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
-        .args([
-            "tree",
-            "--workspace",
-            "--locked",
-            "--offline",
-            "-e",
-            "normal,build,dev",
-            "--prefix",
-            "none",
-            "--no-dedupe",
-        ])
-        .args(["--format", "{p}\t{l}"])
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("cargo runs");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let packages: BTreeSet<(String, String)> = String::from_utf8(output.stdout)
-        .expect("text")
+    let every = ["--workspace", "-e", "normal,build,dev", "--prefix", "none", "--no-dedupe", "--format", "{p}\t{l}"];
+    let packages: BTreeSet<(String, String)> = cargo("tree", &every)
         .lines()
         // A blank line stands between the trees of two packages.
         .filter(|line| !line.is_empty())

@@ -49,7 +49,7 @@ fn targets(text: &str) -> impl Iterator<Item = &str> {
 fn every_link_between_documents_leads_to_a_file() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let in_docs = fs::read_dir(root.join("docs")).expect("a folder").map(|entry| entry.expect("an entry").path());
-    let documents: Vec<PathBuf> = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "core/README.md"]
+    let documents: Vec<PathBuf> = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "core/README.md"]
         .iter()
         .map(|name| root.join(name))
         .chain(in_docs.filter(|path| path.extension().is_some_and(|extension| extension == "md")))
@@ -64,4 +64,11 @@ fn every_link_between_documents_leads_to_a_file() {
         }
     }
     assert!(links > 30, "{links} links were found");
+}
+
+#[test]
+fn the_citation_names_this_version() {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("CITATION.cff")).expect("the citation");
+    let version = text.lines().find_map(|line| line.strip_prefix("version: "));
+    assert_eq!(version, Some(env!("CARGO_PKG_VERSION")));
 }

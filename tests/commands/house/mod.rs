@@ -6,5 +6,6 @@ mod counts;
 mod dependencies;
 mod documents;
 mod floors;
+mod notices;
 mod reading;
 mod walls;
