@@ -171,8 +171,9 @@ class MatchKeywords(TypedDict, total=False):
         wrong matches fit it by chance; a homography rejects what is not on one plane. [default: fundamental]
     guided : bool
         Whether matching is repeated along the geometry that the sure matches agree on, with a ratio of 0.9
-        among the features within half the max error: true or false. Switch it off for the sure matches alone:
-        in the dark half as many right ones, with fewer wrong ones among them. [default: true]
+        among the features within half the max error: true or false. Switch it on for about twice the right
+        matches in the dark, where poses do not count: wrong geometries of pairs gain matches too, and can ruin
+        the poses of a reconstruction. [default: false]
     max_error_px : float
         Max error of an inlier, of a guided one half of it: the Sampson distance from epipolar geometry, or a
         homography's symmetric transfer error. Unit: px. Raise it to keep less exact matches, and more wrong
@@ -1133,7 +1134,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         camera]
     guided : bool
         Whether matching is repeated along the geometry that the sure matches agree on, with a ratio of 0.9
-        among the features within half the max error: true or false [default: true]
+        among the features within half the max error: true or false [default: false]
     max_error_px : float
         Max error of an inlier, of a guided one half of it: the Sampson distance from epipolar geometry, or a
         homography's symmetric transfer error [default: 4]

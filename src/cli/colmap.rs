@@ -36,7 +36,7 @@ struct ColmapDocument<'a> {
     next: [String; 2],
 }
 
-/// Parameters of the search where none are given: as everywhere, with the gate that keeps what guided matching can use.
+/// Parameters of the search where none are given: as everywhere, with the gate for matching.
 fn defaults() -> SearchParams {
     let search = SearchParams::default();
     SearchParams { detector: DetectorParams { noise_gate: NoiseGate::Matching, ..search.detector }, ..search }

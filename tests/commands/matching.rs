@@ -70,13 +70,13 @@ fn two_bursts_are_matched_verified_and_drawn() {
         (r[5] - r[3]).abs() < 1.5 + 0.2 * sigma && (r[4] - r[2]).abs() < 5.0 * 1.5 + 1.0
     };
     let right = rows.iter().filter(|r| r[9] == 1.0).filter(moves_so).count();
-    // Measured: 366 of 398.
-    assert!(right * 100 >= inliers * 91, "{right} of {inliers}");
+    // Measured: 288 of 306.
+    assert!(right * 100 >= inliers * 94, "{right} of {inliers}");
     for row in &rows {
         let (of_a, of_b) = (&a[row[0] as usize], &b[row[1] as usize]);
         assert_eq!([row[2], row[3], row[4], row[5]], [of_a[0], of_a[1], of_b[0], of_b[1]]);
-        // Half the max error of the sure matches.
-        assert_eq!(row[9] == 1.0, row[8] <= 2.0);
+        // The max error of sure matches.
+        assert_eq!(row[9] == 1.0, row[8] <= 4.0);
     }
     let score = json["match_score"].as_f64().expect("a number");
     let expected = 0.5 * (inliers as f64 / a.len() as f64 + inliers as f64 / b.len() as f64);

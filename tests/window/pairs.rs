@@ -128,9 +128,6 @@ fn parameters_of_matching_are_live_documented_and_checked() {
         assert!(window.shows(doc.label), "{}", doc.label);
         assert!(doc.unit.is_empty() || window.shows(doc.unit), "the unit of {}", doc.label);
     }
-    // Along the geometry a looser ratio holds.
-    window.app_mut().model.pair.params.guided = false;
-    window.settle();
     let before = window.app().model.pair.matches.as_ref().unwrap().result.clone();
     window.app_mut().model.pair.params.ratio = 0.6;
     window.settle();

@@ -266,9 +266,9 @@ pub const STRICT_FALSE_PER_MEGAPIXEL: f64 = 0.5;
 /// Target of the automatic gate: false keypoints per megapixel of pure noise. They are few beside true ones and find no
 /// match, while the faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
 pub const AUTO_FALSE_PER_MEGAPIXEL: f64 = 5.0;
-/// Target of the gate for matching: false keypoints per megapixel of pure noise. Guided matching compares a feature
-/// with a hundredth of the others, so that false ones cost time and few wrong matches (docs/MEASUREMENTS.md). So low a
-/// gate lies below those for which [`MAXIMA_PER_PIXEL`] was measured: 300 to 360 features come through.
+/// Target of the gate for matching: false keypoints per megapixel of pure noise. They cost time and give few wrong
+/// matches (docs/MEASUREMENTS.md). So low a gate lies below those for which [`MAXIMA_PER_PIXEL`] was measured: 300 to
+/// 360 features come through.
 pub const MATCHING_FALSE_PER_MEGAPIXEL: f64 = 100.0;
 /// Factor of `gate_factor` for extrema at each slope for itself, one for one blob. Measured on 12 to 20 Mpx of white
 /// noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for 13 slopes on a line, 7×7, and the doubled image, where the

@@ -5,6 +5,9 @@
 //! only with those in a band around its epipolar line (or at its place under a homography), a hundredth of the image: a
 //! looser ratio is then as safe. COLMAP's guided matching does the same with the ratio unchanged.
 //!
+//! It is off by default: where the sure matches of a pair gave a wrong geometry, hundreds of guided ones agree with
+//! that, and a reconstruction from all pairs has wrong poses (docs/MEASUREMENTS.md).
+//!
 //! Orientations of one keypoint count as one: they are no rivals of each other, and a pair of places is matched once.
 
 use super::geometry::GuidingBand;

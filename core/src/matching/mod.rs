@@ -7,8 +7,8 @@
 //! An *inlier* is a putative match that agrees with a geometry of the two views on which most others agree too.
 //!
 //! The data flow: descriptors → [`putative`] (exact nearest neighbours, ratio test, mutual check) → [`geometry`]
-//! (robust estimation, inliers) → [`guided_matches`] (again, along that geometry) → [`geometry`] → [`MatchCounts`] (the
-//! numbers of the paper). [`match_detections`] is the composition,
+//! (robust estimation, inliers) → [`MatchCounts`] (the numbers of the paper). Where it is asked for, [`guided_matches`]
+//! (again, along that geometry) and [`geometry`] follow before the counts. [`match_detections`] is the composition,
 //! [`params`] holds all parameters of its result, [`camera`] the intrinsics where they are known, [`PairSelection`] the
 //! pairs of images to match.
 //!

@@ -207,7 +207,7 @@ pub enum NoiseGate {
     Auto,
     /// For matching alone: as [`Self::Auto`], with about
     /// [`MATCHING_FALSE_PER_MEGAPIXEL`](crate::detector::noise::MATCHING_FALSE_PER_MEGAPIXEL), among which are
-    /// faint true ones that guided matching finds.
+    /// faint true ones that matching finds.
     Matching,
     /// The factor is derived so that pure noise gives at most one false feature a megapixel over the whole search.
     Strict,
