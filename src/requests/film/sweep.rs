@@ -44,6 +44,25 @@ impl FilmView {
     }
 }
 
+/// Kinds of values; those of one kind share a range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ValueKind {
+    Brightness,
+    Deviation,
+    Signed,
+}
+
+impl FilmView {
+    /// Kind of its values.
+    pub(super) fn values(self) -> ValueKind {
+        match self {
+            Self::Dog(..) | Self::Stack(Combine::MeanMinusMedian) => ValueKind::Signed,
+            Self::Stack(Combine::Deviation) => ValueKind::Deviation,
+            Self::Frame | Self::Merged | Self::Stack(_) => ValueKind::Brightness,
+        }
+    }
+}
+
 /// One of the pictures that are flipped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flipped {
