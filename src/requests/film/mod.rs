@@ -3,12 +3,11 @@
 
 mod sweep;
 
-use sweep::ValueKind;
 pub use sweep::{FilmStep, FilmView, Flipped, MAX_FILM_PICTURES, Sweep};
+use sweep::{Prepared, ValueKind, part_of_memory};
 
 use super::open::OpenBurst;
 use crate::baseline::merge_burst;
-use crate::detector::memory;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::view::{combined_view, dog_view};
 use crate::detector::{Combine, DetectError, Detection, DetectorParams, Feature, FrameRange, Method, Slope, SlopeGrid};
@@ -20,7 +19,7 @@ use crate::export::{
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
-use crate::plane::display::{ColourMap, Display, direction_colour, to_rgba8};
+use crate::plane::display::{Display, direction_colour, to_rgba8};
 use crate::plane::sample::bilinear;
 use crate::plane::statistics::{Region, percentiles_until};
 use image::RgbaImage;
@@ -85,35 +84,6 @@ const MARK: [u8; 3] = [240, 228, 66];
 /// Most entries of the legend.
 const MAX_ENTRIES: usize = 8;
 
-/// What the pictures of a film share, and the values that were kept.
-struct Prepared {
-    steps: Vec<FilmStep>,
-    planes: Vec<Option<Plane>>,
-    responses: Vec<f32>,
-    /// Kinds of values, each with the percentiles of all its pictures.
-    ranges: Vec<(ValueKind, f32, f32)>,
-    /// Columns and rows of a picture.
-    sheet: [f32; 2],
-}
-
-impl Prepared {
-    /// The display of a step: one for all pictures of a kind, so that they can be compared.
-    fn display(&self, step: &FilmStep) -> Display {
-        let kind = step.view.values();
-        let range = self.ranges.iter().find(|(of, low, high)| *of == kind && low <= high);
-        let Some(&(_, low, high)) = range else { return Display::default() };
-        if kind == ValueKind::Signed {
-            return Display::symmetric(low.abs().max(high.abs()).max(f32::MIN_POSITIVE));
-        }
-        Display { map: ColourMap::default(), ..Display::default() }.with_range(low, high.max(low + f32::MIN_POSITIVE))
-    }
-}
-
-/// Bytes that the values kept for a film may take, and its pictures as well: a part of what searches may.
-fn part_of_memory() -> u64 {
-    memory::budget().unwrap_or(4 << 30) / 4
-}
-
 impl Film {
     /// The steps.
     pub fn steps(&self) -> Vec<FilmStep> {
@@ -172,10 +142,11 @@ impl Film {
         draw: &Rasteriser<'_>,
         monitor: &Monitor,
     ) -> Result<(), FilmError> {
-        let prepared = self.prepared(&self.steps(), &monitor.part(0.0, 0.5))?;
+        let room = part_of_memory();
+        let prepared = self.prepared(&self.steps(), room, &monitor.part(0.0, 0.5))?;
         let (count, mut failed) = (prepared.steps.len(), None);
         let silent = monitor.silent();
-        let pictures = self.pictures(prepared, draw, &silent).map(|picture| {
+        let pictures = self.pictures(prepared, room, draw, &silent).map(|picture| {
             picture.map_err(|error| {
                 failed = Some(error);
                 io::Error::other("a picture was not made")
@@ -193,17 +164,17 @@ impl Film {
     /// As [`Self::write`].
     pub fn samples(&self, draw: &Rasteriser<'_>, monitor: &Monitor) -> Result<[RgbaImage; 2], FilmError> {
         let steps = self.steps();
-        let prepared = self.prepared(&[steps[0], steps[steps.len() / 2]], monitor)?;
-        let pictures = self.pictures(prepared, draw, monitor).collect::<Result<Vec<_>, FilmError>>()?;
+        let room = part_of_memory();
+        let prepared = self.prepared(&[steps[0], steps[steps.len() / 2]], room, monitor)?;
+        let pictures = self.pictures(prepared, room, draw, monitor).collect::<Result<Vec<_>, FilmError>>()?;
         pictures.try_into().map_err(|_| FilmError::Drawing("a film has at least one picture".to_owned()))
     }
 
-    /// Computes the values of all `steps` for what the pictures share, and keeps as many as memory allows.
-    fn prepared(&self, steps: &[FilmStep], monitor: &Monitor) -> Result<Prepared, FilmError> {
-        let place = self.place().filter(|_| self.has_curve());
+    /// Computes the values of all `steps` for what the pictures share, and keeps as many as `room` bytes hold.
+    fn prepared(&self, steps: &[FilmStep], mut room: u64, monitor: &Monitor) -> Result<Prepared, FilmError> {
+        let place = self.place().filter(|_| self.sweep.has_curve());
         let (mut planes, mut responses) = (Vec::with_capacity(steps.len()), Vec::with_capacity(steps.len()));
         let mut ranges: Vec<(ValueKind, f32, f32)> = Vec::new();
-        let mut room = part_of_memory();
         for (index, step) in steps.iter().enumerate() {
             monitor.check().map_err(DetectError::from)?;
             monitor.report(Stage::Search { octave: 0 }, index as f32 / steps.len() as f32);
@@ -226,16 +197,18 @@ impl Film {
         Ok(Prepared { steps: steps.to_vec(), planes, responses, ranges, sheet: self.sheet() })
     }
 
-    /// The pictures of the prepared steps, in order, made as they are taken.
+    /// The pictures of the prepared steps, in order, made as they are taken: as many at a time as `room` bytes hold, at
+    /// least one.
     fn pictures<'a>(
         &'a self,
         mut prepared: Prepared,
+        room: u64,
         draw: &'a Rasteriser<'_>,
         monitor: &'a Monitor,
     ) -> impl Iterator<Item = Result<RgbaImage, FilmError>> + 'a {
         // Beside the picture its drawing has the panel's pixels.
         let [width, height] = prepared.sheet.map(|side| side as u64);
-        let at_once = part_of_memory() / (8 * width * height).max(1);
+        let at_once = room / (8 * width * height).max(1);
         let at_once = (at_once as usize).clamp(1, rayon::current_num_threads());
         let (mut next, mut made) = (0, VecDeque::new());
         std::iter::from_fn(move || {
@@ -277,7 +250,7 @@ impl Film {
             let panel = self.panel(step, Some((plane, &display)));
             let mut drawing = lay_out(&[vec![panel]], &self.options());
             drawing.size = prepared.sheet;
-            if self.has_curve() && self.place().is_some() {
+            if self.sweep.has_curve() && self.place().is_some() {
                 drawing.size[1] -= curve_height(FONT_PX);
                 draw_curve(&mut drawing, &self.curve(&prepared.steps, &prepared.responses, index), FONT_PX);
             }
@@ -290,7 +263,7 @@ impl Film {
     fn sheet(&self) -> [f32; 2] {
         let size = |step: &FilmStep| lay_out(&[vec![self.panel(step, None)]], &self.options()).size;
         let largest = self.steps().iter().map(size).fold([1f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let curve = if self.has_curve() && self.place().is_some() { curve_height(FONT_PX) } else { 0.0 };
+        let curve = if self.sweep.has_curve() && self.place().is_some() { curve_height(FONT_PX) } else { 0.0 };
         [largest[0].ceil(), (largest[1] + curve).ceil()]
     }
 
@@ -343,7 +316,7 @@ impl Film {
         let mut cells = Cells::new(1.0 / shrink as f32, [[-0.5, -0.5], [width as f32 - 0.5, height as f32 - 0.5]]);
         let is_drawn = |feature: &&Feature| cells.add([feature.u, feature.v]).is_some_and(|before| before < IN_A_CELL);
         let drawn: Vec<&Feature> = shown.iter().copied().filter(is_drawn).collect();
-        let place = self.place().filter(|_| self.has_curve()).map(place_mark);
+        let place = self.place().filter(|_| self.sweep.has_curve()).map(place_mark);
         let marks = drawn.iter().map(|feature| self.mark(feature)).chain(place);
         let ends = [display.min, display.max].map(|end| format!("{:>6}", number(100.0 * end, 2)));
         let [low, high] = ends;
@@ -426,11 +399,6 @@ impl Film {
         used.iter().step_by(every).map(entry).collect()
     }
 
-    /// Whether the response at a place is drawn over the steps.
-    fn has_curve(&self) -> bool {
-        !matches!(self.sweep, Sweep::Flip(_))
-    }
-
     /// The place whose response is drawn: the given one, or that of the strongest feature at the film's slope, or at
     /// any.
     fn place(&self) -> Option<FilmPlace> {
@@ -472,12 +440,6 @@ impl Film {
             FilmView::Dog(octave, 0) => Some(((index + 1) as f32, number(self.sigma_px(octave, 0), 1))),
             _ => None,
         };
-        let label_x = match self.sweep {
-            Sweep::SlopeU(..) => "slope u, px/frame",
-            Sweep::SlopeV(..) => "slope v, px/frame",
-            Sweep::Scale => "σ, px",
-            Sweep::Frames | Sweep::Flip(_) => "frames",
-        };
         let [u, v] = self.place().map_or([0.0; 2], |place| place.at);
         let now = responses.get(marked).filter(|d| d.is_finite());
         let now = now.map_or_else(|| "outside".to_owned(), |d| format!("{} % of full scale", number(100.0 * d, 3)));
@@ -485,7 +447,7 @@ impl Film {
             points,
             marked,
             title: format!("D at ({}, {}): {now}", number(u, 0), number(v, 0)),
-            label_x: label_x.to_owned(),
+            label_x: self.sweep.label().to_owned(),
             ticks_x: steps.iter().enumerate().filter_map(first_level).collect(),
         }
     }
@@ -514,6 +476,7 @@ mod tests {
     use super::*;
     use crate::export::FigureShape;
     use crate::requests::BurstSource;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn film(sweep: Sweep) -> Film {
         let chart = crate::synth::ChartParams { width: 96, height: 64, discs: 2, frames: 4, ..Default::default() };
@@ -532,10 +495,32 @@ mod tests {
         Ok(RgbaImage::from_pixel(width, height, image::Rgba(sum.to_le_bytes())))
     }
 
-    fn all(film: &Film, draw: &Rasteriser<'_>) -> Vec<RgbaImage> {
+    fn all(film: &Film, room: u64, draw: &Rasteriser<'_>) -> Vec<RgbaImage> {
         let monitor = Monitor::default();
-        let prepared = film.prepared(&film.steps(), &monitor).expect("prepared");
-        film.pictures(prepared, draw, &monitor).collect::<Result<_, _>>().expect("made")
+        let prepared = film.prepared(&film.steps(), room, &monitor).expect("prepared");
+        film.pictures(prepared, room, draw, &monitor).collect::<Result<_, _>>().expect("made")
+    }
+
+    #[test]
+    fn pictures_are_made_as_they_are_taken_and_are_the_same_in_any_memory() {
+        let film = film(Sweep::SlopeU(-2.0, 2.0, 40));
+        assert_eq!(all(&film, 0, &digest), all(&film, 1 << 40, &digest));
+        let (drawn, monitor) = (AtomicUsize::new(0), Monitor::default());
+        let counted = |drawing: &Drawing| {
+            drawn.fetch_add(1, Ordering::Relaxed);
+            digest(drawing)
+        };
+        for (room, most) in [(0, 1), (1 << 40, rayon::current_num_threads())] {
+            drawn.store(0, Ordering::Relaxed);
+            let prepared = film.prepared(&film.steps(), room, &monitor).expect("prepared");
+            assert_eq!(prepared.planes.iter().filter(|plane| plane.is_some()).count(), if room == 0 { 0 } else { 40 });
+            let mut pictures = film.pictures(prepared, room, &counted, &monitor);
+            assert!(pictures.next().is_some_and(|picture| picture.is_ok()));
+            assert_eq!(drawn.load(Ordering::Relaxed), most, "{room} bytes");
+        }
+        monitor.cancel();
+        let error = film.prepared(&film.steps(), 0, &monitor).err();
+        assert!(matches!(error, Some(FilmError::Picture(DetectError::Cancelled(_)))), "{error:?}");
     }
 
     #[test]
@@ -551,7 +536,7 @@ mod tests {
         ];
         for (text, count) in counts {
             let film = film(text.parse().expect(text));
-            let pictures = all(&film, &digest);
+            let pictures = all(&film, 1 << 30, &digest);
             assert_eq!(pictures.len(), count, "{text}");
             assert!(pictures.iter().all(|picture| picture.dimensions() == film.size()), "{text}");
             assert_ne!(pictures[0], pictures[1], "{text}");
@@ -595,7 +580,7 @@ mod tests {
             }
             digest(drawing)
         };
-        all(&film, &keep);
+        all(&film, 1 << 30, &keep);
         let texts = texts.into_inner().expect("kept");
         for part in ["slope −1 px/frame: ", "slope 1 px/frame: ", "D at (", "slope u, px/frame", "% of full scale"] {
             assert!(texts.iter().any(|text| text.contains(part)), "{part}: {texts:?}");
