@@ -120,8 +120,8 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         args.rate,
         megabytes(estimated)
     ))?;
-    rules.check(&args.out)?;
-    film.write((&args.out, format, args.rate), &rasterise, &console.monitor.part(0.5, 0.5)).map_err(failed)?;
+    let (file, may_write) = ((&*args.out, format, args.rate), || rules.check(&args.out));
+    film.write(file, &rasterise, &may_write, &console.monitor.part(0.5, 0.5)).map_err(failed)?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
     console.say(&format!("wrote {}, {}\n", args.out.display(), megabytes(bytes)))?;
     console.say_json(&json!({

@@ -241,7 +241,9 @@ impl FilmPictures {
     pub fn write(&self, path: &Path, format: FilmFormat, rate: u16) -> Result<(), String> {
         let monitor = Monitor::default();
         match self {
-            Self::Sweep(film) => film.write((path, format, rate), &rasterise, &monitor).map_err(|e| e.to_string()),
+            Self::Sweep(film) => {
+                film.write((path, format, rate), &rasterise, &|| Ok(()), &monitor).map_err(|e| e.to_string())
+            }
             Self::Panes(drawings) => {
                 let pictures = drawings.iter().map(rasterise).collect::<Result<Vec<_>, String>>()?;
                 let pictures = (pictures.len(), pictures.into_iter().map(Ok));

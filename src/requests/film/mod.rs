@@ -132,7 +132,8 @@ impl Film {
     }
 
     /// Makes the pictures of all steps by `draw`, and writes them. Only a few are in memory at a time: as many as the
-    /// threads, and fewer where [`memory::budget`] is small.
+    /// threads, and fewer where [`memory::budget`](crate::detector::memory::budget) is small. `may_write` is asked once
+    /// more before the file is begun.
     ///
     /// # Errors
     /// See [`FilmError`]; also when `monitor` was cancelled.
@@ -140,10 +141,12 @@ impl Film {
         &self,
         (path, format, rate): (&Path, FilmFormat, u16),
         draw: &Rasteriser<'_>,
+        may_write: &dyn Fn() -> Result<(), ExportError>,
         monitor: &Monitor,
     ) -> Result<(), FilmError> {
         let room = part_of_memory();
         let prepared = self.prepared(&self.steps(), room, &monitor.part(0.0, 0.5))?;
+        may_write()?;
         let (count, mut failed) = (prepared.steps.len(), None);
         let silent = monitor.silent();
         let pictures = self.pictures(prepared, room, draw, &silent).map(|picture| {
