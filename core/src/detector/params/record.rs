@@ -210,7 +210,9 @@ impl Bounds {
         if self.allow(number) {
             return Ok(());
         }
-        Err(ParamError { parameter, problem: number.to_string(), remedy: self.remedy.to_owned() })
+        // 1e300, not a one with three hundred zeros; NaN is NaN in both forms.
+        let problem = if number.abs() < 1e15 { number.to_string() } else { format!("{number:e}") };
+        Err(ParamError { parameter, problem, remedy: self.remedy.to_owned() })
     }
 
     /// Numbers from the lower to the upper bound, both included, for a field of the window.
