@@ -256,7 +256,8 @@ fn case_work(model: &Model) -> Result<Work, String> {
     let search = model.asked();
     let session = Session::of(model).map(|session| session.for_case().to_toml());
     Ok(Box::new(move |path| {
-        let (case, burst) = Case::of(&open.burst, &search, place, None, &note);
+        let (case, burst) =
+            Case::of(&open.burst, &search, (place, None), &note, &Monitor::default()).map_err(|e| e.to_string())?;
         let truth = open.truth(&Monitor::default()).map_err(|e| e.to_string())?;
         let enclosed = Enclosed { session, truth };
         write_case(path, (&case, &burst), &enclosed, &Monitor::default()).map_err(|e| e.to_string())

@@ -222,8 +222,8 @@ pub struct OutputArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs more is
-    /// done in groups of slopes, with the same result, or refused before it starts where that is not enough
-    /// [default: 75%].
+    /// done in groups of slopes, with the same result, or refused before it starts where that is not enough. A film
+    /// keeps fewer pictures at a time [default: 75%].
     #[arg(long = memory::OPTION, value_name = "SIZE", value_parser = parse_memory)]
     pub memory: Option<u64>,
 }

@@ -69,7 +69,8 @@ pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
     {
         return Err(crate::inspect::ProbeError::Outside { u, v, width, height }.into());
     }
-    let (case, part) = Case::of(&burst, &search, args.at, args.around.map(|px| px as usize), &args.note);
+    let (case, part) =
+        Case::of(&burst, &search, (args.at, args.around.map(|px| px as usize)), &args.note, &console.monitor)?;
     rules.check(&args.out)?;
     // A truth that is damaged, or of other pictures, is none.
     let enclosed = Enclosed { session: None, truth: truth_of(&burst).unwrap_or_default() };

@@ -203,7 +203,7 @@ fn exposure(
     let mut levels = FrameLevels::default();
     for input in inputs {
         console.begin(format!("{}: ", input.name));
-        levels.add(&input.open(options, &console.monitor)?);
+        levels.add(&input.open(options, &console.monitor)?, &console.monitor)?;
     }
     console.begin(String::new());
     let params = NoisyParams { snr, read_noise: args.read_noise, bits: args.bits, seed: args.noise_seed };

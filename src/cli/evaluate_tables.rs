@@ -211,15 +211,17 @@ fn write_accuracy_row(out: &mut String, row: &AccuracyRow) -> Result {
     counts("discs within the range of slopes", row.within)?;
     counts("discs beyond the range", row.beyond)?;
     writeln!(out, "  {:24}{:>16}{:>12}{:>31}", "", "median |error|", "95 %", "mean ± standard error")?;
+    // Of no disc there is no error.
+    let or_dash = |x: f64| if x.is_nan() { "–".to_owned() } else { format!("{x:.4}") };
     let mut line = |words: &str, median: f64, max: f64, signed: String| {
-        writeln!(out, "  {words:24}{median:>16.4}{max:>12.4}{signed:>31}")
+        writeln!(out, "  {words:24}{:>16}{:>12}{signed:>31}", or_dash(median), or_dash(max))
     };
     let mut errors = |words: &str, e: &Errors, factor: f64| {
-        let signed = format!(
-            "{:+.4}{}",
-            e.signed.mean * factor,
-            e.signed.standard_error.map_or(String::new(), |error| format!(" ± {:.4}", error * factor))
-        );
+        let signed = match e.signed.standard_error {
+            _ if e.count == 0 => "–".to_owned(),
+            Some(error) => format!("{:+.4} ± {:.4}", e.signed.mean * factor, error * factor),
+            None => format!("{:+.4}", e.signed.mean * factor),
+        };
         line(words, e.median_magnitude * factor, e.magnitude_95 * factor, signed)
     };
     errors("place u, px", &row.u, 1.0)?;

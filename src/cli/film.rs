@@ -9,7 +9,7 @@ use crate::app::figure::rasterise;
 use crate::baseline::search;
 use crate::detector::scale_space::searched_octaves;
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice};
-use crate::export::film::{FilmFormat, estimated_film_bytes, write_film};
+use crate::export::film::{FilmFormat, estimated_film_bytes};
 use crate::files::path_text;
 use crate::requests::{BurstSource, Film, FilmError, FilmPlace, OpenBurst, Sweep};
 use clap::Args;
@@ -107,6 +107,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let features: usize = film.detections.iter().map(|(_, detection)| detection.features.len()).sum();
     let failed = |error: FilmError| match error {
         FilmError::Picture(error) => error.into(),
+        FilmError::Write(error) => error.into(),
         FilmError::Drawing(why) => Failure::Failed(anyhow::Error::msg(why)),
     };
     let count = film.steps().len();
@@ -119,10 +120,8 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         args.rate,
         megabytes(estimated)
     ))?;
-    let pictures = film.pictures(&rasterise, &console.monitor.part(0.5, 0.3)).map_err(failed)?;
-    rules.check(&args.out)?;
-    write_film(&args.out, format, &pictures, args.rate, &console.monitor.part(0.8, 0.2))?;
-    console.monitor.check()?;
+    let (file, may_write) = ((&*args.out, format, args.rate), || rules.check(&args.out));
+    film.write(file, &rasterise, &may_write, &console.monitor.part(0.5, 0.5)).map_err(failed)?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
     console.say(&format!("wrote {}, {}\n", args.out.display(), megabytes(bytes)))?;
     console.say_json(&json!({

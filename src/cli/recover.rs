@@ -165,7 +165,7 @@ pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
         let study = RecoverStudy { search, ..study };
         let (copy, truth) = study.planted_copy(&burst, study.first_seed, &console.monitor.silent())?;
         let note = format!("{} things planted, seed {}", truth.features.len(), truth.seed);
-        let (case, copy) = Case::of(&copy, &study.search, None, None, &note);
+        let (case, copy) = Case::of(&copy, &study.search, (None, None), &note, &console.monitor)?;
         rules.check(path)?;
         let enclosed = Enclosed { session: None, truth: Some(truth) };
         write_case(path, (&case, &copy), &enclosed, &console.monitor.silent())?;

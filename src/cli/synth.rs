@@ -44,7 +44,7 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     let mut levels = FrameLevels::default();
     for input in &inputs {
         console.begin(format!("{}: ", input.name));
-        levels.add(&input.open(&options, &console.monitor)?);
+        levels.add(&input.open(&options, &console.monitor)?, &console.monitor)?;
     }
     let exposure = params.exposure(&levels)?;
     let names: Vec<String> = inputs.iter().map(|i| safe_file_name(&i.name)).collect();

@@ -5,6 +5,7 @@ use super::map::{MapKind, MotionMap, RangeClass};
 use super::open::{BurstId, OpenBurst};
 use crate::detector::params::Stage;
 use crate::detector::{DetectorParams, FrameRange, Method, Slope};
+use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
 use crate::plane::display::{Display, to_rgba8};
@@ -248,9 +249,10 @@ impl Picture {
     }
 
     /// This picture, smoothed for looking at it by a Gaussian of `sigma_px` input pixels.
-    pub(crate) fn smoothed(self, sigma_px: f32) -> Self {
+    pub(crate) fn smoothed(self, sigma_px: f32, monitor: &Monitor) -> Result<Self, Cancelled> {
         let sigma = f64::from(sigma_px / self.request.kind.input_px_per_pixel());
-        Self { drawn: Arc::new(smoothed(&self.plane, sigma)), request: self.request.smoothed(sigma_px), ..self }
+        let drawn = Arc::new(smoothed(&self.plane, sigma, monitor)?);
+        Ok(Self { drawn, request: self.request.smoothed(sigma_px), ..self })
     }
 
     pub(crate) fn is_frame(&self) -> bool {

@@ -70,7 +70,7 @@ impl Request for PictureRequest {
             // The picture without smoothing is kept too, for another one.
             _ if self.smoothing_px > 0.0 => {
                 let sigma_px = self.smoothing_px;
-                self.smoothed(0.0).compute(work)?.smoothed(sigma_px)
+                self.smoothed(0.0).compute(work)?.smoothed(sigma_px, work.monitor)?
             }
             None => plain(self, work)?,
             // Both pictures are kept too: they are mostly shown beside their difference.

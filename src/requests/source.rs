@@ -150,6 +150,25 @@ impl BurstSource {
         }
     }
 
+    /// Checks the numbers by which the burst is made, as far as they can be checked without it.
+    ///
+    /// # Errors
+    /// The first one that makes no sense.
+    pub fn check(&self) -> Result<(), SourceError> {
+        match self {
+            Self::Demo | Self::DemoLater | Self::Example(_) | Self::Paths(_) => Ok(()),
+            Self::Chart(chart) => Ok(chart.check()?),
+            Self::DarkCopy { of, noise } => {
+                noise.check()?;
+                of.check()
+            }
+            Self::Planted { of, study, .. } => {
+                study.check().map_err(EvaluateError::from)?;
+                of.check()
+            }
+        }
+    }
+
     /// Reads or makes the burst on the calling thread, with the calibration in `options`; built-in bursts need none.
     ///
     /// # Errors
@@ -176,7 +195,7 @@ impl BurstSource {
             Self::DarkCopy { of, noise } => {
                 let clear = of.burst(options, monitor)?;
                 let mut levels = FrameLevels::default();
-                levels.add(&clear);
+                levels.add(&clear, monitor)?;
                 let copy = noise.exposure(&levels)?.capture(&clear, noise.seed, 0, monitor)?;
                 Burst { name: self.label(), sources: Vec::new(), ..copy }
             }

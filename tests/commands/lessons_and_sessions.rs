@@ -2,14 +2,21 @@
 //!
 //! Other readers are tested in `core/tests/files/parsers.rs`; docs/FUZZING.md says which tests were run.
 
-use crate::damage::{damage, damaged_text, says_something};
+use super::support::{ended, program, run_badly, stderr};
+use crate::damage::{absurd, absurd_tomls, at, damage, damaged_text, numbers, says_something};
 use burstscope::app::project::Model;
 use burstscope::app::session::Session;
+use burstscope::detector::{SearchParams, SlopeAxis, SlopeGrid};
+use burstscope::inspect::recover::RecoverStudy;
+use burstscope::inspect::set_up::SetUp;
 use burstscope::requests::{BurstSource, OpenBurst};
+use burstscope::synth::{ChartParams, NoisyParams};
 use burstscope::teach::Lesson;
-use burstscope::{Burst, Plane};
+use burstscope::{Burst, DetectorParams, Monitor, Plane};
 use proptest::prelude::*;
+use std::process::Stdio;
 use std::sync::OnceLock;
+use toml::{Table, Value};
 
 const LESSON: &str = "title = \"One\"\nabout = \"What it is about.\"\n[set]\nburst = \"demo-later\"\nslope = [1, 0]\n\n[[step]]\ntitle = \"First\"\ncaption = \"Some *text*.\"\nhighlight = [\"slope_u\", \"noise_gate\"]\ntry = \"Do it\"\ngoal = { slope_u = [-1, 1] }\n\n[[step]]\ntitle = \"Second\"\ncaption = \"More.\"\n[step.set]\nslope = [2, 0]\n";
 
@@ -30,6 +37,242 @@ fn sound_session() -> &'static str {
 fn sound_ones_are_read() {
     assert!(Lesson::read("one.toml", LESSON).is_ok());
     assert!(Session::from_toml(sound_session()).is_ok());
+}
+
+/// Parts of a session that hold numbers and that the window need not have.
+const MORE: &str = r#"
+bottom_tab = "tally"
+filter = { slope_u = { min = -1.0, max = 1.0 }, slope_v = { min = -1.0, max = 1.0 }, sigma = { min = 0.0, max = 99.0 }, response = { min = 0.0, max = 1.0 }, coherence = { min = 0.0, max = 1.0 }, near_slope = 0.5 }
+selection = { index = 0, u = 20.0, v = 20.0, sigma = 3.0, slope = { u = 0.5, v = 0.0 } }
+probe = { place = [20.0, 20.0], is_open = true }
+dataset = { source = { paths = ["nowhere"], burst_length = 2, burst_step = 1 }, a = 0, b = 1 }
+view = { zoom = { region = [30.0, 20.0] }, centre_image = [20.0, 20.0] }
+scrub = { kind = "dog", frame = 1, slope = { u = 0.5, v = 0.0 }, octave = 0, level = 1 }
+
+[look]
+smoothing_px = 1.5
+
+[pair]
+selection = { a = [20.0, 20.0], b = [20.0, 20.0] }
+probe = { place = [20.0, 20.0], is_open = false }
+view = { zoom = { points_per_pixel = 2.0 }, centre_image = [20.0, 20.0] }
+
+[pair.params.camera]
+model = "PINHOLE"
+width = 96
+height = 64
+params = [90.0, 90.0, 48.0, 32.0]
+
+[panes]
+focus = 7
+arrangement = { row = [{ share = 1.0, inner = { pane = 0 } }, { share = 2.0, inner = { tabs = { parts = [{ pane = 7 }, { pane = 8 }], active = 1 } } }] }
+
+[[panes.panes]]
+id = 0
+over = { wipe = { other = 7, at = 0.5 } }
+view = { zoom = { points_per_pixel = 2.0 }, centre_image = [20.0, 20.0] }
+
+[[panes.panes]]
+id = 7
+content = { difference = [0, 8] }
+links = { display = false, view = false, cursor = false }
+own_ranges = { intensity = { min = 0.0, max = 1.0, gamma = 1.0 }, response = { min = -0.1, max = 0.1, gamma = 1.0, symmetric = true } }
+cursor = { kind = "stack", frame = 1, slope = { u = 0.5, v = 0.0 }, octave = 0, level = 1 }
+
+[[panes.panes]]
+id = 8
+content = "merge"
+"#;
+
+fn merge(into: &mut Table, more: Table) {
+    for (key, value) in more {
+        match (into.get_mut(&key), value) {
+            (Some(Value::Table(old)), Value::Table(new)) => merge(old, new),
+            (_, value) => drop(into.insert(key, value)),
+        }
+    }
+}
+
+/// A session that has every part that holds numbers.
+fn full_session() -> String {
+    let mut session: Table = sound_session().parse().expect("TOML");
+    // The values of enums are tables, which are not merged.
+    session.remove("panes");
+    merge(&mut session, MORE.parse().expect("TOML"));
+    let detector = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 1, ..DetectorParams::default() };
+    let search = SearchParams::from(detector);
+    let chart = ChartParams { width: 96, height: 64, discs: 2, radius: 3.6..=5.0, gap: 2.0, ..ChartParams::default() };
+    let chart = BurstSource::Chart(Box::new(ChartParams { frames: 3, max_slope: 1.0, snr: 9.0, ..chart }));
+    let study = RecoverStudy {
+        snrs: vec![0.5],
+        slopes: Some(SlopeAxis::new(-1.0..=1.0, 3)),
+        radii: vec![3.0],
+        at_snr: Some(1.0),
+        at_radius: 3.0,
+        per_copy: Some(9),
+        search: search.clone(),
+        ..RecoverStudy::default()
+    };
+    let mut set = |key: &str, value: Value| drop(session.insert(key.to_owned(), value));
+    let value = |source: &BurstSource| Value::try_from(source).expect("plain values");
+    set("params", Value::try_from(&search).expect("plain values"));
+    set("planted", Value::try_from(&study).expect("plain values"));
+    set("depths_by", Value::try_from(SetUp::default()).expect("plain values"));
+    let planted = BurstSource::Planted { of: Box::new(chart.clone()), study: Box::new(study), seed: 1 };
+    set("burst", value(&BurstSource::DarkCopy { of: Box::new(chart), noise: NoisyParams::default() }));
+    set(
+        "calibration",
+        toml::toml! { full_scale = 1.0
+        black_level = 0.0 }
+        .into(),
+    );
+    let pinned: Table = toml::toml! { with = "pinned" };
+    set("against", pinned.into());
+    let pair = session.get_mut("pair").and_then(Value::as_table_mut).expect("a pair");
+    pair.insert("burst".to_owned(), value(&planted));
+    let mut against = session["against"].as_table().expect("a table").clone();
+    against.insert("pinned".to_owned(), Value::try_from(&search).expect("plain values"));
+    session.insert("against".to_owned(), against.into());
+    toml::to_string(&session).expect("plain values")
+}
+
+#[test]
+fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
+    let text = full_session();
+    let sound = Session::from_toml(&text).expect("sound");
+    assert!(sound.burst.burst(&Default::default(), &Monitor::default()).is_ok());
+    let (mut refused, mut taken) = (Vec::new(), 0);
+    for (path, changed, value) in absurd_tomls(&text) {
+        match Session::from_toml(&changed) {
+            Err(error) => {
+                assert!(says_something(&error), "{path} = {value}: {error}");
+                refused.push((path, value, error));
+            }
+            Ok(session) => {
+                taken += 1;
+                let mut model = model();
+                session.apply(&mut model);
+                session.pair.apply(&mut model);
+                model.panes.split(model.focus(), burstscope::app::pane::Direction::Right);
+                assert!(model.cursor().slope.u.is_finite() && model.look.smoothing_px <= 8.0, "{path} = {value}");
+                if path.starts_with("burst.") {
+                    // It is made or refused; what cannot be seen beforehand is said when it is opened.
+                    let made = session.burst.burst(&Default::default(), &Monitor::default());
+                    assert!(made.map_or_else(|error| says_something(&error.to_string()), |burst| burst.len() < 5000));
+                }
+            }
+        }
+    }
+    assert!(refused.len() > 250 && taken > 250, "{} {taken}", refused.len());
+    for (path, value, words) in [
+        ("look.smoothing_px", "1000000000.0", "look: smoothing_px: 1000000000; give 0 to 8 pixels"),
+        ("look.smoothing_px", "nan", "look: smoothing_px: NaN; give 0 to 8 pixels"),
+        ("planted.slopes.count", "1000000000", "planted: planted-slopes: 1000000000 slopes; at most 4096"),
+        ("planted.copies", "0", "planted: copies: 0; give 1 to 100000"),
+        ("planted.radii.0", "1000000000.0", "planted: radius: 1000000000; give 0.5 to 500 pixels"),
+        ("planted.search.slopes.u.count", "1000000000", "planted: slopes-u: 1000000000 slopes"),
+        ("params.slopes.u.count", "1000000000", "params: slopes-u: 1000000000 slopes; at most 4096"),
+        ("params.levels", "0", "params: levels: 0; give 1 to 10"),
+        ("against.pinned.slopes.v.count", "9223372036854775807", "against.pinned: slopes-v: "),
+        ("burst.dark_copy.of.chart.width", "1000000000", "burst: width: 1000000000 pixels; give 16 to 32768"),
+        ("burst.dark_copy.noise.snr", "nan", "burst: snr: NaN; give a ratio"),
+        ("pair.burst.planted.study.slopes.count", "1000000000", "pair.burst: planted-slopes: "),
+        ("pair.params.max_iterations", "1000000000", "pair.params: max-iterations: 1000000000; give 1 to 10000000"),
+        ("depths_by.focal_px", "1000000000.0", "depths_by: focal-px: 1000000000; give 1 to 1000000 pixels"),
+    ] {
+        let said = refused.iter().find(|(of, with, _)| (of.as_str(), with.as_str()) == (path, value));
+        let said = said.unwrap_or_else(|| panic!("{path} = {value} was taken"));
+        assert!(said.2.contains(words), "{path} = {value}: {}", said.2);
+    }
+    let beyond = text.replacen("smoothing_px = 1.5", "smoothing_px = 18446744073709551615", 1);
+    assert!(Session::from_toml(&beyond).is_err());
+    // The program says the file's name too, and draws nothing.
+    let home = tempfile::tempdir().expect("a folder");
+    let wide = text.replacen("smoothing_px = 1.5", "smoothing_px = 1e9", 1);
+    std::fs::write(home.path().join("wide.burstscope.toml"), wide).expect("written");
+    let words = run_badly(home.path(), &["render", "wide.burstscope.toml", "--out", "a.png"], 1);
+    assert!(words.contains("wide.burstscope.toml") && words.contains("smoothing_px: 1000000000"), "{words}");
+}
+
+#[test]
+fn a_session_of_absurd_numbers_is_drawn() {
+    let home = tempfile::tempdir().expect("a folder");
+    let text = full_session();
+    let mut whole: Value = toml::from_str(&text).expect("TOML");
+    // A dataset that is not there would end the drawing.
+    whole.as_table_mut().and_then(|session| session.remove("dataset")).expect("a dataset");
+    Session::from_toml(&toml::to_string(&whole).expect("plain values")).expect("sound");
+    for which in 0..4 {
+        // As many at a time as are taken.
+        let mut all = whole.clone();
+        for (path, number) in numbers(&whole) {
+            let mut next = all.clone();
+            *at(&mut next, &path) = absurd(&number)[which].clone();
+            if Session::from_toml(&toml::to_string(&next).expect("plain values")).is_ok() {
+                all = next;
+            }
+        }
+        std::fs::write(home.path().join("a.burstscope.toml"), toml::to_string(&all).expect("plain values"))
+            .expect("written");
+        let arguments =
+            ["render", "a.burstscope.toml", "--out", "a.png", "--force", "--size", "900x600", "--timeout", "60"];
+        let child = program(home.path(), &arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
+        let output = ended(child.expect("it starts"));
+        let words = stderr(&output);
+        assert!(matches!(output.status.code(), Some(0 | 1)) && !words.contains("panicked"), "{which}: {words}");
+        assert!(!words.contains("seconds"), "{which}: it is not done in time: {words}");
+    }
+}
+
+#[test]
+fn any_number_of_a_lesson_is_refused_or_does_no_harm() {
+    let lesson = r#"
+title = "One"
+about = "What it is about."
+[set]
+frame = 1
+slope = [1.0, 0.0]
+octave = 0
+level = 1
+view = [1.0, 1.0, 20.0, 20.0]
+probe = [10.0, 10.0]
+spot = [10.0, 10.0, 3.0, 5.0, 9.0]
+[set.params]
+peak_threshold = 0.01
+levels = 3
+slopes = { u = { min = -1.0, max = 1.0, count = 3 } }
+[set.matching]
+ratio = 0.8
+max_iterations = 100
+[set.set_up]
+speed_m_s = 0.5
+direction_deg = 0.0
+turn_deg_s = 0.0
+frames_per_second = 30.0
+focal_px = 1200.0
+depth_m = [1.0, 8.0]
+[[step]]
+title = "First"
+caption = "Some text."
+try = "Do it"
+goal = { slope_u = [-1.0, 1.0], features = [1.0, 9.0] }
+"#;
+    Lesson::read("one.toml", lesson).expect("sound");
+    let (mut refused, mut taken) = (0, 0);
+    for (path, changed, value) in absurd_tomls(lesson) {
+        match Lesson::read("one.toml", &changed) {
+            Ok(_) => taken += 1,
+            Err(error) => {
+                refused += 1;
+                let words = error.to_string();
+                assert!(words.contains("one.toml") && says_something(&words), "{path} = {value}: {words}");
+            }
+        }
+    }
+    assert!(refused > 60 && taken > 40, "{refused} {taken}");
+    let counted = lesson.replacen("count = 3", "count = 1000000000", 1);
+    let words = Lesson::read("one.toml", &counted).expect_err("too many").to_string();
+    assert!(words.contains("slopes_u: 1000000000 slopes; at most 4096"), "{words}");
 }
 
 proptest! {

@@ -63,6 +63,11 @@ fn accuracy_and_noise_give_tables_and_json() {
     assert!(report["rows"][0]["u"]["median_magnitude"].as_f64().expect("a number") < 0.5);
     assert_eq!(report["apart"]["chart"]["discs"], 2);
     assert_eq!(report["apart"]["rows"][0]["apart"], report["apart"]["rows"][0]["u"]["count"]);
+    // Where nothing is found there is no error to tell.
+    let blind = run_well(home.path(), &[&accuracy[..], &["--peak-threshold", "9"]].concat());
+    let place = blind.lines().find(|line| line.contains("place u, px")).expect("a line");
+    assert_eq!(place.split_whitespace().skip(3).collect::<Vec<_>>(), ["–", "–", "–"], "{blind}");
+    assert!(!blind.contains("NaN"), "{blind}");
 
     let noise = ["evaluate", "noise", "--megapixels", "0.05", "--width", "200", "--height", "150", "--sigma", "0.02"];
     let table = run_well(home.path(), &[&noise[..], &["--bits", "none,12", "--noise-gate", "3"]].concat());

@@ -42,6 +42,25 @@ fn recover_says_what_would_be_found_and_draws_it() {
     assert!(run_badly(home.path(), &["recover", "demo", "--case", "a.zip"], 2).contains(".burstcase"));
     assert!(run_badly(home.path(), &["recover", "demo", "--copies", "0"], 2).contains("copies"));
     assert!(run_badly(home.path(), &["recover", "demo", "--csv", "a.txt"], 2).contains(".csv"));
+    // Numbers out of their ranges are refused before anything is computed.
+    for (option, says) in [
+        ("--planted-slopes=-3:3:1000000000", "planted-slopes: 1000000000 slopes; at most 4096"),
+        ("--planted-slopes=3:-3:5", "planted-slopes: 3 is above -3"),
+        ("--at-radius=1e9", "at-radius: 1000000000; give 0.5 to 500 pixels"),
+        ("--radius=2,nan", "radius: NaN; give 0.5 to 500 pixels"),
+        ("--snr=1e300", "snr: "),
+        ("--copies=18446744073709551615", "copies: "),
+        ("--per-copy=1000000000", "per-copy: 1000000000; give 1 to 10000"),
+    ] {
+        let words = run_badly(home.path(), &["recover", "demo", option], 2);
+        assert!(words.contains(says), "{option}: {words}");
+    }
+    let absurd = [&["recover"], &SEARCH[..], &["--copies", "1", "--noise-gate", "1e20"]].concat();
+    let words = run_badly(home.path(), &absurd, 2);
+    assert!(words.contains("noise-gate: ") && words.contains("lower the gate"), "{words}");
+    // With given ratios the study runs, and finds nothing.
+    let given = json(home.path(), &[&absurd[..], &["--snr", "1,2", "--at-snr", "1", "--json"]].concat());
+    assert!(given["planted"].as_array().is_some_and(|all| all.iter().all(|one| one["found"].is_null())));
 }
 
 #[test]

@@ -46,6 +46,17 @@ fn is_decoding() -> bool {
     lists.any(|list| list.split_whitespace().any(of_worker))
 }
 
+/// Process that decodes a file of this name.
+#[cfg(target_os = "linux")]
+fn decoder_of(file: &str) -> Option<String> {
+    let is_it = |process: &std::fs::DirEntry| {
+        let line = std::fs::read_to_string(process.path().join("cmdline"));
+        line.is_ok_and(|line| line.contains(burstscope::cli::DECODE_WORKER) && line.contains(file))
+    };
+    let found = std::fs::read_dir("/proc").expect("a list").flatten().find(is_it)?;
+    Some(found.file_name().to_string_lossy().into_owned())
+}
+
 #[test]
 fn values_come_through_as_they_are() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -132,6 +143,33 @@ fn cancelling_ends_the_process() {
         opening.join().expect("no panic")
     });
     assert!(answer.is_err_and(|error| error.is_cancelled()));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_decoder_that_somebody_ends_is_no_damage_of_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("ended.dng");
+    std::fs::write(&path, Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes()).expect("written");
+    with_worker();
+    for (signal, number) in [("-KILL", "signal 9"), ("-TERM", "signal 15")] {
+        let error = std::thread::scope(|scope| {
+            let opening = scope.spawn(|| open(&path));
+            let started = Instant::now();
+            let child = loop {
+                if let Some(child) = decoder_of(path.to_str().expect("text")) {
+                    break child;
+                }
+                assert!(started.elapsed() < Duration::from_secs(120), "no process was started");
+                std::thread::sleep(Duration::from_millis(1));
+            };
+            assert!(std::process::Command::new("kill").args([signal, &child]).status().expect("kill").success());
+            opening.join().expect("no panic").expect_err("it was ended")
+        });
+        let words = error.to_string();
+        assert!(matches!(error, OpenError::DecoderEnded { .. }), "{error:?}");
+        assert!(words.contains(number) && words.contains("ended.dng") && !words.contains("damaged"), "{words}");
+    }
 }
 
 #[test]

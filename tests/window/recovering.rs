@@ -29,7 +29,8 @@ fn small() -> (Burst, DetectorParams) {
 /// The window with the small burst as a case, with its search and a place to probe.
 fn with_case(home: &std::path::Path) -> Window {
     let (burst, params) = small();
-    let (case, part) = Case::of(&burst, &params.into(), Some([120.0, 90.0]), None, "a note");
+    let (case, part) = Case::of(&burst, &params.into(), (Some([120.0, 90.0]), None), "a note", &Monitor::default())
+        .expect("nobody cancels");
     let path = home.join("night.burstcase");
     write_case(&path, (&case, &part), &Enclosed::default(), &Monitor::default()).expect("written");
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
@@ -99,7 +100,8 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     assert_eq!(shown.summary, was.slots.a.against.shown.as_ref().expect("compared").summary);
     // What names other files is left out, also where a case was changed to have some.
     let hostile = session.replacen("[params", "[gold]\npaths = [\"/etc/passwd\"]\n\n[params", 1);
-    let (case, part) = Case::of(&small().0, &small().1.into(), None, None, "");
+    let (case, part) =
+        Case::of(&small().0, &small().1.into(), (None, None), "", &Monitor::default()).expect("nobody cancels");
     let path = home.path().join("hostile.burstcase");
     for text in [hostile, "not a session".to_owned()] {
         let enclosed = Enclosed { session: Some(text), truth: None };

@@ -80,6 +80,19 @@ pub enum OpenError {
         /// The decoder's message.
         reason: String,
     },
+    /// The process that decodes the file was ended by a signal that no decoder sends itself.
+    #[error(
+        "the decoder of this {kind} file was ended by signal {signal}, from outside or because the machine has no memory left; open it again: {}",
+        path.display()
+    )]
+    DecoderEnded {
+        /// The file.
+        path: PathBuf,
+        /// The file format, such as "raw".
+        kind: &'static str,
+        /// Number of the signal.
+        signal: i32,
+    },
     /// The file is sound, but its content cannot be opened.
     #[error("this {kind} file cannot be opened: {reason}: {}", path.display())]
     Unsupported {

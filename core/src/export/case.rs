@@ -9,7 +9,7 @@
 use super::atomic::write_whole;
 use super::error::ExportError;
 use crate::burst::{Burst, Encoding, Limits};
-use crate::detector::SearchParams;
+use crate::detector::{ParamError, SearchParams};
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::{Plane, memory};
@@ -78,6 +78,27 @@ pub struct Case {
     pub search: SearchParams,
 }
 
+/// Ranges of the numbers of a case.
+mod bounds {
+    use crate::detector::params::Bounds;
+    use std::ops::Bound::{Excluded, Included};
+
+    /// Place that is asked about, pixels.
+    pub const PLACE: Bounds = Bounds::new((Included(-1e6), Included(1e6)), "a place is within 1000000 pixels");
+    /// Column and row at which the frames begin.
+    pub const CORNER: Bounds = Bounds::new((Included(0.0), Included(1e6)), "a corner is within 1000000 pixels");
+    /// Columns, rows and frames.
+    pub const COUNT: Bounds = Bounds::new((Included(1.0), Included(1e6)), "there are 1 to 1000000");
+    /// Sensor pixels along a side of a pixel.
+    pub const BINNING: Bounds = Bounds::new((Included(1.0), Included(64.0)), "there are 1 to 64");
+    /// Intensity of the word 0.
+    pub const OFFSET: Bounds = Bounds::new((Included(-1e30), Included(1e30)), "an offset is within 1e30");
+    /// Intensity of a step, and full scale of the files.
+    pub const SCALE: Bounds = Bounds::new((Excluded(0.0), Included(1e33)), "a scale is above 0 and up to 1e33");
+    /// Smallest difference of the files' values.
+    pub const STEP: Bounds = Bounds::new((Included(0.0), Included(1e33)), "a step is 0 to 1e33");
+}
+
 /// Reason why a case was not read.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
@@ -97,13 +118,16 @@ pub enum CaseError {
 impl Case {
     /// A case of `burst`, or of the square of `around` pixels to each side of `place` in it, with the burst of its
     /// frames.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn of(
         burst: &Burst,
         search: &SearchParams,
-        place: Option<[f32; 2]>,
-        around: Option<usize>,
+        (place, around): (Option<[f32; 2]>, Option<usize>),
         note: &str,
-    ) -> (Self, Burst) {
+        monitor: &Monitor,
+    ) -> Result<(Self, Burst), Cancelled> {
         let (width, height) = burst.size();
         let span = |at: f32, half: usize, n: usize| {
             let middle = (at.round().max(0.0) as usize).min(n - 1);
@@ -121,7 +145,7 @@ impl Case {
             };
             part.frames = burst.frames.iter().map(crop).collect();
         }
-        let (offset, scale) = words_of(&part);
+        let (offset, scale) = words_of(&part, monitor)?;
         let case = Self {
             version: VERSION,
             name: burst.name.clone(),
@@ -138,7 +162,7 @@ impl Case {
             binning: burst.binning,
             search: search.clone(),
         };
-        (case, part)
+        Ok((case, part))
     }
 
     /// Bytes of the file, about, before it is written: a 16-bit word for each pixel, which PNG seldom halves.
@@ -146,33 +170,62 @@ impl Case {
         let pixels = self.size[0] as u64 * self.size[1] as u64 * self.frames as u64;
         2 * pixels + 4096
     }
+
+    /// Checks the numbers: a file may hold anything.
+    fn check(&self) -> Result<(), ParamError> {
+        for place in self.place.iter().flatten() {
+            bounds::PLACE.check("place", f64::from(*place))?;
+        }
+        self.corner.iter().try_for_each(|&at| bounds::CORNER.check("corner", at as f64))?;
+        self.size.iter().try_for_each(|&side| bounds::COUNT.check("size", side as f64))?;
+        bounds::COUNT.check("frames", self.frames as f64)?;
+        bounds::BINNING.check("binning", self.binning as f64)?;
+        bounds::OFFSET.check("offset", self.offset)?;
+        bounds::SCALE.check("scale", self.scale)?;
+        bounds::SCALE.check("full_scale", f64::from(self.full_scale))?;
+        bounds::STEP.check("quantisation_step", f64::from(self.quantisation_step))?;
+        self.search.validate()
+    }
 }
 
 /// Offset and scale of the words that hold the values of a burst: those of 8 and 16-bit files and of the burst's full
 /// scale where they hold every value exactly, otherwise the lattice of the files' steps, otherwise equal steps.
-fn words_of(burst: &Burst) -> (f64, f64) {
-    let values = || burst.frames.iter().flat_map(|frame| frame.data()).copied().filter(|x| x.is_finite());
-    let holds = |scale: f64| {
-        values().all(|x| {
+fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
+    let rows = || burst.frames.iter().flat_map(|frame| frame.data().chunks(frame.width().max(1)));
+    let all = |test: &dyn Fn(f32) -> bool| -> Result<bool, Cancelled> {
+        for row in rows() {
+            monitor.check()?;
+            if !row.iter().copied().filter(|x| x.is_finite()).all(test) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    };
+    for scale in [1.0 / 65535.0, 1.0 / f64::from(burst.full_scale)] {
+        let holds = |x: f32| {
             let word = (f64::from(x) / scale).round();
             (0.0..=65535.0).contains(&word) && (word * scale) as f32 == x
-        })
-    };
-    let exact = [1.0 / 65535.0, 1.0 / f64::from(burst.full_scale)];
-    if let Some(scale) = exact.into_iter().find(|scale| scale.is_finite() && *scale > 0.0 && holds(*scale)) {
-        return (0.0, scale);
+        };
+        if scale.is_finite() && scale > 0.0 && all(&holds)? {
+            return Ok((0.0, scale));
+        }
     }
-    let (min, max) = values().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let (mut min, mut max) = (f32::INFINITY, f32::NEG_INFINITY);
+    for row in rows() {
+        monitor.check()?;
+        let finite = row.iter().copied().filter(|x| x.is_finite());
+        (min, max) = finite.fold((min, max), |(a, b), x| (a.min(x), b.max(x)));
+    }
     let (min, max) = if min <= max { (f64::from(min), f64::from(max)) } else { (0.0, 1.0) };
     let step = f64::from(burst.quantisation_step);
     let on_lattice = |x: f32| {
         let steps = (f64::from(x) - min) / step;
         (steps - steps.round()).abs() < 0.02
     };
-    if step > 0.0 && (max - min) / step <= 65535.5 && values().all(on_lattice) {
-        return (min, step);
+    if step > 0.0 && (max - min) / step <= 65535.5 && all(&on_lattice)? {
+        return Ok((min, step));
     }
-    (min, ((max - min) / 65535.0).max(f64::MIN_POSITIVE))
+    Ok((min, ((max - min) / 65535.0).max(f64::MIN_POSITIVE)))
 }
 
 impl Truth {
@@ -215,7 +268,7 @@ pub fn write_case(
             monitor.check().map_err(std::io::Error::other)?;
             monitor.report(Stage::Write, t as f32 / burst.len() as f32);
             zip.start_file(frame_name(t), stored).map_err(std::io::Error::other)?;
-            zip.write_all(&encoded(frame, case)?)?;
+            zip.write_all(&encoded(frame, case, monitor)?)?;
         }
         out.write_all(&zip.finish().map_err(std::io::Error::other)?.into_inner())
     })
@@ -225,17 +278,21 @@ fn frame_name(t: usize) -> String {
     format!("frames/{t:05}.png")
 }
 
-fn encoded(frame: &Plane, case: &Case) -> std::io::Result<Vec<u8>> {
+fn encoded(frame: &Plane, case: &Case, monitor: &Monitor) -> std::io::Result<Vec<u8>> {
     let word =
         |&x: &f32| (((f64::from(x) - case.offset) / case.scale).round().clamp(0.0, 65535.0) as u16).to_be_bytes();
-    let words: Vec<u8> = frame.data().iter().flat_map(word).collect();
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, case.size[0] as u32, case.size[1] as u32);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(png::BitDepth::Sixteen);
     encoder.set_compression(png::Compression::Fast);
     let mut writer = encoder.write_header().map_err(std::io::Error::other)?;
-    writer.write_image_data(&words).map_err(std::io::Error::other)?;
+    let mut rows = writer.stream_writer().map_err(std::io::Error::other)?;
+    for row in frame.data().chunks(frame.width().max(1)) {
+        monitor.check().map_err(std::io::Error::other)?;
+        rows.write_all(&row.iter().flat_map(word).collect::<Vec<u8>>())?;
+    }
+    rows.finish().map_err(std::io::Error::other)?;
     writer.finish().map_err(std::io::Error::other)?;
     Ok(bytes)
 }
@@ -300,7 +357,11 @@ pub fn read_session(path: &Path) -> Result<Option<String>, CaseError> {
 /// See [`CaseError`].
 pub fn read_truth(path: &Path) -> Result<Option<Truth>, CaseError> {
     let text = text(path, &mut opened(path)?, TRUTH, MAX_SESSION_BYTES)?;
-    text.map(|text| serde_json::from_str(&text).map_err(|error| invalid(path, format!("{TRUTH}: {error}")))).transpose()
+    let Some(text) = text else { return Ok(None) };
+    let wrong = |problem: String| invalid(path, format!("{TRUTH}: {problem}"));
+    let truth: Truth = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    truth.check().map_err(wrong)?;
+    Ok(Some(truth))
 }
 
 /// Whether a case has the truth of its frames; its contents are not read.
@@ -351,17 +412,7 @@ fn about<R: Read + Seek>(path: &Path, zip: &mut ZipArchive<R>) -> Result<Case, C
     if case.version != VERSION {
         return wrong("its version is not 1");
     }
-    if case.frames == 0 || case.binning == 0 {
-        return wrong("it has no frames, or pixels of no size");
-    }
-    let numbers = [case.offset, case.scale, f64::from(case.quantisation_step), f64::from(case.full_scale)];
-    if numbers.iter().any(|x| !x.is_finite()) || case.scale <= 0.0 || case.quantisation_step < 0.0 {
-        return wrong("a number is not finite, or a scale is not above 0");
-    }
-    if case.place.is_some_and(|place| place.iter().any(|x| !x.is_finite())) {
-        return wrong("the place is not finite");
-    }
-    case.search.validate().map_err(|error| invalid(path, format!("{ABOUT}: {error}")))?;
+    case.check().map_err(|error| invalid(path, format!("{ABOUT}: {error}")))?;
     Ok(case)
 }
 
@@ -410,7 +461,9 @@ mod tests {
     fn a_case_comes_back_as_it_was() {
         let (burst, truth) = chart();
         let search = SearchParams::default();
-        let (case, part) = Case::of(&burst, &search, Some([40.0, 30.0]), None, "why not this one?");
+        let (case, part) =
+            Case::of(&burst, &search, (Some([40.0, 30.0]), None), "why not this one?", &Monitor::default())
+                .expect("nobody cancels");
         // A case without session and truth, as they were written before there were any.
         let (_home, path) = written(&case, &part, &Enclosed::default());
         assert!(!has_truth(&path));
@@ -424,7 +477,8 @@ mod tests {
         assert_eq!(read, case);
         assert!(back.frames == burst.frames, "12-bit values are exact");
         assert!(std::fs::metadata(&path).expect("a file").len() <= case.estimated_bytes());
-        let (case, part) = Case::of(&burst, &search, Some([90.0, 30.0]), Some(10), "");
+        let (case, part) =
+            Case::of(&burst, &search, (Some([90.0, 30.0]), Some(10)), "", &Monitor::default()).expect("nobody cancels");
         assert_eq!((case.corner, case.size, case.place), ([80, 20], [16, 21], Some([10.0, 10.0])));
         assert_eq!(part.frames[1].at(3, 4), burst.frames[1].at(83, 24));
         let (_home, path) = written(&case, &part, &enclosed);
@@ -438,7 +492,8 @@ mod tests {
     #[test]
     fn damaged_and_hostile_cases_are_refused_and_never_panic() {
         let (burst, truth) = chart();
-        let (case, part) = Case::of(&burst, &SearchParams::default(), None, None, "");
+        let (case, part) =
+            Case::of(&burst, &SearchParams::default(), (None, None), "", &Monitor::default()).expect("nobody cancels");
         let enclosed = Enclosed { session: Some("version = 3\n".repeat(20)), truth: Some(truth) };
         let (_home, path) = written(&case, &part, &enclosed);
         let good = std::fs::read(&path).expect("read");
@@ -481,11 +536,31 @@ mod tests {
             zip.write_all(text.as_bytes()).expect("written");
             for (t, frame) in part.frames.iter().enumerate() {
                 zip.start_file(frame_name(t), stored).expect("started");
-                zip.write_all(&encoded(frame, &case).expect("encoded")).expect("written");
+                zip.write_all(&encoded(frame, &case, &Monitor::default()).expect("encoded")).expect("written");
             }
             std::fs::write(&path, zip.finish().expect("finished").into_inner()).expect("written");
             let error = read_case(&path, &Limits::default(), &Monitor::default()).expect_err("a lie");
             assert!(matches!(error, CaseError::Invalid { .. }), "{error}");
+        }
+        // So are other numbers that make no sense, by their names.
+        let good = || case.clone();
+        for (lying, name) in [
+            (Case { place: Some([1e9, 0.0]), ..good() }, "place: 1000000000"),
+            (Case { place: Some([0.0, f32::NAN]), ..good() }, "place: NaN"),
+            (Case { corner: [i64::MAX as usize, 0], ..good() }, "corner: "),
+            (Case { size: [1_000_000_000, 64], ..good() }, "size: 1000000000"),
+            (Case { frames: i64::MAX as usize, ..good() }, "frames: "),
+            (Case { binning: 0, ..good() }, "binning: 0; there are 1 to 64"),
+            (Case { binning: 1_000_000_000, ..good() }, "binning: 1000000000; there are 1 to 64"),
+            (Case { offset: 1e300, ..good() }, "offset: "),
+            (Case { scale: f64::NAN, ..good() }, "scale: NaN"),
+            (Case { scale: 0.0, ..good() }, "scale: 0"),
+            (Case { full_scale: -1e9, ..good() }, "full_scale: -1000000000"),
+            (Case { quantisation_step: f32::INFINITY, ..good() }, "quantisation_step: inf"),
+        ] {
+            let (_home, path) = written(&lying, &Burst { frames: Vec::new(), ..part.clone() }, &Enclosed::default());
+            let words = read_about(&path).expect_err(name).to_string();
+            assert!(words.contains("a.burstcase") && words.contains(name), "{words}");
         }
         // Texts beyond their limits are not read to their end, whatever they unpack to.
         let mut zip = ZipWriter::new(Cursor::new(Vec::new()));

@@ -36,28 +36,31 @@ pub const FILM_RATES: std::ops::RangeInclusive<u16> = 1..=50;
 /// Speed of the choice of a GIF's colours: 1 is best, 30 fastest.
 const GIF_SPEED: i32 = 10;
 
-/// Encodes `pictures` of one size, `per_second` of them a second.
+/// Encodes `count` `pictures` of one size, `per_second` of them a second, each as it comes.
 ///
 /// # Errors
-/// Pictures of no size, of several sizes or too large for the format, and errors of `out`.
+/// Pictures of no size, of several sizes, too few or too large for the format, and errors of `pictures` and `out`.
 pub fn encode_film(
     out: &mut dyn Write,
     format: FilmFormat,
-    pictures: &[RgbaImage],
+    (count, pictures): (usize, impl IntoIterator<Item = io::Result<RgbaImage>>),
     per_second: u16,
     monitor: &Monitor,
 ) -> io::Result<()> {
-    let Some((width, height)) = pictures.first().map(RgbaImage::dimensions) else {
-        return Err(io::Error::other("a film has at least one picture"));
-    };
-    if width == 0 || height == 0 || pictures.iter().any(|picture| picture.dimensions() != (width, height)) {
-        return Err(io::Error::other("all pictures of a film have one size, of at least one pixel"));
-    }
-    let report = |index: usize| -> io::Result<()> {
+    let mut pictures = pictures.into_iter();
+    let first = pictures.next().ok_or_else(|| io::Error::other("a film has at least one picture"))??;
+    let (width, height) = first.dimensions();
+    let mut index = 0;
+    let mut pictures = std::iter::once(Ok(first)).chain(pictures).map(|picture| {
+        let picture = picture?;
+        if width == 0 || height == 0 || picture.dimensions() != (width, height) {
+            return Err(io::Error::other("all pictures of a film have one size, of at least one pixel"));
+        }
         monitor.check().map_err(io::Error::other)?;
-        monitor.report(Stage::Write, index as f32 / pictures.len() as f32);
-        Ok(())
-    };
+        monitor.report(Stage::Write, index as f32 / count.max(1) as f32);
+        index += 1;
+        Ok(picture)
+    });
     match format {
         FilmFormat::Gif => {
             let [Ok(width), Ok(height)] = [width, height].map(u16::try_from) else {
@@ -68,9 +71,8 @@ pub fn encode_film(
             encoder
                 .write_raw_extension(gif::AnyExtension(gif::Extension::Comment as u8), &[SOFTWARE.as_bytes()])
                 .map_err(io::Error::other)?;
-            for (index, picture) in pictures.iter().enumerate() {
-                report(index)?;
-                let mut pixels = picture.as_raw().clone();
+            for picture in pictures {
+                let mut pixels = picture?.into_raw();
                 let mut frame = gif::Frame::from_rgba_speed(width, height, &mut pixels, GIF_SPEED);
                 // Hundredths of a second.
                 frame.delay = 100 / per_second.max(1);
@@ -83,14 +85,11 @@ pub fn encode_film(
             encoder.set_color(png::ColorType::Rgba);
             encoder.set_depth(png::BitDepth::Eight);
             encoder.set_compression(png::Compression::Balanced);
-            encoder.set_animated(pictures.len() as u32, 0).map_err(io::Error::other)?;
+            encoder.set_animated(count as u32, 0).map_err(io::Error::other)?;
             encoder.set_frame_delay(1, per_second.max(1)).map_err(io::Error::other)?;
             encoder.add_text_chunk("Software".to_owned(), SOFTWARE.to_owned()).map_err(io::Error::other)?;
             let mut writer = encoder.write_header().map_err(io::Error::other)?;
-            for (index, picture) in pictures.iter().enumerate() {
-                report(index)?;
-                writer.write_image_data(picture.as_raw()).map_err(io::Error::other)?;
-            }
+            pictures.try_for_each(|picture| writer.write_image_data(picture?.as_raw()).map_err(io::Error::other))?;
             writer.finish().map_err(io::Error::other)
         }
     }
@@ -100,7 +99,8 @@ pub fn encode_film(
 pub fn estimated_film_bytes(format: FilmFormat, pictures: [&RgbaImage; 2], count: usize) -> u64 {
     let of_one = |picture: &RgbaImage| {
         let mut bytes = Vec::new();
-        let encoded = encode_film(&mut bytes, format, std::slice::from_ref(picture), 10, &Monitor::default());
+        let one = [Ok(picture.clone())];
+        let encoded = encode_film(&mut bytes, format, (1, one), 10, &Monitor::default());
         encoded.map_or(0, |()| bytes.len() as u64)
     };
     (of_one(pictures[0]) + of_one(pictures[1])) / 2 * count as u64
@@ -113,7 +113,7 @@ pub fn estimated_film_bytes(format: FilmFormat, pictures: [&RgbaImage; 2], count
 pub fn write_film(
     path: &Path,
     format: FilmFormat,
-    pictures: &[RgbaImage],
+    pictures: (usize, impl IntoIterator<Item = io::Result<RgbaImage>>),
     per_second: u16,
     monitor: &Monitor,
 ) -> Result<(), ExportError> {
@@ -125,6 +125,10 @@ mod tests {
     use super::*;
     use image::Rgba;
 
+    fn given(pictures: Vec<RgbaImage>) -> (usize, impl Iterator<Item = io::Result<RgbaImage>>) {
+        (pictures.len(), pictures.into_iter().map(Ok))
+    }
+
     fn pictures() -> Vec<RgbaImage> {
         (0..3u8).map(|t| RgbaImage::from_fn(20, 10, |x, _| Rgba([80 * t, (12 * x) as u8, 9, 255]))).collect()
     }
@@ -132,7 +136,7 @@ mod tests {
     #[test]
     fn films_come_back_picture_by_picture() {
         let mut bytes = Vec::new();
-        encode_film(&mut bytes, FilmFormat::Gif, &pictures(), 10, &Monitor::default()).expect("encoded");
+        encode_film(&mut bytes, FilmFormat::Gif, given(pictures()), 10, &Monitor::default()).expect("encoded");
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut decoder = options.read_info(&bytes[..]).expect("a GIF");
@@ -146,7 +150,7 @@ mod tests {
         }
         assert_eq!(count, 3);
         let mut bytes = Vec::new();
-        encode_film(&mut bytes, FilmFormat::Apng, &pictures(), 10, &Monitor::default()).expect("encoded");
+        encode_film(&mut bytes, FilmFormat::Apng, given(pictures()), 10, &Monitor::default()).expect("encoded");
         let mut reader = png::Decoder::new(io::Cursor::new(&bytes)).read_info().expect("a PNG");
         assert_eq!(reader.info().animation_control.map(|control| control.num_frames), Some(3));
         for picture in pictures() {
@@ -164,12 +168,17 @@ mod tests {
         sizes.push(RgbaImage::new(3, 3));
         for pictures in [Vec::new(), vec![RgbaImage::new(0, 5)], sizes] {
             for format in [FilmFormat::Gif, FilmFormat::Apng] {
-                assert!(encode_film(&mut Vec::new(), format, &pictures, 10, &Monitor::default()).is_err());
+                let pictures = given(pictures.clone());
+                assert!(encode_film(&mut Vec::new(), format, pictures, 10, &Monitor::default()).is_err());
             }
         }
         let monitor = Monitor::default();
         monitor.cancel();
-        assert!(encode_film(&mut Vec::new(), FilmFormat::Gif, &pictures(), 10, &monitor).is_err());
+        assert!(encode_film(&mut Vec::new(), FilmFormat::Gif, given(pictures()), 10, &monitor).is_err());
+        // A picture that cannot be made ends the film.
+        let failing = (2, [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))]);
+        let error = encode_film(&mut Vec::new(), FilmFormat::Apng, failing, 10, &Monitor::default());
+        assert!(error.is_err_and(|error| error.to_string() == "no picture"));
         assert_eq!(FilmFormat::of(Path::new("a/b.GIF")), Some(FilmFormat::Gif));
         assert_eq!(
             (FilmFormat::of(Path::new("a.apng")), FilmFormat::of(Path::new("gif"))),

@@ -167,7 +167,7 @@ impl MakeFigure for Light {
             end = panel.area.bottom();
             let range = summary(plane, &Region::whole(plane)).range();
             let mut levels = FrameLevels::default();
-            levels.add(&Burst::from_planes(word, vec![plane.clone()]));
+            levels.add(&Burst::from_planes(word, vec![plane.clone()]), &silent)?;
             let light = way.map_or("no noise".to_owned(), |way| {
                 format!("{:.1} electrons at scene white, SNR {:.2} of a pixel", way.electrons, way.snr)
             });

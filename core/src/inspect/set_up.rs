@@ -14,7 +14,7 @@
 
 use super::words::number;
 use crate::detector::scale_space::ScaleSpace;
-use crate::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid};
+use crate::detector::{DetectorParams, ParamError, Slope, SlopeAxis, SlopeGrid};
 use serde::{Deserialize, Serialize};
 
 /// Camera and scene.
@@ -62,6 +62,27 @@ pub struct SetUpSlopes {
     pub step: f32,
 }
 
+/// Ranges of the numbers, for options, files and fields of the window.
+pub mod bounds {
+    use crate::detector::params::Bounds;
+    use std::ops::Bound::Included;
+
+    /// Speed, metres per second.
+    pub const SPEED: Bounds = Bounds::new((Included(0.0), Included(1e6)), "give 0 to 1000000 metres per second");
+    /// Direction of the motion, degrees.
+    pub const DIRECTION: Bounds = Bounds::new((Included(-360.0), Included(360.0)), "give -360 to 360 degrees");
+    /// Turning, degrees per second.
+    pub const TURN: Bounds =
+        Bounds::new((Included(-36_000.0), Included(36_000.0)), "give -36000 to 36000 degrees per second");
+    /// Frames per second.
+    pub const RATE: Bounds = Bounds::new((Included(0.001), Included(1e7)), "give 0.001 to 10000000 frames per second");
+    /// Focal length, pixels.
+    pub const FOCAL: Bounds = Bounds::new((Included(1.0), Included(1e6)), "give 1 to 1000000 pixels, such as 1200");
+    /// Depth, metres.
+    pub const DEPTH: Bounds =
+        Bounds::new((Included(1e-6), Included(1e6)), "give NEAR:FAR in metres, up to 1000000, such as 1:8");
+}
+
 /// Largest number of slopes that is proposed.
 const MAX_COUNT: usize = 1024;
 
@@ -70,23 +91,17 @@ impl SetUp {
     ///
     /// # Errors
     /// The first option that makes no sense, and what would.
-    pub fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), ParamError> {
+        bounds::SPEED.check("speed", self.speed_m_s)?;
+        bounds::DIRECTION.check("direction", self.direction_deg)?;
+        bounds::TURN.check("turn-deg-s", self.turn_deg_s)?;
+        bounds::RATE.check("fps", self.frames_per_second)?;
+        bounds::FOCAL.check("focal-px", self.focal_px)?;
+        self.depth_m.iter().try_for_each(|&depth| bounds::DEPTH.check("depth", depth))?;
         let [near, far] = self.depth_m;
-        let above_0 = |x: f64| x.is_finite() && x > 0.0;
-        if !(self.speed_m_s.is_finite() && self.speed_m_s >= 0.0) {
-            return Err(format!("speed: {} is no speed; give metres per second", self.speed_m_s));
-        }
-        if !(self.direction_deg.is_finite() && self.turn_deg_s.is_finite()) {
-            return Err("direction or turn-deg-s: not finite; give degrees".to_owned());
-        }
-        if !above_0(self.frames_per_second) {
-            return Err(format!("fps: {} is no frame rate; give frames per second", self.frames_per_second));
-        }
-        if !above_0(self.focal_px) {
-            return Err(format!("focal-px: {} is no focal length; give pixels, such as 1200", self.focal_px));
-        }
-        if !(above_0(near) && above_0(far) && near <= far) {
-            return Err(format!("depth: {near}:{far} is no range; give NEAR:FAR in metres, such as 1:8"));
+        if near > far {
+            let remedy = "give NEAR:FAR in metres, such as 1:8".to_owned();
+            return Err(ParamError { parameter: "depth", problem: format!("{near}:{far} is no range"), remedy });
         }
         Ok(())
     }
@@ -116,7 +131,7 @@ impl SetUp {
     /// # Errors
     /// As [`Self::check`], and where the motion is too large for a search.
     pub fn slopes(&self, frames: usize, params: &DetectorParams) -> Result<SetUpSlopes, String> {
-        self.check()?;
+        self.check().map_err(|error| error.to_string())?;
         let [nearest, farthest] = self.depth_m.map(|depth| self.slope_at(depth));
         let space = ScaleSpace::of(params);
         let step = 2.0 * space.sigma_image(space.first_octave, 0.0) / (frames.max(2) - 1) as f64;
@@ -208,7 +223,9 @@ mod tests {
             (SetUp { focal_px: f64::NAN, ..good }, "focal-px: "),
             (SetUp { depth_m: [3.0, 1.0], ..good }, "depth: "),
             (SetUp { depth_m: [1e-6, 1.0], ..good }, "depth: "),
-            (SetUp { turn_deg_s: f64::INFINITY, ..good }, "direction"),
+            (SetUp { turn_deg_s: f64::INFINITY, ..good }, "turn-deg-s: "),
+            (SetUp { direction_deg: 1e9, ..good }, "direction: "),
+            (SetUp { depth_m: [1.0, 1e9], ..good }, "depth: "),
         ];
         for (set_up, start) in cases {
             let error = set_up.slopes(10, &DetectorParams::default()).expect_err(start);

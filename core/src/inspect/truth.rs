@@ -55,7 +55,10 @@ pub enum TruthError {
 pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
     let text =
         read_text(path, MAX_TABLE_BYTES).map_err(|e| TruthError::Read { path: path.into(), reason: e.to_string() })?;
-    serde_json::from_str(&text).map_err(|e| TruthError::Json { path: path.into(), reason: e.to_string() })
+    let invalid = |reason: String| TruthError::Json { path: path.into(), reason };
+    let truth: Truth = serde_json::from_str(&text).map_err(|e| invalid(e.to_string()))?;
+    truth.check().map_err(invalid)?;
+    Ok(truth)
 }
 
 /// The truth of a burst: the `truth.json` in its folder or case, or that of a built-in burst. `None` where there is none.

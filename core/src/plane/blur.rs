@@ -5,6 +5,7 @@
 //! [`gaussian_blur`] is the reference for its tests.
 
 use super::Plane;
+use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 
 /// A symmetric, normalised Gaussian kernel: its centre tap and the taps to one side.
@@ -53,32 +54,36 @@ pub fn gaussian_blur(plane: &Plane, kernel: &GaussianKernel) -> Plane {
 
 /// The plane smoothed by a Gaussian of `sigma_px` pixels (0 or less: unchanged), cut at 3σ; for looking at, the detector
 /// has its own. NaN stays NaN and its neighbours are smoothed without it. The same for any number of threads.
-pub fn smoothed(plane: &Plane, sigma_px: f64) -> Plane {
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn smoothed(plane: &Plane, sigma_px: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
     if sigma_px <= 0.0 {
-        return plane.clone();
+        return Ok(plane.clone());
     }
     let kernel = GaussianKernel::with_cut(sigma_px, 3.0);
     if !plane.data().iter().any(|x| x.is_nan()) {
-        return blurred_by_rows(plane, &kernel);
+        return blurred_by_rows(plane, &kernel, monitor);
     }
     let of = |value: fn(f32) -> f32| {
         let data = plane.data().iter().map(|&x| value(x)).collect();
-        blurred_by_rows(&Plane::from_vec(plane.width(), plane.height(), data), &kernel)
+        blurred_by_rows(&Plane::from_vec(plane.width(), plane.height(), data), &kernel, monitor)
     };
-    let known = of(|x| f32::from(!x.is_nan()));
-    let mut sum = of(|x| if x.is_nan() { 0.0 } else { x });
+    let known = of(|x| f32::from(!x.is_nan()))?;
+    let mut sum = of(|x| if x.is_nan() { 0.0 } else { x })?;
     for ((sum, known), &x) in sum.data_mut().iter_mut().zip(known.data()).zip(plane.data()) {
         *sum = if x.is_nan() { f32::NAN } else { *sum / known };
     }
-    sum
+    Ok(sum)
 }
 
 /// As [`gaussian_blur`], in loops over whole rows.
-fn blurred_by_rows(plane: &Plane, kernel: &GaussianKernel) -> Plane {
+fn blurred_by_rows(plane: &Plane, kernel: &GaussianKernel, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let (width, height) = plane.size();
     let reach = kernel.radius();
     let mut blurred = Plane::zeros(width, height);
-    let row_of = |(v, out): (usize, &mut [f32])| {
+    let row_of = |(v, out): (usize, &mut [f32])| -> Result<(), Cancelled> {
+        monitor.check()?;
         let mut row = vec![0.0; width + 2 * reach];
         for k in 0..=2 * reach {
             let weight = kernel.half[k.abs_diff(reach)];
@@ -92,11 +97,12 @@ fn blurred_by_rows(plane: &Plane, kernel: &GaussianKernel) -> Plane {
             let weight = kernel.half[k.abs_diff(reach)];
             out.iter_mut().zip(&row[k..]).for_each(|(sum, x)| *sum += weight * x);
         }
+        Ok(())
     };
     if width > 0 {
-        blurred.data_mut().par_chunks_mut(width).enumerate().for_each(row_of);
+        blurred.data_mut().par_chunks_mut(width).enumerate().try_for_each(row_of)?;
     }
-    blurred
+    Ok(blurred)
 }
 
 #[cfg(test)]
@@ -118,6 +124,8 @@ mod tests {
     fn smoothing_for_looking_at_is_the_blur_and_leaves_out_nan() {
         let noise = |u: usize, v: usize| ((u * 7919 + v * 104_729) % 1000) as f32 / 1000.0;
         let plane = Plane::from_fn(53, 31, noise);
+        let monitor = Monitor::default();
+        let smoothed = |plane: &Plane, sigma| smoothed(plane, sigma, &monitor).expect("nobody cancels");
         let (fast, plain) = (smoothed(&plane, 1.7), gaussian_blur(&plane, &GaussianKernel::with_cut(1.7, 3.0)));
         assert!(fast.data().iter().zip(plain.data()).all(|(a, b)| (a - b).abs() < 1e-6));
         assert_eq!(smoothed(&plane, 0.0), plane);
@@ -129,6 +137,8 @@ mod tests {
                 assert!(if hole(u, v).is_nan() { x.is_nan() } else { (x - 0.25).abs() < 1e-6 }, "({u}, {v}): {x}");
             }
         }
+        monitor.cancel();
+        assert_eq!(super::smoothed(&plane, 1.7, &monitor), Err(Cancelled));
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! few milliseconds for a camera picture, so that a window can ask while the user drags.
 
 use super::Plane;
+use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 
 /// A rectangle of pixels: columns `u.start … u.end − 1` and rows `v.start … v.end − 1`.
@@ -102,10 +103,23 @@ pub fn summary(plane: &Plane, region: &Region) -> Summary {
 /// and then the lower half of an order-preserving integer key: two passes over the data for each percentile, however
 /// the values are spread.
 pub fn percentiles(plane: &Plane, region: &Region, percents: &[f32]) -> Option<Vec<f32>> {
-    let upper = count_keys(plane, region, |key| Some(key >> 16));
+    percentiles_until(plane, region, percents, &Monitor::default()).ok().flatten()
+}
+
+/// The percentiles as [`percentiles`] finds them, until `monitor` is cancelled.
+///
+/// # Errors
+/// [`Cancelled`] once it was.
+pub fn percentiles_until(
+    plane: &Plane,
+    region: &Region,
+    percents: &[f32],
+    monitor: &Monitor,
+) -> Result<Option<Vec<f32>>, Cancelled> {
+    let upper = count_keys(plane, region, |key| Some(key >> 16), monitor)?;
     let count: u64 = upper.iter().sum();
     if count == 0 {
-        return None;
+        return Ok(None);
     }
     let find = |counts: &[u64], rank: u64| {
         let mut before = 0;
@@ -120,36 +134,42 @@ pub fn percentiles(plane: &Plane, region: &Region, percents: &[f32]) -> Option<V
     let percentile = |percent: &f32| {
         let fraction = f64::from(percent.clamp(0.0, 100.0)) / 100.0;
         let (high, rank) = find(&upper, (fraction * (count - 1) as f64).round() as u64);
-        let lower = count_keys(plane, region, |key| (key >> 16 == high).then_some(key & 0xffff));
-        value_of_key(high << 16 | find(&lower, rank).0)
+        let lower = count_keys(plane, region, |key| (key >> 16 == high).then_some(key & 0xffff), monitor)?;
+        Ok(value_of_key(high << 16 | find(&lower, rank).0))
     };
-    Some(percents.iter().map(percentile).collect())
+    percents.iter().map(percentile).collect::<Result<_, Cancelled>>().map(Some)
 }
 
 /// Counts the finite values of `region` by the bin that `bin` gives for their keys (below 65536; `None` leaves out).
-fn count_keys(plane: &Plane, region: &Region, bin: impl Fn(u32) -> Option<u32> + Sync) -> Vec<u64> {
+fn count_keys(
+    plane: &Plane,
+    region: &Region,
+    bin: impl Fn(u32) -> Option<u32> + Sync,
+    monitor: &Monitor,
+) -> Result<Vec<u64>, Cancelled> {
     const BINS: usize = 1 << 16;
     let add = |mut a: Vec<u64>, b: Vec<u64>| {
         if a.is_empty() {
-            return b;
+            return Ok(b);
         }
         for (x, y) in a.iter_mut().zip(b) {
             *x += y;
         }
-        a
+        Ok(a)
     };
     let counts = rows(plane, region)
-        .fold(Vec::new, |mut counts, row| {
+        .try_fold(Vec::new, |mut counts, row| {
+            monitor.check()?;
             if counts.is_empty() {
                 counts = vec![0u64; BINS];
             }
             for bin in row.iter().filter(|x| x.is_finite()).filter_map(|&x| bin(key_of_value(x))) {
                 counts[bin as usize] += 1;
             }
-            counts
+            Ok(counts)
         })
-        .reduce(Vec::new, add);
-    if counts.is_empty() { vec![0; BINS] } else { counts }
+        .try_reduce(Vec::new, add)?;
+    Ok(if counts.is_empty() { vec![0; BINS] } else { counts })
 }
 
 /// An unsigned key that orders like the value.
@@ -244,6 +264,9 @@ mod tests {
         let none = plane_of(&[f32::NAN]);
         assert_eq!(summary(&none, &Region::whole(&none)).range(), None);
         assert_eq!(percentiles(&none, &Region::whole(&none), &[50.0]), None);
+        let monitor = Monitor::default();
+        monitor.cancel();
+        assert_eq!(percentiles_until(&plane, &Region::whole(&plane), &[50.0], &monitor), Err(Cancelled));
     }
 
     #[test]

@@ -6,7 +6,7 @@
 
 use super::noise::Camera;
 use super::truth::{FeatureTruth, NoiseTruth, Truth, TruthKind};
-use super::{Motion, SynthError, capture_burst, check_common};
+use super::{Motion, SynthError, capture_burst, check_common, check_snr};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
@@ -114,7 +114,12 @@ impl ChartParams {
         Ok(Exposure { background, disc, camera })
     }
 
-    fn check(&self) -> Result<(), SynthError> {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// The first one that makes no sense.
+    pub fn check(&self) -> Result<(), SynthError> {
+        check_snr(self.snr)?;
         check_common(self.width, self.height, self.frames, self.max_slope, self.read_noise, self.bits)?;
         let (smallest, largest) = (*self.radius.start(), *self.radius.end());
         if !(smallest.is_finite() && largest.is_finite() && smallest >= 0.5 && smallest <= largest) {
@@ -204,9 +209,9 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
     let half_span = 0.5 * (params.frames - 1) as f64;
     let mut placed: Vec<FeatureTruth> = Vec::with_capacity(params.discs);
     for (id, &radius) in radii.iter().enumerate() {
-        monitor.check()?;
         let mut place = None;
         for _ in 0..2000 {
+            monitor.check()?;
             let slope_u = stream.within(-params.max_slope, params.max_slope);
             let slope_v = match params.motion {
                 Motion::OneD => 0.0,

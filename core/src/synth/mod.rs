@@ -53,6 +53,7 @@ use crate::plane::Plane;
 use random::Stream;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Directions of motion.
@@ -130,6 +131,21 @@ fn check_common(
         ));
     }
     check_camera(read_noise, bits)
+}
+
+/// Least and greatest ratio of signal to noise, of those that are finite.
+const SNR_RANGE: RangeInclusive<f64> = 1e-6..=1e9;
+
+/// Checks a ratio of signal to noise.
+fn check_snr(snr: f64) -> Result<(), SynthError> {
+    if snr == f64::INFINITY || SNR_RANGE.contains(&snr) {
+        return Ok(());
+    }
+    Err(SynthError::param(
+        "snr",
+        format!("{snr}"),
+        "give a ratio above 0, from 0.000001 to 1000000000, or inf for no noise",
+    ))
 }
 
 /// Checks the camera parameters.

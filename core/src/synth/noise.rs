@@ -20,8 +20,8 @@
 //! A level `d` of a converter with `bits` bits is the value `d·2^(16−bits)/65535`: the bits sit at the top of a 16-bit
 //! word, as many cameras deliver them. A 16-bit file therefore holds each value exactly.
 
-use super::SynthError;
 use super::random::Stream;
+use super::{SynthError, check_snr};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 
@@ -61,9 +61,7 @@ impl Camera {
         if snr == f64::INFINITY {
             return Ok(Self::noiseless(black_level));
         }
-        if !(snr.is_finite() && snr > 0.0) {
-            return Err(SynthError::param("snr", format!("{snr}"), "give a ratio above 0, or inf for no noise"));
-        }
+        check_snr(snr)?;
         // Solve σ² = x·y + r²·y² + q²/12 for y = 1/F.
         let middle = 0.5 * (background + object);
         let sigma = (object - background).abs() / snr;

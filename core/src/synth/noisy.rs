@@ -14,7 +14,7 @@ use super::noise::Camera;
 use super::random::Stream;
 use super::truth::NoiseTruth;
 use super::write::{WriteBurstError, io, write_folder, write_frame};
-use super::{SynthError, check_camera};
+use super::{SynthError, check_camera, check_snr};
 use crate::burst::Burst;
 use crate::files::{MAX_TABLE_BYTES, read_text};
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -56,16 +56,23 @@ pub struct FrameLevels {
 
 impl FrameLevels {
     /// Adds all frames of `burst`. The result does not depend on the order of the bursts, up to rounding.
-    pub fn add(&mut self, burst: &Burst) {
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn add(&mut self, burst: &Burst, monitor: &Monitor) -> Result<(), Cancelled> {
         for frame in &burst.frames {
-            for &value in frame.data() {
-                let value = f64::from(value).max(0.0);
-                self.sum += value;
-                self.sum_of_squares += value * value;
-                self.max = self.max.max(value);
+            for v in 0..frame.height() {
+                monitor.check()?;
+                for &value in frame.row(v) {
+                    let value = f64::from(value).max(0.0);
+                    self.sum += value;
+                    self.sum_of_squares += value * value;
+                    self.max = self.max.max(value);
+                }
             }
             self.pixels += frame.data().len() as f64;
         }
+        Ok(())
     }
 
     /// The mean of all pixels.
@@ -100,12 +107,21 @@ pub struct NoisyExposure {
 const CLEARANCE_SIGMAS: f64 = 5.0;
 
 impl NoisyParams {
+    /// Checks the parameters alone, without frames.
+    ///
+    /// # Errors
+    /// The first one that makes no sense.
+    pub fn check(&self) -> Result<(), SynthError> {
+        check_snr(self.snr)?;
+        check_camera(self.read_noise, self.bits)
+    }
+
     /// Computes the camera for frames of these levels, one for all bursts of a dataset.
     ///
     /// # Errors
     /// [`SynthError::Param`] for parameters that make no sense, and for frames without any contrast.
     pub fn exposure(&self, levels: &FrameLevels) -> Result<NoisyExposure, SynthError> {
-        check_camera(self.read_noise, self.bits)?;
+        self.check()?;
         let (mean, contrast) = (levels.mean(), levels.standard_deviation());
         if contrast.is_nan() || contrast <= 1e-6 {
             let problem = "all pixels of the frames are alike, and a ratio to their contrast means nothing";
@@ -285,7 +301,7 @@ mod tests {
 
     fn exposure(params: &NoisyParams, burst: &Burst) -> NoisyExposure {
         let mut levels = FrameLevels::default();
-        levels.add(burst);
+        levels.add(burst, &Monitor::default()).expect("nobody cancels");
         params.exposure(&levels).expect("a camera")
     }
 
@@ -334,10 +350,14 @@ mod tests {
     #[test]
     fn nonsense_is_named() {
         let mut levels = FrameLevels::default();
-        levels.add(&Burst::from_planes("grey", vec![Plane::from_fn(8, 8, |_, _| 0.5)]));
+        let monitor = Monitor::default();
+        let grey = Burst::from_planes("grey", vec![Plane::from_fn(8, 8, |_, _| 0.5)]);
+        levels.add(&grey, &monitor).expect("nobody cancels");
         let error = NoisyParams::default().exposure(&levels).expect_err("no contrast").to_string();
         assert!(error.contains("alike"), "{error}");
-        levels.add(&ramp());
+        levels.add(&ramp(), &monitor).expect("nobody cancels");
+        monitor.cancel();
+        assert_eq!(FrameLevels::default().add(&grey, &monitor), Err(Cancelled));
         for (params, name) in [
             (NoisyParams { snr: -1.0, ..NoisyParams::default() }, "snr"),
             (NoisyParams { bits: 40, ..NoisyParams::default() }, "bits"),

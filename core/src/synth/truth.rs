@@ -2,6 +2,7 @@
 
 use super::noise::Camera;
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 
 /// Kind of a synthetic burst.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -61,6 +62,47 @@ pub struct NoiseTruth {
     /// Requested per-pixel signal-to-noise ratio, as [`super::noise`] defines it; absent where none was requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub snr: Option<f64>,
+}
+
+/// Largest number of columns, rows or frames of a truth, and of numbers of pixels and frames in it.
+const LARGEST: f64 = 1e6;
+
+impl Truth {
+    /// Checks the numbers: a file may hold anything.
+    ///
+    /// # Errors
+    /// The first number that makes no sense, and its range.
+    pub fn check(&self) -> Result<(), String> {
+        let within = |name: &str, number: f64, range: RangeInclusive<f64>| {
+            let (least, most) = (range.start(), range.end());
+            let wrong = || format!("{name} is {number}, which is not in the range of {least} to {most}");
+            range.contains(&number).then_some(()).ok_or_else(wrong)
+        };
+        for (name, count) in [("width", self.width), ("height", self.height), ("frames", self.frames)] {
+            within(name, count as f64, 1.0..=LARGEST)?;
+        }
+        let free = |name: &str, number: f64| within(name, number, -LARGEST..=LARGEST);
+        free("t0", self.t0)?;
+        free("black_level", self.black_level)?;
+        for layer in &self.layers {
+            free("layers.slope_u", layer.slope_u)?;
+            free("layers.slope_v", layer.slope_v)?;
+        }
+        for one in &self.features {
+            for (name, number) in [
+                ("features.u", one.u),
+                ("features.v", one.v),
+                ("features.slope_u", one.slope_u),
+                ("features.slope_v", one.slope_v),
+            ] {
+                free(name, number)?;
+            }
+            for (name, number) in [("features.radius", one.radius), ("features.sigma", one.sigma)] {
+                within(name, number, 1e-6..=LARGEST)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 impl NoiseTruth {

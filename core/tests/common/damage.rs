@@ -109,3 +109,50 @@ pub fn damaged_text(sound: &str, damages: &[Damage]) -> String {
 pub fn says_something(error: &dyn std::fmt::Display) -> bool {
     !error.to_string().trim().is_empty()
 }
+
+/// Each number of a TOML file replaced by each of the numbers that are absurd in its place: the number's path, the text
+/// of the file, and the value.
+pub fn absurd_tomls(text: &str) -> Vec<(String, String, String)> {
+    let whole: toml::Value = toml::from_str(text).expect("TOML");
+    let mut found = Vec::new();
+    for (path, number) in numbers(&whole) {
+        for absurd in absurd(&number) {
+            let mut changed = whole.clone();
+            *at(&mut changed, &path) = absurd.clone();
+            found.push((path.join("."), toml::to_string(&changed).expect("plain values"), absurd.to_string()));
+        }
+    }
+    found
+}
+
+/// Numbers that are absurd in the place of `number`, of its type.
+pub fn absurd(number: &toml::Value) -> Vec<toml::Value> {
+    if number.is_float() {
+        [1e9, -1e9, 0.0, 1e300, f64::NAN, f64::INFINITY].map(toml::Value::Float).to_vec()
+    } else {
+        [1_000_000_000, -1_000_000_000, 0, i64::MAX].map(toml::Value::Integer).to_vec()
+    }
+}
+
+/// Paths of all numbers, with the numbers.
+pub fn numbers(value: &toml::Value) -> Vec<(Vec<String>, toml::Value)> {
+    let below = |key: String, value: &toml::Value| {
+        let prefixed = move |(path, number): (Vec<String>, _)| ([vec![key.clone()], path].concat(), number);
+        numbers(value).into_iter().map(prefixed).collect::<Vec<_>>()
+    };
+    match value {
+        toml::Value::Table(table) => table.iter().flat_map(|(key, value)| below(key.clone(), value)).collect(),
+        toml::Value::Array(all) => all.iter().enumerate().flat_map(|(i, value)| below(i.to_string(), value)).collect(),
+        toml::Value::Integer(_) | toml::Value::Float(_) => vec![(Vec::new(), value.clone())],
+        _ => Vec::new(),
+    }
+}
+
+/// The value at a path that [`numbers`] gave.
+pub fn at<'a>(value: &'a mut toml::Value, path: &[String]) -> &'a mut toml::Value {
+    path.iter().fold(value, |value, key| match value {
+        toml::Value::Table(table) => table.get_mut(key).expect("a key"),
+        toml::Value::Array(all) => &mut all[key.parse::<usize>().expect("an index")],
+        _ => panic!("{path:?} leads nowhere"),
+    })
+}

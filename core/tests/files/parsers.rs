@@ -5,9 +5,10 @@
 //! frames have similar tests in `opening/fuzz.rs`, lessons and sessions in `tests/commands/lessons_and_sessions.rs` of
 //! the program.
 
-use crate::damage::{damage, damaged, damaged_text, says_something};
+use crate::damage::{absurd_tomls, damage, damaged, damaged_text, says_something};
 use burstscope_core::dataset::camera::read_camera;
 use burstscope_core::detector::{SearchParams, SlopeChoice};
+use burstscope_core::evaluate::accuracy::stands_apart;
 use burstscope_core::evaluate::poses::{read_sparse_model, read_trajectory};
 use burstscope_core::export::{parse_colmap, read_features_csv, write_colmap, write_csv};
 use burstscope_core::inspect::changes::read_features;
@@ -133,6 +134,82 @@ fn param_files() -> [String; 2] {
 
 fn model_files(extension: &str) -> (Vec<u8>, Vec<u8>) {
     if extension == "txt" { (IMAGES.into(), POINTS.into()) } else { binary_model() }
+}
+
+#[test]
+fn any_number_of_a_parameter_file_is_refused_by_its_name_or_does_no_harm() {
+    let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=0.0, 2);
+    let small = DetectorParams { slopes, octaves: 1, max_features: 5, ..DetectorParams::default() };
+    let chart = ChartParams { width: 64, height: 48, discs: 1, frames: 3, radius: 4.0..=5.0, ..ChartParams::default() };
+    let (burst, _) =
+        synth_chart(&ChartParams { max_slope: 1.0, snr: 20.0, ..chart }, &Monitor::default()).expect("a chart");
+    let (mut refused, mut taken) = (0, 0);
+    let file = small.to_toml();
+    let gates = ["noise_gate = 4.0", "distinct = 2.0"];
+    let numbers = gates.iter().fold(file, |file, gate| {
+        let key = gate.split(' ').next().expect("a key");
+        let of_key = |line: &&str| line.starts_with(key) && line[key.len()..].trim_start().starts_with('=');
+        let old = file.lines().find(of_key).expect("a line").to_owned();
+        file.replacen(&old, gate, 1)
+    });
+    for (path, text, value) in absurd_tomls(&numbers) {
+        match SearchParams::from_toml(&text) {
+            Err(error) => {
+                refused += 1;
+                let named = path.split('.').any(|key| error.replace('-', "_").contains(key)) || error.contains("slope");
+                assert!(named && says_something(&error), "{path} = {value}: {error}");
+            }
+            Ok(params) => {
+                taken += 1;
+                if let Err(error) = detect(&burst, &params.detector, &Monitor::default()) {
+                    assert!(says_something(&error.to_string()), "{path} = {value}: {error}");
+                }
+            }
+        }
+    }
+    assert!(refused > 60 && taken > 20, "{refused} {taken}");
+}
+
+#[test]
+fn any_number_of_a_truth_is_refused_by_its_name_or_does_no_harm() {
+    let text = std::str::from_utf8(&sound().truth).expect("text");
+    let whole: serde_json::Value = serde_json::from_str(text).expect("JSON");
+    let whole = toml::to_string(&without_nulls(whole)).expect("plain values");
+    let (mut refused, mut taken) = (Vec::new(), 0);
+    for (path, changed, value) in absurd_tomls(&whole) {
+        let changed: toml::Value = toml::from_str(&changed).expect("TOML");
+        let json = serde_json::to_vec(&changed).expect("plain values");
+        match read_truth(&file(folder!(), "truth.json", &json)) {
+            Err(error) => {
+                let words = error.to_string();
+                assert!(words.contains("truth.json") && says_something(&words), "{path} = {value}: {words}");
+                refused.push((path, value, words));
+            }
+            Ok(truth) => {
+                taken += 1;
+                assert!(truth.frames <= 1_000_000, "{path} = {value}");
+                assert!(
+                    truth.features.iter().filter(|disc| stands_apart(disc, &truth)).count() <= truth.features.len()
+                );
+            }
+        }
+    }
+    assert!(refused.len() > 100 && taken > 20, "{} {taken}", refused.len());
+    let said = refused.iter().find(|(path, value, _)| path == "frames" && value == "1000000000").expect("too many");
+    assert!(said.2.contains("frames is 1000000000, which is not in the range of 1 to 1000000"), "{}", said.2);
+}
+
+/// The value without what has none, which TOML does not hold.
+fn without_nulls(value: serde_json::Value) -> serde_json::Value {
+    match value {
+        serde_json::Value::Object(all) => all
+            .into_iter()
+            .filter(|(_, value)| !value.is_null())
+            .map(|(key, value)| (key, without_nulls(value)))
+            .collect(),
+        serde_json::Value::Array(all) => all.into_iter().map(without_nulls).collect(),
+        value => value,
+    }
 }
 
 proptest! {

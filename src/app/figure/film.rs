@@ -240,10 +240,15 @@ impl FilmPictures {
     /// When a picture cannot be made or the file cannot be written.
     pub fn write(&self, path: &Path, format: FilmFormat, rate: u16) -> Result<(), String> {
         let monitor = Monitor::default();
-        let pictures = match self {
-            Self::Sweep(film) => film.pictures(&rasterise, &monitor).map_err(|e| e.to_string())?,
-            Self::Panes(drawings) => drawings.iter().map(rasterise).collect::<Result<_, String>>()?,
-        };
-        write_film(path, format, &pictures, rate, &monitor).map_err(|e| e.to_string())
+        match self {
+            Self::Sweep(film) => {
+                film.write((path, format, rate), &rasterise, &|| Ok(()), &monitor).map_err(|e| e.to_string())
+            }
+            Self::Panes(drawings) => {
+                let pictures = drawings.iter().map(rasterise).collect::<Result<Vec<_>, String>>()?;
+                let pictures = (pictures.len(), pictures.into_iter().map(Ok));
+                write_film(path, format, pictures, rate, &monitor).map_err(|e| e.to_string())
+            }
+        }
     }
 }

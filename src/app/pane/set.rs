@@ -201,8 +201,12 @@ impl Panes {
 
     /// Returns an unused id.
     pub(super) fn fresh(&mut self) -> PaneId {
+        // A file may hold the largest number; the first two belong to the permanent panes.
+        while self.next < 2 || self.more.contains_key(&PaneId(self.next)) {
+            self.next = self.next.wrapping_add(1);
+        }
         let id = PaneId(self.next);
-        self.next += 1;
+        self.next = self.next.wrapping_add(1);
         id
     }
 }

@@ -7,7 +7,7 @@ use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{hint, label_ui, section_ui};
 use crate::app::project::Model;
-use crate::app::project::look::{FeaturesShown, RangeClass};
+use crate::app::project::look::{FeaturesShown, RangeClass, SMOOTHING_PX};
 use crate::plane::display::Display;
 use egui::{
     Align2, Color32, Mesh, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2,
@@ -70,8 +70,9 @@ fn smoothing_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         let label = label_ui(ui, "Smoothing", 69.0);
         ui.spacing_mut().slider_width = (ui.available_width() - 66.0).max(40.0);
-        let slider =
-            egui::Slider::new(&mut model.look.smoothing_px, 0.0..=MAX_SMOOTHING_PX).max_decimals(1).suffix(" px");
+        let (least, most) = SMOOTHING_PX.span().into_inner();
+        let (least, most) = (least as f32, most as f32);
+        let slider = egui::Slider::new(&mut model.look.smoothing_px, least..=most).max_decimals(1).suffix(" px");
         let help = "σ of a Gaussian over the picture, to see through noise. Of the display only: values, profiles and \
                     features are not smoothed; the range follows";
         if hint(ui.add(slider).labelled_by(label.id), help).changed() {
@@ -129,9 +130,6 @@ fn colouring_ui(ui: &mut Ui, model: &mut Model) {
             .labelled_by(label.id);
     });
 }
-
-/// Largest smoothing, input pixels: more than any scale at which one looks at single features.
-const MAX_SMOOTHING_PX: f32 = 8.0;
 
 /// Size of the key with its background, points.
 const SIZE: egui::Vec2 = vec2(196.0, 50.0);

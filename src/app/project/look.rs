@@ -4,11 +4,14 @@
 //! images share one; DoG responses have another, symmetric about zero; so does each map. A range is set once, from the
 //! first picture of its class (with several panes: that of the pane in focus); after that only by the user.
 
+use crate::detector::ParamError;
+use crate::detector::params::Bounds;
 use crate::plane::display::{ColourMap, Display};
 use crate::plane::statistics::{Region, percentiles};
 use crate::requests::Picture;
 pub use crate::requests::RangeClass;
 use serde::{Deserialize, Serialize};
+use std::ops::Bound;
 
 /// A value range and colour map for each class of picture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -194,6 +197,11 @@ impl<'de> Deserialize<'de> for FeaturesShown {
     }
 }
 
+/// Standard deviations by which pictures can be smoothed, input pixels: up to more than any scale at which one looks at
+/// single features.
+pub const SMOOTHING_PX: Bounds =
+    Bounds::new((Bound::Included(0.0), Bound::Included(8.0)), "give 0 to 8 pixels; 0 smooths nothing");
+
 /// Look of pictures and features.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -211,6 +219,16 @@ pub struct Look {
     pub legend: bool,
     /// Standard deviation of the Gaussian by which pictures are smoothed for looking at them, in input pixels; 0 for none.
     pub smoothing_px: f32,
+}
+
+impl Look {
+    /// Checks the numbers that decide how long a picture takes. Others are brought into their ranges.
+    ///
+    /// # Errors
+    /// The first one that makes no sense.
+    pub fn check(&self) -> Result<(), ParamError> {
+        SMOOTHING_PX.check("smoothing_px", f64::from(self.smoothing_px))
+    }
 }
 
 impl Default for Look {

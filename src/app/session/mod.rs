@@ -28,12 +28,14 @@ use crate::detector::SearchParams;
 use crate::export::case::read_session;
 use crate::inspect::recover::RecoverStudy;
 use crate::inspect::set_up::SetUp;
+use crate::matching::params::doc;
 use crate::requests::BurstSource;
 use saved::{
     MethodsBefore, absolute, absolute_calibration, gold_source, saved_against, saved_dataset, saved_trajectories,
 };
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use std::fmt::Display;
 use std::path::Path;
 
 /// The version that this program writes; it reads this and older ones.
@@ -137,7 +139,7 @@ impl Session {
             depths_by: model.set_up.depths_by().copied(),
             bottom_tab: model.bottom_tab,
             detected: model.slots.a.found.is_some(),
-            params: model.asked(),
+            params: sound_search(model),
             scrub: pane.cursor,
             view: pane.view,
             panes,
@@ -222,12 +224,43 @@ impl Session {
         if session.version == VERSION && !unknown.is_empty() {
             return Err(format!("the session file has unknown keys: {}; remove or correct them", unknown.join(", ")));
         }
+        session.check().map_err(|error| format!("the session file cannot be used: {error}"))?;
         session.methods_before = (session.version < 3).then(|| MethodsBefore::from_toml(text));
         session.look.ranges = session.look.ranges.sanitised();
         if let Some(look) = &mut session.pair.look {
             look.ranges = look.ranges.sanitised();
         }
         Ok(session)
+    }
+
+    /// Checks the numbers that decide what is computed, by the records that options and fields of the window use. Other
+    /// numbers, of panes, views and ranges, are brought into their ranges where they are used.
+    fn check(&self) -> Result<(), String> {
+        fn named<E: Display>(key: &str, checked: Result<(), E>) -> Result<(), String> {
+            checked.map_err(|error| format!("{key}: {error}"))
+        }
+        let pinned = |against: &Option<SavedAgainst>| against.as_ref().and_then(|against| against.pinned.clone());
+        let pair = &self.pair;
+        for (key, source) in [
+            ("burst", Some(&self.burst)),
+            ("gold", self.gold.as_ref()),
+            ("pair.burst", pair.burst.as_ref()),
+            ("pair.gold", pair.gold.as_ref()),
+        ] {
+            named(key, source.map_or(Ok(()), BurstSource::check))?;
+        }
+        for (key, search) in [
+            ("params", Some(self.params.clone())),
+            ("against.pinned", pinned(&self.against)),
+            ("pair.against.pinned", pinned(&pair.against)),
+        ] {
+            named(key, search.map_or(Ok(()), |search| search.validate()))?;
+        }
+        named("pair.params", doc::ALL.iter().try_for_each(|record| record.check(&pair.params)))?;
+        named("look", self.look.check())?;
+        named("pair.look", pair.look.as_ref().map_or(Ok(()), Look::check))?;
+        named("depths_by", self.depths_by.as_ref().map_or(Ok(()), SetUp::check))?;
+        named("planted", self.planted.as_ref().map_or(Ok(()), RecoverStudy::check))
     }
 
     /// The panes of all workspaces.
@@ -267,6 +300,16 @@ impl Session {
         model.workspace = self.workspace;
         model.compare.look = self.methods.clone().sanitised();
         model.lab.planted = self.planted.clone().unwrap_or_else(|| Lab::default().planted);
+    }
+}
+
+/// The search that is set, with the last parameters that made sense where those that are typed make none: a session
+/// could not be opened again.
+fn sound_search(model: &Model) -> SearchParams {
+    let asked = model.asked();
+    match asked.validate() {
+        Ok(()) => asked,
+        Err(_) => SearchParams { detector: model.usable_params_of(Side::A).clone(), ..asked },
     }
 }
 

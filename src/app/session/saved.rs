@@ -18,6 +18,7 @@ use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::evaluate::poses::Projection;
 use crate::matching::MatchParams;
+use crate::matching::params::doc;
 use crate::requests::BurstSource;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -102,6 +103,17 @@ pub(super) fn saved_dataset(dataset: &Dataset) -> SavedDataset {
     SavedDataset { source, folder: dataset.folder.as_deref().map(absolute_path), a, b }
 }
 
+/// Parameters of matching with the default for each number that makes no sense: a session could not be opened again.
+fn sound(mut params: MatchParams) -> MatchParams {
+    for record in doc::ALL {
+        if record.check(&params).is_err() {
+            // The text of a value can be read.
+            let _ = record.read(&mut params, &record.text(&MatchParams::default()));
+        }
+    }
+    params
+}
+
 /// The second burst and the matches as a session file stores them.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -150,7 +162,7 @@ impl PairSession {
             against: saved_against(model, Side::B),
             active: model.panes.get(model.panes.placed_in(Workspace::Pair).1).map_or(Side::A, |pane| pane.side),
             links: model.pair_links(),
-            params: pair.params.clone(),
+            params: sound(pair.params.clone()),
             scrub: pane.cursor,
             view: pane.view,
             look: pane.own_ranges.map(|ranges| Look { ranges, ..Look::default() }),

@@ -4,24 +4,30 @@
 mod sweep;
 
 pub use sweep::{FilmStep, FilmView, Flipped, MAX_FILM_PICTURES, Sweep};
+use sweep::{Prepared, ValueKind, part_of_memory};
 
 use super::open::OpenBurst;
 use crate::baseline::merge_burst;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::view::{combined_view, dog_view};
 use crate::detector::{Combine, DetectError, Detection, DetectorParams, Feature, FrameRange, Method, Slope, SlopeGrid};
+use crate::export::film::{FilmFormat, write_film};
 use crate::export::{
-    Cells, ColourBar, Drawing, FigureCurve, FigureMark, FigureOptions, FigurePanel, IN_A_CELL, LegendEntry,
-    curve_height, draw_curve, lay_out,
+    Cells, ColourBar, Drawing, ExportError, FigureCurve, FigureMark, FigureOptions, FigurePanel, IN_A_CELL,
+    LegendEntry, curve_height, draw_curve, lay_out,
 };
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
-use crate::plane::display::{ColourMap, Display, direction_colour, to_rgba8};
+use crate::plane::display::{Display, direction_colour, to_rgba8};
 use crate::plane::sample::bilinear;
-use crate::plane::statistics::{Region, percentiles};
+use crate::plane::statistics::{Region, percentiles_until};
 use image::RgbaImage;
 use rayon::prelude::*;
+use std::collections::VecDeque;
+use std::io;
+use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Place whose response is drawn as a curve: that of a feature.
@@ -64,6 +70,9 @@ pub enum FilmError {
     /// A drawing cannot be made into pixels.
     #[error("{0}")]
     Drawing(String),
+    /// The file cannot be written.
+    #[error(transparent)]
+    Write(#[from] ExportError),
 }
 
 /// Percentiles of all pictures that are black and white.
@@ -122,63 +131,142 @@ impl Film {
         (width.ceil() as u32, height.ceil() as u32)
     }
 
-    /// The pictures of all steps, made by `draw`.
+    /// Makes the pictures of all steps by `draw`, and writes them. Only a few are in memory at a time: as many as the
+    /// threads, and fewer where [`memory::budget`](crate::detector::memory::budget) is small. `may_write` is asked once
+    /// more before the file is begun.
     ///
     /// # Errors
     /// See [`FilmError`]; also when `monitor` was cancelled.
-    pub fn pictures(&self, draw: &Rasteriser<'_>, monitor: &Monitor) -> Result<Vec<RgbaImage>, FilmError> {
-        self.pictures_of(&(0..self.steps().len()).collect::<Vec<_>>(), draw, monitor)
+    pub fn write(
+        &self,
+        (path, format, rate): (&Path, FilmFormat, u16),
+        draw: &Rasteriser<'_>,
+        may_write: &dyn Fn() -> Result<(), ExportError>,
+        monitor: &Monitor,
+    ) -> Result<(), FilmError> {
+        let room = part_of_memory();
+        let prepared = self.prepared(&self.steps(), room, &monitor.part(0.0, 0.5))?;
+        may_write()?;
+        let (count, mut failed) = (prepared.steps.len(), None);
+        let silent = monitor.silent();
+        let pictures = self.pictures(prepared, room, draw, &silent).map(|picture| {
+            picture.map_err(|error| {
+                failed = Some(error);
+                io::Error::other("a picture was not made")
+            })
+        });
+        let written = write_film(path, format, (count, pictures), rate, &monitor.part(0.5, 0.5));
+        failed.map_or(Ok(()), Err)?;
+        monitor.check().map_err(DetectError::from)?;
+        Ok(written?)
     }
 
     /// The first and the middle picture, from which the size of the file can be estimated.
     ///
     /// # Errors
-    /// As [`Self::pictures`].
+    /// As [`Self::write`].
     pub fn samples(&self, draw: &Rasteriser<'_>, monitor: &Monitor) -> Result<[RgbaImage; 2], FilmError> {
-        let pictures = self.pictures_of(&[0, self.steps().len() / 2], draw, monitor)?;
+        let steps = self.steps();
+        let room = part_of_memory();
+        let prepared = self.prepared(&[steps[0], steps[steps.len() / 2]], room, monitor)?;
+        let pictures = self.pictures(prepared, room, draw, monitor).collect::<Result<Vec<_>, FilmError>>()?;
         pictures.try_into().map_err(|_| FilmError::Drawing("a film has at least one picture".to_owned()))
     }
 
-    fn pictures_of(
+    /// Computes the values of all `steps` for what the pictures share, and keeps as many as `room` bytes hold.
+    fn prepared(&self, steps: &[FilmStep], mut room: u64, monitor: &Monitor) -> Result<Prepared, FilmError> {
+        let place = self.place().filter(|_| self.sweep.has_curve());
+        let (mut planes, mut responses) = (Vec::with_capacity(steps.len()), Vec::with_capacity(steps.len()));
+        let mut ranges: Vec<(ValueKind, f32, f32)> = Vec::new();
+        for (index, step) in steps.iter().enumerate() {
+            monitor.check().map_err(DetectError::from)?;
+            monitor.report(Stage::Search { octave: 0 }, index as f32 / steps.len() as f32);
+            let silent = monitor.silent();
+            let plane = self.plane(step, &silent)?;
+            let response = place.map(|place| self.response(step, place, &silent));
+            responses.push(response.transpose()?.unwrap_or(f32::NAN));
+            let found =
+                percentiles_until(&plane, &Region::whole(&plane), &RANGE, &silent).map_err(DetectError::from)?;
+            let (low, high) = found.map_or((f32::INFINITY, f32::NEG_INFINITY), |found| (found[0], found[1]));
+            let kind = step.view.values();
+            match ranges.iter_mut().find(|(of, ..)| *of == kind) {
+                Some((_, least, most)) => (*least, *most) = (least.min(low), most.max(high)),
+                None => ranges.push((kind, low, high)),
+            }
+            let bytes = size_of_val(plane.data()) as u64;
+            planes.push((bytes <= room).then_some(plane));
+            room = room.saturating_sub(bytes);
+        }
+        Ok(Prepared { steps: steps.to_vec(), planes, responses, ranges, sheet: self.sheet() })
+    }
+
+    /// The pictures of the prepared steps, in order, made as they are taken: as many at a time as `room` bytes hold, at
+    /// least one.
+    fn pictures<'a>(
+        &'a self,
+        mut prepared: Prepared,
+        room: u64,
+        draw: &'a Rasteriser<'_>,
+        monitor: &'a Monitor,
+    ) -> impl Iterator<Item = Result<RgbaImage, FilmError>> + 'a {
+        // Beside the picture its drawing has the panel's pixels.
+        let [width, height] = prepared.sheet.map(|side| side as u64);
+        let at_once = room / (8 * width * height).max(1);
+        let at_once = (at_once as usize).clamp(1, rayon::current_num_threads());
+        let (mut next, mut made) = (0, VecDeque::new());
+        std::iter::from_fn(move || {
+            if made.is_empty() && next < prepared.steps.len() {
+                let group = next..(next + at_once).min(prepared.steps.len());
+                next = group.end;
+                match self.group(&mut prepared, group, draw, monitor) {
+                    Ok(pictures) => made.extend(pictures),
+                    Err(error) => {
+                        next = prepared.steps.len();
+                        return Some(Err(error));
+                    }
+                }
+            }
+            made.pop_front().map(Ok)
+        })
+    }
+
+    /// The pictures of a group of the prepared steps; their values are forgotten.
+    fn group(
         &self,
-        chosen: &[usize],
+        prepared: &mut Prepared,
+        group: Range<usize>,
         draw: &Rasteriser<'_>,
         monitor: &Monitor,
     ) -> Result<Vec<RgbaImage>, FilmError> {
-        let all = self.steps();
-        let steps: Vec<FilmStep> = chosen.iter().map(|&index| all[index]).collect();
-        let place = self.place();
-        let (mut planes, mut responses) = (Vec::with_capacity(steps.len()), Vec::with_capacity(steps.len()));
-        for (index, step) in steps.iter().enumerate() {
+        let mut planes = Vec::with_capacity(group.len());
+        for index in group.clone() {
             monitor.check().map_err(DetectError::from)?;
-            monitor.report(Stage::Search { octave: 0 }, 0.7 * index as f32 / steps.len() as f32);
-            let silent = monitor.silent();
-            planes.push(self.plane(step, &silent)?);
-            let response = place.filter(|_| self.has_curve()).map(|place| self.response(step, place, &silent));
-            responses.push(response.transpose()?.unwrap_or(f32::NAN));
+            planes.push(match prepared.planes[index].take() {
+                Some(plane) => plane,
+                None => self.plane(&prepared.steps[index], monitor)?,
+            });
         }
-        let displays = self.displays(&steps, &planes);
-        let sheet = self.sheet();
-        let picture = |index: usize| -> Result<RgbaImage, FilmError> {
+        let prepared = &*prepared;
+        let picture = |(index, plane): (usize, &Plane)| -> Result<RgbaImage, FilmError> {
             monitor.check().map_err(DetectError::from)?;
-            let (step, display) = (&steps[index], &displays[index]);
-            let panel = self.panel(step, Some((&planes[index], display)));
+            let (step, display) = (&prepared.steps[index], prepared.display(&prepared.steps[index]));
+            let panel = self.panel(step, Some((plane, &display)));
             let mut drawing = lay_out(&[vec![panel]], &self.options());
-            drawing.size = sheet;
-            if self.has_curve() && place.is_some() {
+            drawing.size = prepared.sheet;
+            if self.sweep.has_curve() && self.place().is_some() {
                 drawing.size[1] -= curve_height(FONT_PX);
-                draw_curve(&mut drawing, &self.curve(&steps, &responses, index), FONT_PX);
+                draw_curve(&mut drawing, &self.curve(&prepared.steps, &prepared.responses, index), FONT_PX);
             }
             draw(&drawing).map_err(FilmError::Drawing)
         };
-        (0..steps.len()).into_par_iter().map(picture).collect()
+        group.zip(&planes).collect::<Vec<_>>().into_par_iter().map(picture).collect()
     }
 
     /// Width and height of all pictures: with room for the longest of their texts.
     fn sheet(&self) -> [f32; 2] {
         let size = |step: &FilmStep| lay_out(&[vec![self.panel(step, None)]], &self.options()).size;
         let largest = self.steps().iter().map(size).fold([1f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let curve = if self.has_curve() && self.place().is_some() { curve_height(FONT_PX) } else { 0.0 };
+        let curve = if self.sweep.has_curve() && self.place().is_some() { curve_height(FONT_PX) } else { 0.0 };
         [largest[0].ceil(), (largest[1] + curve).ceil()]
     }
 
@@ -221,28 +309,6 @@ impl Film {
         DetectorParams { frames: frames.or(self.params.frames), ..self.params.clone() }
     }
 
-    /// One display for all pictures of a kind, so that they can be compared.
-    fn displays(&self, steps: &[FilmStep], planes: &[Plane]) -> Vec<Display> {
-        let display = |step: &FilmStep| {
-            let alike = steps.iter().zip(planes).filter(|(other, _)| kind(other.view) == kind(step.view));
-            let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-            for (_, plane) in alike {
-                if let Some(range) = percentiles(plane, &Region::whole(plane), &RANGE) {
-                    (low, high) = (low.min(range[0]), high.max(range[1]));
-                }
-            }
-            if low > high {
-                return Display::default();
-            }
-            if kind(step.view) == ValueKind::Signed {
-                return Display::symmetric(low.abs().max(high.abs()).max(f32::MIN_POSITIVE));
-            }
-            Display { map: ColourMap::default(), ..Display::default() }
-                .with_range(low, high.max(low + f32::MIN_POSITIVE))
-        };
-        steps.iter().map(display).collect()
-    }
-
     /// A step as a panel of a figure; without values an empty one of the same size.
     fn panel(&self, step: &FilmStep, values: Option<(&Plane, &Display)>) -> FigurePanel {
         let (shrink, (width, height)) = (self.shrink(), self.burst.burst.size());
@@ -253,7 +319,7 @@ impl Film {
         let mut cells = Cells::new(1.0 / shrink as f32, [[-0.5, -0.5], [width as f32 - 0.5, height as f32 - 0.5]]);
         let is_drawn = |feature: &&Feature| cells.add([feature.u, feature.v]).is_some_and(|before| before < IN_A_CELL);
         let drawn: Vec<&Feature> = shown.iter().copied().filter(is_drawn).collect();
-        let place = self.place().filter(|_| self.has_curve()).map(place_mark);
+        let place = self.place().filter(|_| self.sweep.has_curve()).map(place_mark);
         let marks = drawn.iter().map(|feature| self.mark(feature)).chain(place);
         let ends = [display.min, display.max].map(|end| format!("{:>6}", number(100.0 * end, 2)));
         let [low, high] = ends;
@@ -336,11 +402,6 @@ impl Film {
         used.iter().step_by(every).map(entry).collect()
     }
 
-    /// Whether the response at a place is drawn over the steps.
-    fn has_curve(&self) -> bool {
-        !matches!(self.sweep, Sweep::Flip(_))
-    }
-
     /// The place whose response is drawn: the given one, or that of the strongest feature at the film's slope, or at
     /// any.
     fn place(&self) -> Option<FilmPlace> {
@@ -382,12 +443,6 @@ impl Film {
             FilmView::Dog(octave, 0) => Some(((index + 1) as f32, number(self.sigma_px(octave, 0), 1))),
             _ => None,
         };
-        let label_x = match self.sweep {
-            Sweep::SlopeU(..) => "slope u, px/frame",
-            Sweep::SlopeV(..) => "slope v, px/frame",
-            Sweep::Scale => "σ, px",
-            Sweep::Frames | Sweep::Flip(_) => "frames",
-        };
         let [u, v] = self.place().map_or([0.0; 2], |place| place.at);
         let now = responses.get(marked).filter(|d| d.is_finite());
         let now = now.map_or_else(|| "outside".to_owned(), |d| format!("{} % of full scale", number(100.0 * d, 3)));
@@ -395,25 +450,9 @@ impl Film {
             points,
             marked,
             title: format!("D at ({}, {}): {now}", number(u, 0), number(v, 0)),
-            label_x: label_x.to_owned(),
+            label_x: self.sweep.label().to_owned(),
             ticks_x: steps.iter().enumerate().filter_map(first_level).collect(),
         }
-    }
-}
-
-/// Kinds of values; those of one kind share a range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum ValueKind {
-    Brightness,
-    Deviation,
-    Signed,
-}
-
-fn kind(view: FilmView) -> ValueKind {
-    match view {
-        FilmView::Dog(..) | FilmView::Stack(Combine::MeanMinusMedian) => ValueKind::Signed,
-        FilmView::Stack(Combine::Deviation) => ValueKind::Deviation,
-        FilmView::Frame | FilmView::Merged | FilmView::Stack(_) => ValueKind::Brightness,
     }
 }
 
@@ -440,6 +479,7 @@ mod tests {
     use super::*;
     use crate::export::FigureShape;
     use crate::requests::BurstSource;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn film(sweep: Sweep) -> Film {
         let chart = crate::synth::ChartParams { width: 96, height: 64, discs: 2, frames: 4, ..Default::default() };
@@ -458,6 +498,34 @@ mod tests {
         Ok(RgbaImage::from_pixel(width, height, image::Rgba(sum.to_le_bytes())))
     }
 
+    fn all(film: &Film, room: u64, draw: &Rasteriser<'_>) -> Vec<RgbaImage> {
+        let monitor = Monitor::default();
+        let prepared = film.prepared(&film.steps(), room, &monitor).expect("prepared");
+        film.pictures(prepared, room, draw, &monitor).collect::<Result<_, _>>().expect("made")
+    }
+
+    #[test]
+    fn pictures_are_made_as_they_are_taken_and_are_the_same_in_any_memory() {
+        let film = film(Sweep::SlopeU(-2.0, 2.0, 40));
+        assert_eq!(all(&film, 0, &digest), all(&film, 1 << 40, &digest));
+        let (drawn, monitor) = (AtomicUsize::new(0), Monitor::default());
+        let counted = |drawing: &Drawing| {
+            drawn.fetch_add(1, Ordering::Relaxed);
+            digest(drawing)
+        };
+        for (room, most) in [(0, 1), (1 << 40, rayon::current_num_threads())] {
+            drawn.store(0, Ordering::Relaxed);
+            let prepared = film.prepared(&film.steps(), room, &monitor).expect("prepared");
+            assert_eq!(prepared.planes.iter().filter(|plane| plane.is_some()).count(), if room == 0 { 0 } else { 40 });
+            let mut pictures = film.pictures(prepared, room, &counted, &monitor);
+            assert!(pictures.next().is_some_and(|picture| picture.is_ok()));
+            assert_eq!(drawn.load(Ordering::Relaxed), most, "{room} bytes");
+        }
+        monitor.cancel();
+        let error = film.prepared(&film.steps(), 0, &monitor).err();
+        assert!(matches!(error, Some(FilmError::Picture(DetectError::Cancelled(_)))), "{error:?}");
+    }
+
     #[test]
     fn every_sweep_has_its_steps_in_pictures_of_one_size() {
         // Three octaves of five levels.
@@ -471,7 +539,7 @@ mod tests {
         ];
         for (text, count) in counts {
             let film = film(text.parse().expect(text));
-            let pictures = film.pictures(&digest, &Monitor::default()).expect("made");
+            let pictures = all(&film, 1 << 30, &digest);
             assert_eq!(pictures.len(), count, "{text}");
             assert!(pictures.iter().all(|picture| picture.dimensions() == film.size()), "{text}");
             assert_ne!(pictures[0], pictures[1], "{text}");
@@ -515,7 +583,7 @@ mod tests {
             }
             digest(drawing)
         };
-        film.pictures(&keep, &Monitor::default()).expect("made");
+        all(&film, 1 << 30, &keep);
         let texts = texts.into_inner().expect("kept");
         for part in ["slope −1 px/frame: ", "slope 1 px/frame: ", "D at (", "slope u, px/frame", "% of full scale"] {
             assert!(texts.iter().any(|text| text.contains(part)), "{part}: {texts:?}");

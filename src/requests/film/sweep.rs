@@ -1,6 +1,8 @@
 //! Quantities that a film sweeps over, and its steps.
 
-use crate::detector::{Combine, Method, Slope};
+use crate::detector::{Combine, Method, Slope, memory};
+use crate::plane::Plane;
+use crate::plane::display::{ColourMap, Display};
 use std::str::FromStr;
 
 /// Largest number of pictures of a film.
@@ -44,6 +46,25 @@ impl FilmView {
     }
 }
 
+/// Kinds of values; those of one kind share a range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ValueKind {
+    Brightness,
+    Deviation,
+    Signed,
+}
+
+impl FilmView {
+    /// Kind of its values.
+    pub(super) fn values(self) -> ValueKind {
+        match self {
+            Self::Dog(..) | Self::Stack(Combine::MeanMinusMedian) => ValueKind::Signed,
+            Self::Stack(Combine::Deviation) => ValueKind::Deviation,
+            Self::Frame | Self::Merged | Self::Stack(_) => ValueKind::Brightness,
+        }
+    }
+}
+
 /// One of the pictures that are flipped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flipped {
@@ -66,6 +87,23 @@ pub enum Sweep {
     Frames,
     /// Two pictures in turn.
     Flip([Flipped; 2]),
+}
+
+impl Sweep {
+    /// Name of the quantity with its unit, for the axis of a curve.
+    pub(super) fn label(self) -> &'static str {
+        match self {
+            Self::SlopeU(..) => "slope u, px/frame",
+            Self::SlopeV(..) => "slope v, px/frame",
+            Self::Scale => "σ, px",
+            Self::Frames | Self::Flip(_) => "frames",
+        }
+    }
+
+    /// Whether the response at a place is drawn over the steps.
+    pub(super) fn has_curve(self) -> bool {
+        !matches!(self, Self::Flip(_))
+    }
 }
 
 impl FromStr for Sweep {
@@ -139,6 +177,35 @@ pub struct FilmStep {
     pub view: FilmView,
     /// Number of frames around the middle; `None` for all.
     pub frames: Option<usize>,
+}
+
+/// What the pictures of a film share, and the values that were kept.
+pub(super) struct Prepared {
+    pub steps: Vec<FilmStep>,
+    pub planes: Vec<Option<Plane>>,
+    pub responses: Vec<f32>,
+    /// Kinds of values, each with the percentiles of all its pictures.
+    pub ranges: Vec<(ValueKind, f32, f32)>,
+    /// Columns and rows of a picture.
+    pub sheet: [f32; 2],
+}
+
+impl Prepared {
+    /// The display of a step: one for all pictures of a kind, so that they can be compared.
+    pub fn display(&self, step: &FilmStep) -> Display {
+        let kind = step.view.values();
+        let range = self.ranges.iter().find(|(of, low, high)| *of == kind && low <= high);
+        let Some(&(_, low, high)) = range else { return Display::default() };
+        if kind == ValueKind::Signed {
+            return Display::symmetric(low.abs().max(high.abs()).max(f32::MIN_POSITIVE));
+        }
+        Display { map: ColourMap::default(), ..Display::default() }.with_range(low, high.max(low + f32::MIN_POSITIVE))
+    }
+}
+
+/// Bytes that the values kept for a film may take, and its pictures as well: a part of what searches may.
+pub(super) fn part_of_memory() -> u64 {
+    memory::budget().unwrap_or(4 << 30) / 4
 }
 
 #[cfg(test)]

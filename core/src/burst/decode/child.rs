@@ -86,7 +86,8 @@ pub(super) fn is_installed() -> bool {
 /// Decodes `part` of the file `path`, of the format `kind`, in a child process.
 ///
 /// # Errors
-/// The child's error about the file; [`OpenError::Corrupt`] where the child ended without an answer.
+/// The child's error about the file; [`OpenError::Corrupt`] where the child ended without an answer, or
+/// [`OpenError::DecoderEnded`] where somebody else ended it.
 pub(super) fn decode(
     path: &Path,
     kind: &'static str,
@@ -127,16 +128,24 @@ pub(super) fn decode(
     let is_overdue = Instant::now() >= watch.until;
     match answer {
         Ok(answer) => answer,
-        Err(error) => {
-            let reason = running.last_words(&error, stderr, is_overdue, budget);
-            Err(OpenError::Corrupt { path: path.into(), kind, reason })
-        }
+        Err(error) => Err(match running.last_words(&error, stderr, is_overdue, budget) {
+            Ending::OfFile(reason) => OpenError::Corrupt { path: path.into(), kind, reason },
+            Ending::FromOutside(signal) => OpenError::DecoderEnded { path: path.into(), kind, signal },
+        }),
     }
 }
 
 /// The error of a child process that could not be started.
 fn failed(path: &Path, reason: String) -> OpenError {
     OpenError::Read { path: path.into(), reason }
+}
+
+/// Reason why there is no answer.
+enum Ending {
+    /// The file is the cause, as the end of a sentence about it.
+    OfFile(String),
+    /// A signal that no decoder sends itself.
+    FromOutside(i32),
 }
 
 /// A child process, killed when this is dropped.
@@ -179,32 +188,36 @@ impl Running {
         )
     }
 
-    /// The reason why there is no answer, as the end of a sentence about the file.
-    fn last_words(&mut self, error: &io::Error, stderr: ChildStderr, is_overdue: bool, budget: Budget) -> String {
+    /// The reason why there is no answer.
+    fn last_words(&mut self, error: &io::Error, stderr: ChildStderr, is_overdue: bool, budget: Budget) -> Ending {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
         // The child is ending by itself, or it sent something else than an answer and is killed.
-        if error.kind() != io::ErrorKind::UnexpectedEof && error.kind() != io::ErrorKind::BrokenPipe {
+        let is_ending = matches!(error.kind(), io::ErrorKind::UnexpectedEof | io::ErrorKind::BrokenPipe);
+        if !is_ending {
             let _ = child.kill();
         }
         let mut words = String::new();
         let _ = stderr.take(4096).read_to_string(&mut words);
         let status = child.wait();
         if is_overdue || status.as_ref().is_ok_and(is_out_of_time) {
-            return format!("its decoder was not done after {} seconds", budget.cpu_seconds);
+            return Ending::OfFile(format!("its decoder was not done after {} seconds", budget.cpu_seconds));
         }
         // The standard library prints this before it aborts.
         let refused = words.split("memory allocation of ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
         if let Some(bytes) = refused {
             let bytes: u64 = bytes;
-            return format!(
+            return Ending::OfFile(format!(
                 "its decoder asked for {} MiB of memory, and may have {} MiB in all",
                 bytes.div_ceil(1 << 20),
                 budget.memory_bytes >> 20
-            );
+            ));
         }
         match status {
-            Ok(status) => format!("its decoder failed unexpectedly ({status})"),
-            Err(_) => "its decoder failed unexpectedly".to_owned(),
+            Ok(status) => match signal_from_outside(&status).filter(|_| is_ending) {
+                Some(signal) => Ending::FromOutside(signal),
+                None => Ending::OfFile(format!("its decoder failed unexpectedly ({status})")),
+            },
+            Err(_) => Ending::OfFile("its decoder failed unexpectedly".to_owned()),
         }
     }
 }
@@ -229,6 +242,22 @@ fn is_out_of_time(status: &ExitStatus) -> bool {
     {
         let _ = status;
         false
+    }
+}
+
+/// Number of the signal that ended the process, if it is none that a process brings about by what it does.
+fn signal_from_outside(status: &ExitStatus) -> Option<i32> {
+    #[cfg(unix)]
+    {
+        use rustix::process::Signal;
+        use std::os::unix::process::ExitStatusExt;
+        let own = [Signal::ABORT, Signal::BUS, Signal::FPE, Signal::ILL, Signal::SEGV, Signal::SYS, Signal::TRAP];
+        status.signal().filter(|signal| !own.iter().any(|own| own.as_raw() == *signal))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = status;
+        None
     }
 }
 

@@ -16,7 +16,7 @@ use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
 use png::{BitDepth, DecodeOptions, Decoder, Reader, Transformations};
 use std::fs::File;
-use std::io::{BufRead, BufReader, Cursor, Seek};
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// Memory that a decoder may take beyond the pixels, bytes.
@@ -41,6 +41,9 @@ pub(super) fn frame(
 ) -> Result<RawFrame, OpenError> {
     let limits = &options.limits;
     let bytes = jpeg_bytes(path, format, limits)?;
+    if format == ImageFormat::Pnm {
+        check_end_of_text(path, &input.file)?;
+    }
     let mut decoder = decoder(path, input.file, &bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
@@ -93,6 +96,25 @@ pub(super) fn frame(
             reason: format!("its pixels are {other:?}; save it as grey or RGB of 8 or 16 bit"),
         }),
     }
+}
+
+/// Checks that a PNM of numbers in decimal digits does not end with a digit: its last number may have lost others.
+fn check_end_of_text(path: &Path, mut file: &File) -> Result<(), OpenError> {
+    let mut ends = || -> io::Result<([u8; 2], u8)> {
+        let (mut first, mut last) = ([0; 2], [0]);
+        file.rewind()?;
+        file.read_exact(&mut first)?;
+        file.seek(SeekFrom::End(-1))?;
+        file.read_exact(&mut last)?;
+        file.rewind()?;
+        Ok((first, last[0]))
+    };
+    let (first, last) = ends().map_err(|e| OpenError::from_read(path, name(ImageFormat::Pnm), &e))?;
+    if matches!(&first, b"P2" | b"P3") && last.is_ascii_digit() {
+        let reason = "no space or line end follows its last number, which may be cut".to_owned();
+        return Err(OpenError::Corrupt { path: path.into(), kind: name(ImageFormat::Pnm), reason });
+    }
+    Ok(())
 }
 
 /// How the camera was held; no turn where the tag cannot be read.

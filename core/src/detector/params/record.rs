@@ -8,7 +8,7 @@
 use super::{Distinct, FrameRange, NoiseGate, ParamError, Word};
 use crate::detector::params::slope_grid::SlopeAxis;
 use std::fmt;
-use std::ops::{Bound, Deref, RangeBounds};
+use std::ops::{Bound, Deref, RangeBounds, RangeInclusive};
 
 /// Description of one parameter, in the words that help pages, tooltips and error messages show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -193,8 +193,35 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// Bounds of the numbers in `range`; `remedy` is given for others.
+    pub const fn new(range: (Bound<f64>, Bound<f64>), remedy: &'static str) -> Self {
+        Self { range, remedy }
+    }
+
     fn allow(&self, number: f64) -> bool {
         number.is_finite() && self.range.contains(&number)
+    }
+
+    /// Checks a number that `parameter` names.
+    ///
+    /// # Errors
+    /// Its fault, with the remedy.
+    pub fn check(&self, parameter: &'static str, number: f64) -> Result<(), ParamError> {
+        if self.allow(number) {
+            return Ok(());
+        }
+        // 1e300, not a one with three hundred zeros; NaN is NaN in both forms.
+        let problem = if number.abs() < 1e15 { number.to_string() } else { format!("{number:e}") };
+        Err(ParamError { parameter, problem, remedy: self.remedy.to_owned() })
+    }
+
+    /// Numbers from the lower to the upper bound, both included, for a field of the window.
+    pub fn span(&self) -> RangeInclusive<f64> {
+        let end = |bound: Bound<f64>, without: f64| match bound {
+            Bound::Included(end) | Bound::Excluded(end) => end,
+            Bound::Unbounded => without,
+        };
+        end(self.range.0, f64::MIN)..=end(self.range.1, f64::MAX)
     }
 
     /// Whether negative numbers are allowed.
@@ -281,7 +308,7 @@ impl<P> Param<P> {
     /// Record of a parameter whose number is in `range`; `remedy` is given for others.
     #[must_use]
     pub const fn within(self, range: (Bound<f64>, Bound<f64>), remedy: &'static str) -> Self {
-        Self { bounds: Some(Bounds { range, remedy }), ..self }
+        Self { bounds: Some(Bounds::new(range, remedy)), ..self }
     }
 
     /// Record with a field of the window of this speed and number of decimals.

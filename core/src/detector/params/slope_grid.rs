@@ -79,7 +79,7 @@ impl SlopeAxis {
 
 impl SlopeAxis {
     /// Checks the axis by itself; otherwise the fault and its remedy.
-    pub(super) fn check(&self) -> Result<(), (String, String)> {
+    pub(crate) fn check(&self) -> Result<(), (String, String)> {
         let fail = |problem: String, remedy: &str| Err((problem, remedy.to_owned()));
         if !(self.min.is_finite() && self.max.is_finite()) {
             return fail("the range is not finite".into(), "give two numbers of pixels per frame");

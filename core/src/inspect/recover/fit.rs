@@ -103,17 +103,20 @@ pub fn fitted(outcomes: &[Outcome], prior: &Prior) -> FittedCurve {
     for _ in 0..STEPS {
         let ([mm, mq, qq], [gm, gq]) = sums(m, q);
         let determinant = mm * qq - mq * mq;
-        if determinant <= 0.0 {
-            break;
-        }
         // Steps are bounded, because far from the solution the curve is flat.
         let step = [(qq * gm - mq * gq) / determinant, (mm * gq - mq * gm) / determinant];
+        // Numbers beyond what a double holds, as those of an absurd gate, leave the curve where it is.
+        if !(determinant > 0.0 && step.iter().all(|x| x.is_finite())) {
+            break;
+        }
         m += step[0].clamp(-0.3, 0.3);
         q = (q + step[1].clamp(-0.5, 0.5)).clamp(q0 - 3.0, q0 + 3.0);
     }
     let ([mm, mq, qq], _) = sums(m, q);
     let determinant = (mm * qq - mq * mq).max(f64::MIN_POSITIVE);
-    FittedCurve { middle: m, middle_error: (qq / determinant).sqrt(), steepness: q.exp() }
+    let middle_error = (qq / determinant).sqrt();
+    let middle_error = if middle_error.is_nan() { f64::INFINITY } else { middle_error };
+    FittedCurve { middle: m, middle_error, steepness: q.exp() }
 }
 
 /// Ends of the 68 % interval of the share `found` of `count` (Wilson's), 0 … 1.
@@ -162,6 +165,18 @@ mod tests {
         let none: Vec<Outcome> = drawn(0.0, 8.0, 50, 2).iter().map(|o| Outcome { is_found: false, ..*o }).collect();
         let fit = fitted(&none, &prior);
         assert!(fit.middle > none.iter().map(|o| o.ln_strength).fold(f64::MIN, f64::max), "{fit:?}");
+    }
+
+    #[test]
+    fn absurd_gates_and_strengths_give_a_curve_all_the_same() {
+        let outcomes = drawn(0.1, 8.0, 60, 1);
+        for factor in [1e20, 1e200, f64::MAX] {
+            let fit = fitted(&outcomes, &Prior::of_gate(factor, factor.ln()));
+            assert!(fit.middle.is_finite() && !fit.steepness.is_nan() && !fit.middle_error.is_nan(), "{fit:?}");
+        }
+        let endless = [Outcome { ln_strength: f64::INFINITY, is_found: true, weight: 1.0 }];
+        let fit = fitted(&endless, &Prior::of_gate(5.0, 0.0));
+        assert!(fit.middle.is_finite() && fit.steepness.is_finite(), "{fit:?}");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::detector::{Feature, Method, SearchParams, Slope};
 use crate::evaluate::EvaluateError;
 use crate::evaluate::score::finds;
 use crate::inspect::ProbeCache;
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
 use crate::plane::sample::bilinear;
@@ -66,7 +66,7 @@ impl Ground {
         let used = detector.used_frames(burst.len());
         let noise = Self::noise(&cache, burst, monitor)?;
         let middle = &burst.frames[used.start + used.len() / 2];
-        let brightness = smoothed(middle, BRIGHTNESS_SIGMA_PX);
+        let brightness = smoothed(middle, BRIGHTNESS_SIGMA_PX, monitor)?;
         let sigma = noise.sigma_map(burst.size(), CELL_PX);
         if noise.frame_noise <= 0.0 {
             let remedy = "take frames of a camera, or add noise with 'burstscope synth noisy'";
@@ -131,7 +131,8 @@ impl Ground {
         (radius, slope): (f64, Slope),
         others: &[Planted],
         stream: &mut Stream,
-    ) -> Option<(f64, f64)> {
+        monitor: &Monitor,
+    ) -> Result<Option<(f64, f64)>, Cancelled> {
         let (width, height) = self.cache.trail.size_image();
         let half_span = 0.5 * (self.used.len() as f64 - 1.0);
         let rim = |along: f32| {
@@ -140,16 +141,17 @@ impl Ground {
         let (du, dv) = (rim(slope.u), rim(slope.v));
         let (room_u, room_v) = ((width - 1) as f64 - 2.0 * du, (height - 1) as f64 - 2.0 * dv);
         for _ in 0..ATTEMPTS {
+            monitor.check()?;
             let (x, y) = (stream.uniform(), stream.uniform());
             if room_u <= 0.0 || room_v <= 0.0 {
-                return None;
+                return Ok(None);
             }
             let (u, v) = (du + x * room_u, dv + y * room_v);
             if self.is_free(study, (u, v), (radius, slope), others) {
-                return Some((u, v));
+                return Ok(Some((u, v)));
             }
         }
-        None
+        Ok(None)
     }
 
     /// Whether a thing may be planted at a place.

@@ -2,7 +2,7 @@
 
 use super::expected::expected;
 use super::ground::Ground;
-use super::{RecoverStudy, Varied, param};
+use super::{RecoverStudy, Varied, bounds, param};
 use crate::detector::{Slope, SlopeAxis, SlopeGrid};
 use crate::evaluate::EvaluateError;
 use crate::synth::random::Stream;
@@ -65,6 +65,12 @@ impl Levels {
         let variance = ground.sigma_at(centre.0, centre.1).powi(2);
         let expected_half =
             expected_amplitude / (variance + 0.5 * ground.light.per_brightness * expected_amplitude).sqrt();
+        // Light beyond it is none that a file could hold.
+        let (_, most) = bounds::SNR.span().into_inner();
+        if expected_half > most && (study.snrs.is_empty() || study.at_snr.is_none()) {
+            let problem = format!("a thing needs an SNR of {expected_half:.1e} to pass a gate of {factor:.1e} σ");
+            return Err(param("noise-gate", problem, "lower the gate, or give snr and at-snr yourself"));
+        }
         let tidy = |x: f64| {
             let digits = 10f64.powi(2 - x.log10().floor() as i32);
             (x * digits).round() / digits

@@ -25,7 +25,7 @@ pub use thing::Shape;
 use super::ProbeCache;
 use super::truth::miss;
 use crate::burst::Burst;
-use crate::detector::{SearchParams, Slope, SlopeAxis, Test};
+use crate::detector::{ParamError, SearchParams, Slope, SlopeAxis, Test};
 use crate::evaluate::EvaluateError;
 use crate::evaluate::score::{Ranking, judge_by_discs};
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -192,23 +192,37 @@ pub struct SearchedCopy {
     pub planted: Vec<Planted>,
 }
 
+/// Ranges of a study's numbers, for options, files and fields of the window.
+pub mod bounds {
+    use crate::detector::params::Bounds;
+    use std::ops::Bound::{Excluded, Included};
+
+    /// SNR of one pixel in one frame.
+    pub const SNR: Bounds =
+        Bounds::new((Excluded(0.0), Included(1e6)), "give ratios above 0 and up to 1000000, such as 0.2,0.6,1.2");
+    /// Radius, pixels.
+    pub const RADIUS: Bounds = Bounds::new((Included(0.5), Included(500.0)), "give 0.5 to 500 pixels, such as 2,8,16");
+    /// Number of copies.
+    pub const COPIES: Bounds = Bounds::new((Included(1.0), Included(100_000.0)), "give 1 to 100000");
+    /// Number of things in a copy.
+    pub const PER_COPY: Bounds = Bounds::new((Included(1.0), Included(10_000.0)), "give 1 to 10000, or leave it out");
+}
+
 impl RecoverStudy {
-    fn check(&self) -> Result<(), EvaluateError> {
-        let positive = |x: &f64| x.is_finite() && *x > 0.0;
-        if !self.snrs.iter().chain(&self.at_snr).all(positive) {
-            return Err(param("snr", "a ratio is not above 0", "give ratios above 0, such as 0.2:1.2:9"));
-        }
-        let radius = |x: &f64| (0.5..=500.0).contains(x);
-        if !self.radii.iter().chain([&self.at_radius]).all(radius) {
-            return Err(param("radius", "a radius is not from 0.5 to 500", "give pixels, such as 2:16:7"));
-        }
-        if !(1..=100_000).contains(&self.copies) {
-            return Err(param("copies", self.copies.to_string(), "give 1 to 100000"));
-        }
-        if self.per_copy.is_some_and(|count| !(1..=10_000).contains(&count)) {
-            return Err(param("per-copy", "the number is not from 1 to 10000", "give 1 to 10000, or leave it out"));
-        }
-        Ok(())
+    /// Checks the numbers of the study, without a burst.
+    ///
+    /// # Errors
+    /// The first one that makes no sense.
+    pub fn check(&self) -> Result<(), ParamError> {
+        self.snrs.iter().try_for_each(|&snr| bounds::SNR.check("snr", snr))?;
+        self.at_snr.iter().try_for_each(|&snr| bounds::SNR.check("at-snr", snr))?;
+        self.radii.iter().try_for_each(|&radius| bounds::RADIUS.check("radius", radius))?;
+        bounds::RADIUS.check("at-radius", self.at_radius)?;
+        bounds::COPIES.check("copies", self.copies as f64)?;
+        self.per_copy.iter().try_for_each(|&count| bounds::PER_COPY.check("per-copy", count as f64))?;
+        let wrong = |(problem, remedy)| ParamError { parameter: "planted-slopes", problem, remedy };
+        self.slopes.iter().try_for_each(|axis| axis.check().map_err(wrong))?;
+        self.search.validate()
     }
 
     /// Runs the study on `burst`; calls `tell` with the report so far after every copy.
@@ -257,7 +271,7 @@ impl RecoverStudy {
         self.check()?;
         let ground = Ground::new(self, burst, &monitor.part(0.0, 0.9))?;
         let levels = Levels::of(self, &ground)?;
-        let planted = self.things(&ground, &levels, seed.saturating_sub(self.first_seed));
+        let planted = self.things(&ground, &levels, seed.wrapping_sub(self.first_seed), monitor)?;
         let copy = self.plant(burst, &ground, &planted, seed, monitor)?;
         let (width, height) = burst.size();
         let truth = Truth {
@@ -286,7 +300,7 @@ impl RecoverStudy {
     ) -> Result<(SearchedCopy, RecoverTimes), EvaluateError> {
         let seed = self.first_seed.wrapping_add(copy);
         let started = Instant::now();
-        let mut planted = self.things(ground, levels, copy);
+        let mut planted = self.things(ground, levels, copy, monitor)?;
         let with_things = self.plant(burst, ground, &planted, seed, monitor)?;
         let plant_secs = started.elapsed().as_secs_f64();
         let cache = ProbeCache::new(&with_things, &ground.params, monitor)?;
@@ -315,20 +329,28 @@ impl RecoverStudy {
     }
 
     /// Draws the things of a copy.
-    fn things(&self, ground: &Ground, levels: &Levels, copy: u64) -> Vec<Planted> {
+    fn things(
+        &self,
+        ground: &Ground,
+        levels: &Levels,
+        copy: u64,
+        monitor: &Monitor,
+    ) -> Result<Vec<Planted>, Cancelled> {
         let seed = self.first_seed.wrapping_add(copy);
         let mut stream = Stream::new(seed, 0);
         let mut planted: Vec<Planted> = Vec::with_capacity(levels.per_copy);
         for number in 0..levels.per_copy {
             let varied = Varied::ALL[number % Varied::ALL.len()];
-            let turn = copy as usize * levels.per_copy.div_ceil(Varied::ALL.len()) + number / Varied::ALL.len();
+            // Any seed of a file may be asked for.
+            let before = (copy as usize).wrapping_mul(levels.per_copy.div_ceil(Varied::ALL.len()));
+            let turn = before.wrapping_add(number / Varied::ALL.len());
             let (snr, radius, slope) = levels.drawn(varied, turn, &mut stream);
             let sign = match self.contrast {
                 Contrast::Bright => 1,
                 Contrast::Dark => -1,
                 Contrast::Both => 1 - 2 * ((turn / levels.count(varied)) as i8 & 1),
             };
-            let Some((u, v)) = ground.place(self, (radius, slope), &planted, &mut stream) else { continue };
+            let Some((u, v)) = ground.place(self, (radius, slope), &planted, &mut stream, monitor)? else { continue };
             let truth = truth_of_thing(planted.len(), (u, v), radius, slope, sign);
             let amplitude = ground.light.amplitude(snr, ground.sigma_at(u, v).powi(2), f64::from(sign));
             let trail = &ground.cache.trail;
@@ -347,7 +369,7 @@ impl RecoverStudy {
                 why: String::new(),
             });
         }
-        planted
+        Ok(planted)
     }
 
     /// The burst with things planted in its used frames.
@@ -373,7 +395,7 @@ impl RecoverStudy {
                     amplitude: one.amplitude * ground.gain(t),
                     background: ground.brightness_at(u, v),
                 };
-                painting.paint(&mut frame, &ground.light, &mut stream);
+                painting.paint(&mut frame, &ground.light, &mut stream, monitor)?;
             }
             Ok(Arc::new(frame))
         };

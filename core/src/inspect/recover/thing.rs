@@ -6,6 +6,7 @@
 //! the noise that a frame with so much less light would have is then made up. Values are rounded to the file's steps
 //! again and end at its range.
 
+use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::synth::chart::draw_disc;
 use crate::synth::random::Stream;
@@ -63,12 +64,14 @@ impl Shape {
             }
             Self::Blob => {
                 let sigma = self.sigma(radius);
-                let over_pixel = |i: usize, centre: f64| {
+                // The blob is a product: one value for each column and one for each row.
+                let over_pixels = |centre: f64| -> Vec<f64> {
                     let edge = |x: f64| libm::erf((x - centre) / (sigma * std::f64::consts::SQRT_2));
                     let half = sigma * (std::f64::consts::PI / 2.0).sqrt();
-                    half * (edge(i as f64 + 0.5) - edge(i as f64 - 0.5))
+                    (0..side).map(|i| half * (edge(i as f64 + 0.5) - edge(i as f64 - 0.5))).collect()
                 };
-                Plane::from_fn(side, side, |x, y| (over_pixel(x, u) * over_pixel(y, v)) as f32)
+                let (columns, rows) = (over_pixels(u), over_pixels(v));
+                Plane::from_fn(side, side, |x, y| (columns[x] * rows[y]) as f32)
             }
         };
         (plane, left as i64, top as i64)
@@ -133,10 +136,20 @@ pub struct Painting {
 
 impl Painting {
     /// Adds the thing to `frame`, whose noise is `noise`.
-    pub fn paint(&self, frame: &mut Plane, noise: &LightNoise, stream: &mut Stream) {
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn paint(
+        &self,
+        frame: &mut Plane,
+        noise: &LightNoise,
+        stream: &mut Stream,
+        monitor: &Monitor,
+    ) -> Result<(), Cancelled> {
         let (shares, left, top) = self.shape.shares(self.centre.0, self.centre.1, self.radius);
         let (width, height) = frame.size();
         for y in 0..shares.height() {
+            monitor.check()?;
             let row = top + y as i64;
             if row < 0 || row >= height as i64 {
                 continue;
@@ -151,6 +164,7 @@ impl Painting {
                 }
             }
         }
+        Ok(())
     }
 }
 
@@ -169,7 +183,13 @@ mod tests {
             (Shape::Blob, 2.0 * std::f64::consts::PI * disc_sigma(6.0).powi(2)),
         ] {
             let mut frame = Plane::zeros(64, 64);
-            painting(shape, 0.1).paint(&mut frame, &LightNoise::default(), &mut Stream::new(1, 1));
+            let painted = painting(shape, 0.1).paint(
+                &mut frame,
+                &LightNoise::default(),
+                &mut Stream::new(1, 1),
+                &Monitor::default(),
+            );
+            painted.expect("nobody cancels");
             let sum = |weight: &dyn Fn(usize, usize) -> f64| -> f64 {
                 (0..64)
                     .flat_map(|v| (0..64).map(move |u| (u, v)))
@@ -209,7 +229,8 @@ mod tests {
         let noise = LightNoise { per_brightness: 1e-3, dark: 0.0, step: 1.0 / 255.0 };
         let mut frame = Plane::from_fn(64, 64, |u, _| (u % 256) as f32 * 4.0 / 255.0);
         frame.data_mut().iter_mut().for_each(|x| *x = x.min(1.0));
-        painting(Shape::Disc, 0.9).paint(&mut frame, &noise, &mut Stream::new(3, 0));
+        let painted = painting(Shape::Disc, 0.9).paint(&mut frame, &noise, &mut Stream::new(3, 0), &Monitor::default());
+        painted.expect("nobody cancels");
         for &x in frame.data() {
             assert!((0.0..=1.0 + 1e-6).contains(&x) && ((x * 255.0).round() - x * 255.0).abs() < 1e-2, "{x}");
         }

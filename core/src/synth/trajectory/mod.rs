@@ -196,7 +196,7 @@ impl Trajectory {
         let mut levels = FrameLevels::default();
         for camera in &cameras {
             let view = world::render(&planes, &lens, &camera.world_from_camera, monitor)?;
-            levels.add(&Burst::from_planes("view", vec![view]));
+            levels.add(&Burst::from_planes("view", vec![view]), monitor)?;
         }
         let (electrons, snr) = params.light(&levels);
         let exposure = params.exposure(electrons, &levels);

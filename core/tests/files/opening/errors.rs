@@ -42,6 +42,30 @@ fn missing_empty_and_foreign_files() {
     failure(&at("a.gif"), &["video", "ffmpeg"]);
 }
 
+#[test]
+fn a_number_of_a_text_picture_that_may_be_cut_is_refused() {
+    let folder = folder();
+    let path = folder.path().join("a.pgm");
+    let whole = "P2\n# words\n3 2\n300\n10 20 30\n40 50 256\n";
+    for end in whole.len() - 6..whole.len() {
+        fs::write(&path, &whole[..end]).expect("written");
+        failure(&path, &["PNM", "truncated or damaged"]);
+    }
+    fs::write(&path, whole.trim_end()).expect("written");
+    failure(&path, &["no space or line end follows its last number"]);
+    for after in ["\n", " ", "\r\n", "\t\n"] {
+        fs::write(&path, format!("{}{after}", whole.trim_end())).expect("written");
+        assert_eq!(Burst::open(&path).expect("whole").frames[0].at(2, 1), 256.0 / 300.0);
+    }
+    fs::write(folder.path().join("a.ppm"), "P3\n1 1\n99\n1 2 34").expect("written");
+    failure(&folder.path().join("a.ppm"), &["no space or line end follows its last number"]);
+    // Samples of one digit cannot be cut, and binary ones may be any byte.
+    fs::write(folder.path().join("a.pbm"), "P1\n2 1\n1 0").expect("written");
+    assert_eq!(Burst::open(folder.path().join("a.pbm")).expect("whole").size(), (2, 1));
+    fs::write(folder.path().join("b.pgm"), "P5\n2 1\n255\n12").expect("written");
+    assert_eq!(Burst::open(folder.path().join("b.pgm")).expect("whole").size(), (2, 1));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_pipe_is_refused_instead_of_waited_for() {

@@ -6,7 +6,7 @@ use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::dot_ui;
 use crate::app::project::Model;
 use crate::detector::Test;
-use crate::inspect::recover::{Contrast, Planted, RecoverReport, RecoverStudy, Shape};
+use crate::inspect::recover::{Contrast, Planted, RecoverReport, RecoverStudy, Shape, bounds};
 use crate::inspect::words::number;
 use crate::plane::display::{ColourMap, Display};
 use egui::{Color32, DragValue, Grid, Label, Pos2, Rect, RichText, Sense, Stroke, Ui, vec2};
@@ -36,12 +36,15 @@ pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
         ui.end_row();
         let help = "Radius at which SNRs and slopes are varied";
         let label = ui.label("At radius").on_hover_text(help);
-        let field = DragValue::new(&mut study.at_radius).range(0.5..=200.0).speed(0.1).max_decimals(1).suffix(" px");
+        let field =
+            DragValue::new(&mut study.at_radius).range(bounds::RADIUS.span()).speed(0.1).max_decimals(1).suffix(" px");
         ui.add(field).on_hover_text(help).labelled_by(label.id);
         ui.end_row();
         let help = "Copies of the burst, each with other things; more give smaller errors";
         let label = ui.label("Copies").on_hover_text(help);
-        ui.add(DragValue::new(&mut study.copies).range(1..=1000)).on_hover_text(help).labelled_by(label.id);
+        ui.add(DragValue::new(&mut study.copies).range(bounds::COPIES.span()))
+            .on_hover_text(help)
+            .labelled_by(label.id);
         ui.end_row();
         let help = "Seed of the first copy; those of the others count up from it";
         let label = ui.label("First seed").on_hover_text(help);
@@ -55,7 +58,7 @@ pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
             study.at_snr = has_own.then_some(1.0);
         }
         if let Some(snr) = &mut study.at_snr {
-            ui.add(DragValue::new(snr).range(0.01..=100.0).speed(0.01).max_decimals(2)).on_hover_text(help);
+            ui.add(DragValue::new(snr).range(bounds::SNR.span()).speed(0.01).max_decimals(2)).on_hover_text(help);
         }
     });
     ui.checkbox(&mut study.inside, "Inside in all frames")

@@ -6,7 +6,7 @@ use crate::app::project::filter::depth_text;
 use crate::app::project::side::Side;
 use crate::app::view::signed_slope;
 use crate::detector::{Slope, SlopeChoice};
-use crate::inspect::set_up::SetUp;
+use crate::inspect::set_up::{SetUp, bounds};
 use egui::{Button, CollapsingHeader, DragValue, Grid, Label, RichText, Role, Ui, WidgetInfo};
 
 /// Slopes of the nearest and the farthest things, while the set-up is in use: unfolded, or read for depths.
@@ -38,19 +38,19 @@ fn fields_ui(ui: &mut Ui, values: &mut SetUp) {
     };
     Grid::new("set-up").num_columns(3).show(ui, |ui| {
         ui.label("Motion");
-        let speed = DragValue::new(speed_m_s).range(0.0..=1000.0).speed(0.01).suffix(" m/s");
+        let speed = DragValue::new(speed_m_s).range(bounds::SPEED.span()).speed(0.01).suffix(" m/s");
         field(ui, "Speed", "Speed of the camera parallel to its picture", speed);
-        let direction = DragValue::new(direction_deg).range(-180.0..=180.0).suffix("°");
+        let direction = DragValue::new(direction_deg).range(bounds::DIRECTION.span()).suffix("°");
         field(ui, "Direction of motion", "Direction of that motion, from right towards down", direction);
         ui.end_row();
         ui.label("Turning");
-        let turn = DragValue::new(turn_deg_s).range(-1000.0..=1000.0).speed(0.05).suffix("°/s");
+        let turn = DragValue::new(turn_deg_s).range(bounds::TURN.span()).speed(0.05).suffix("°/s");
         field(ui, "Turning", "Turning of the camera to the right", turn);
         ui.end_row();
         ui.label("Camera");
-        let rate = DragValue::new(frames_per_second).range(0.01..=100_000.0).suffix(" /s");
+        let rate = DragValue::new(frames_per_second).range(bounds::RATE.span()).suffix(" /s");
         field(ui, "Frame rate", "Frames per second", rate);
-        let focal = DragValue::new(focal_px).range(1.0..=1e6).suffix(" px");
+        let focal = DragValue::new(focal_px).range(bounds::FOCAL.span()).suffix(" px");
         field(ui, "Focal length", "Focal length in pixels", focal);
         ui.end_row();
         ui.label("Depths");
@@ -62,7 +62,7 @@ fn fields_ui(ui: &mut Ui, values: &mut SetUp) {
 
 /// Field of a depth in metres.
 fn depth_field(metres: &mut f64) -> DragValue<'_> {
-    DragValue::new(metres).range(0.01..=1e6).speed(0.02).suffix(" m")
+    DragValue::new(metres).range(bounds::DEPTH.span()).speed(0.02).suffix(" m")
 }
 
 /// Draws the slopes that follow from the set-up, the button that searches them, and the switch of depths.
