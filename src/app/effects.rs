@@ -3,6 +3,7 @@
 use super::actions::{self, ActionId};
 use super::clipboard;
 use super::dataset::CutDialog;
+use super::dialogs::Question;
 use super::files;
 use super::window::BurstscopeApp;
 use crate::app::project::Effect;
@@ -84,7 +85,12 @@ impl BurstscopeApp {
             }
             Effect::ReplaceFeatures => self.overlays.replace_features = true,
             Effect::ForgetThumbnails => self.thumbnails.clear(),
-            Effect::Ask(purpose) => self.desk.ask(files::question(purpose, model)),
+            Effect::Ask(purpose) => {
+                if let Err(Question { purpose, suggested_name, .. }) = self.desk.ask(files::question(purpose, model)) {
+                    let why = "another dialog for files is not answered yet";
+                    model.messages.note_unanswered(purpose, suggested_name, why);
+                }
+            }
             Effect::UseFiles(purpose, paths) => self.use_files(purpose, paths),
             Effect::Write(purpose, path) => files::write(purpose, path, model, &self.widgets, engine),
             Effect::StartLesson(lesson) => self.start_lesson(lesson),

@@ -136,8 +136,19 @@ impl Offscreen {
     /// Draws the last frame. A lost device is set up again, once.
     ///
     /// # Errors
-    /// When the card fails, does not answer, or loses the second device too.
+    /// When there is no memory for one of its pictures, and when the card fails, does not answer, or loses the second
+    /// device too.
     pub fn image(&mut self) -> Result<RgbaImage, OffscreenError> {
+        let failure = |context: &egui::Context| gpu::Gpu::of(context).and_then(|gpu| gpu.newest_failure());
+        let before = failure(&self.context);
+        let drawn = self.image_on_a_device()?;
+        match failure(&self.context).filter(|newest| before.as_ref() != Some(newest)) {
+            Some((_, why)) => Err(OffscreenError::NoRoom(why)),
+            None => Ok(drawn),
+        }
+    }
+
+    fn image_on_a_device(&mut self) -> Result<RgbaImage, OffscreenError> {
         if !self.is_lost() {
             let drawn = self.draw();
             if !self.is_lost() {
@@ -268,6 +279,9 @@ pub enum OffscreenError {
         /// The adapter's limit of the picture, megapixels.
         max_megapixels: u64,
     },
+    /// There is no memory for a picture; a sentence about it.
+    #[error("{0}")]
+    NoRoom(String),
     /// The card failed while drawing or answering.
     #[error("the graphics adapter failed while drawing: {0}")]
     Card(String),

@@ -2,7 +2,8 @@
 //!
 //! The toolkit ties the device to the window, so a lost device cannot be replaced under an open window. Instead the
 //! drawing ends, and the program continues in a new window with a new device; open data, running work and the history
-//! stay. The icon is drawn here as in `assets/icon.svg`: three frames shifted over one another, and the blob on which
+//! stay. The toolkit itself ends with a panic where it has no memory for shapes and letters; that is a lost device too.
+//! The icon is drawn here as in `assets/icon.svg`: three frames shifted over one another, and the blob on which
 //! they agree.
 
 use super::gpu;
@@ -12,7 +13,8 @@ use super::startup::Startup;
 use super::window::BurstscopeApp;
 use anyhow::anyhow;
 use egui::{Color32, IconData};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
@@ -32,13 +34,15 @@ const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 /// The window, kept across losses of the graphics device.
 type Kept = Rc<RefCell<Option<BurstscopeApp>>>;
 
-/// The kept window, as the toolkit draws it.
-struct Shown(Kept);
+/// The kept window, as the toolkit draws it, and whether the window itself is at work.
+struct Shown(Kept, Rc<Cell<bool>>);
 
 impl Shown {
     fn with(&self, work: impl FnOnce(&mut BurstscopeApp)) {
         if let Some(app) = &mut *self.0.borrow_mut() {
+            self.1.set(true);
             work(app);
+            self.1.set(false);
         }
     }
 }
@@ -105,6 +109,8 @@ fn draw_until_closed(
         ..Default::default()
     };
     let before = context.clone();
+    let is_at_work = Rc::new(Cell::new(false));
+    let at_work = is_at_work.clone();
     let create: eframe::AppCreator<'_> = Box::new(move |cc| {
         let render_state = cc.wgpu_render_state.as_ref();
         if let Some(mut startup) = startup.take() {
@@ -116,11 +122,22 @@ fn draw_until_closed(
         } else if let Some(render_state) = render_state {
             gpu::install(&cc.egui_ctx, render_state);
         }
-        Ok(Box::new(Shown(window.clone())))
+        Ok(Box::new(Shown(window.clone(), at_work.clone())))
     });
-    eframe::run_native_ext(APP_ID, options, before, create).map_err(|error| {
-        anyhow!("the window cannot be opened: {error}; without a display use `burstscope render` or the other commands")
-    })
+    let drawn = catch_unwind(AssertUnwindSafe(|| eframe::run_native_ext(APP_ID, options, before, create)));
+    match (drawn, &mut *window.borrow_mut()) {
+        (Ok(result), _) => result.map_err(|error| {
+            anyhow!(
+                "the window cannot be opened: {error}; without a display use `burstscope render` or the other commands"
+            )
+        }),
+        // The window's own state is whole: the toolkit failed while it drew what the window had left.
+        (Err(_), Some(app)) if !is_at_work.get() => {
+            app.lose_device("it failed while drawing");
+            Ok(())
+        }
+        (Err(panic), _) => resume_unwind(panic),
+    }
 }
 
 /// Side of the drawing's own unit square, in which all places are given.

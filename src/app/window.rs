@@ -209,7 +209,9 @@ impl BurstscopeApp {
         for answer in self.desk.take_answers() {
             match answer {
                 FileAnswer::Chosen(purpose, paths) => self.apply([Effect::UseFiles(purpose, paths)]),
-                FileAnswer::Nothing => {}
+                FileAnswer::Nothing(Question { purpose, suggested_name, .. }) => {
+                    self.model.messages.note_unanswered(purpose, suggested_name, "the dialog ended without a file");
+                }
                 FileAnswer::NoDialog(Question { purpose, suggested_name, .. }) => {
                     self.overlays.open_path_field(purpose, suggested_name, true);
                 }
@@ -279,9 +281,14 @@ impl BurstscopeApp {
             });
         });
         Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panel::toolbar::toolbar_ui(ui, &self.model, queue));
-        Panel::bottom("status bar")
+        let types_path = Panel::bottom("status bar")
             .frame(bar(ui))
-            .show(ui, |ui| panel::status::status_ui(ui, &self.model, self.readout().as_deref(), queue));
+            .show(ui, |ui| panel::status::status_ui(ui, &self.model, self.readout().as_deref(), queue))
+            .inner;
+        if let Some((purpose, name)) = self.model.messages.unanswered().filter(|_| types_path).cloned() {
+            self.overlays.open_path_field(purpose, name, false);
+            self.model.messages.forget_note();
+        }
         self.offers_ui(ui, bar(ui), queue);
         let mut open_burst = None;
         if self.model.datasets.open.is_some() && self.model.panels.filmstrip {
@@ -435,12 +442,17 @@ impl BurstscopeApp {
     fn leaves_lost_device(&mut self, ctx: &egui::Context) -> bool {
         let Some(gpu) = super::gpu::Gpu::of(ctx) else { return false };
         let Some(why) = gpu.lost() else { return false };
+        self.lose_device(why);
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        true
+    }
+
+    /// Notes that the device is lost, and saves the session.
+    pub(super) fn lose_device(&mut self, why: &str) {
         if self.lost_device.is_none() {
             self.lost_device = Some(why.to_owned());
             self.keep_session_now();
         }
-        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-        true
     }
 
     /// Whether the window was asked to end from outside. If so, saves its session and closes it.

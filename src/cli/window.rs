@@ -9,7 +9,7 @@ use super::inputs::{DEMO, Input};
 use super::opening::{Opening, what_to_open};
 use super::render::{Sources, drawn, sources_of};
 use super::report::unsigned_zero;
-use super::search_options::ParamsFileArg;
+use super::search_options::read_params;
 use super::signals;
 use crate::app::{RenderOptions, Startup};
 use crate::baseline::search;
@@ -28,10 +28,8 @@ const TABLE_ROWS: usize = 20;
 
 pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     let params = match cli.inputs.as_slice() {
-        // A case has its own settings.
-        [case] if is_case(case) && cli.params.params.is_none() => {
-            ParamsFileArg { params: Some(case.clone()) }.read()?
-        }
+        // A case has its own settings. One that cannot be read is reported when it is opened.
+        [case] if is_case(case) && cli.params.params.is_none() => read_params(case).unwrap_or_default(),
         _ => cli.params.read()?,
     };
     let calibration = cli.calibration.options();

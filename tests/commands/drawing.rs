@@ -95,3 +95,16 @@ fn without_a_display_the_window_becomes_a_picture_and_a_table() {
     assert_eq!(names(home.path()), ["burstscope-demo.png"]);
     image::open(home.path().join("burstscope-demo.png")).expect("a picture");
 }
+
+/// As with any other damaged burst, the window is what is opened: the error comes where the burst would be.
+#[test]
+fn a_damaged_case_is_said_where_the_burst_is_opened() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["damaged.burstcase", "damaged.npy"] {
+        std::fs::write(home.path().join(name), b"PK\x03\x04 and no more").expect("written");
+        let output = program(home.path(), &[name]).output().expect("it starts");
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(text.contains("There is no display here"), "{name}: {text}");
+        assert!(output.status.code() == Some(1) && stderr(&output).contains(name), "{name}: {}", stderr(&output));
+    }
+}

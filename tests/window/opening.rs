@@ -65,13 +65,29 @@ fn where_the_system_has_no_dialog_a_path_can_be_typed() {
     let folder = tempfile::tempdir().unwrap();
     let path = noisy_stack(folder.path(), 3, 40, 40);
     let mut window = Start::without_auto_detect().open();
-    // The script is empty, so the dialog returns "nothing" at once, as rfd does without a portal.
+    // The script is empty: there are no dialogs.
     window.click("Open…");
     window.wait("the dialog's answer", |app| app.is_settled());
     assert!(window.shows("This system shows no file dialog"));
     type_path(&mut window, &path.display().to_string());
     window.settle();
     assert_eq!(window.app().model.frame_count(), 3);
+}
+
+#[test]
+fn a_dialog_that_ends_without_an_answer_is_said_and_the_path_can_be_typed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Start::without_auto_detect().open();
+    window.dialogs.will_end();
+    window.run_action("Save parameters…");
+    window.wait("the dialog's answer", |app| app.is_settled());
+    assert!(window.shows("Save parameters: the dialog ended without a file"));
+    assert!(!window.shows("This system shows no file dialog"));
+    window.click("Type the path…");
+    let path = folder.path().join("typed.toml");
+    type_path(&mut window, &path.display().to_string());
+    window.settle();
+    assert!(path.is_file() && !window.shows("Type the path…"), "the note is another one");
 }
 
 #[test]

@@ -118,6 +118,20 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
 }
 
 #[test]
+fn a_damaged_case_opens_a_window_that_says_so_once() {
+    let home = tempfile::tempdir().expect("a folder");
+    let path = home.path().join("damaged.burstcase");
+    std::fs::write(&path, b"PK\x03\x04 and no more").expect("written");
+    let mut window = Start::of(&path).open();
+    let errors = window.app().model.messages.errors();
+    assert!(errors.len() == 1 && errors[0].text.contains("damaged.burstcase"), "{errors:?}");
+    assert!(window.app().model.slots.a.burst.is_none());
+    window.run_action("Open demo burst");
+    window.settle();
+    assert!(window.app().model.slots.a.burst.is_some());
+}
+
+#[test]
 fn a_film_says_its_size_and_rate_and_two_panes_are_flipped() {
     let home = tempfile::tempdir().expect("a folder");
     let mut window = with_case(home.path());

@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 /// Timeout of every wait.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Dialogs that answer from a list.
+/// Dialogs that answer from a list; an empty list is a system without dialogs.
 #[derive(Default, Clone)]
 pub struct Scripted(Arc<Mutex<VecDeque<Option<PathBuf>>>>);
 
@@ -29,9 +29,18 @@ impl Scripted {
     pub fn will_choose(&self, path: impl Into<PathBuf>) {
         self.0.lock().unwrap().push_back(Some(path.into()));
     }
+
+    /// Makes the next dialog end without an answer.
+    pub fn will_end(&self) {
+        self.0.lock().unwrap().push_back(None);
+    }
 }
 
 impl FileDialogs for Scripted {
+    fn exist(&self) -> bool {
+        !self.0.lock().unwrap().is_empty()
+    }
+
     fn ask(&self, _: &Question) -> Option<Vec<PathBuf>> {
         self.0.lock().unwrap().pop_front().flatten().map(|p| vec![p])
     }

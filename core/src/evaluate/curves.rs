@@ -12,8 +12,8 @@ use super::frames::FramesReport;
 use super::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use super::methods::BurstMethod;
 use super::statistics::Mean;
-use crate::export::sheet::{Anchor, Area, BLUE, RED, Sheet};
-use crate::export::{CURVE_COLUMNS, Plot, Series};
+use crate::export::sheet::{Anchor, Area, BLUE, FAINT, RED, Sheet};
+use crate::export::{CURVE_COLUMNS, Plot, Series, range_from_zero};
 use std::fmt::Write;
 
 /// Colour and dashes of correct results, where curves are not of methods.
@@ -72,8 +72,7 @@ pub struct StudyCurvePoint {
 
 impl StudyCurvePoint {
     fn of_mean(x: f64, mean: Mean) -> Self {
-        let spread = mean.standard_error.map(|error| [mean.mean - error, mean.mean + error]);
-        Self { x, y: mean.mean, spread, row_value: x }
+        Self { x, y: mean.mean, spread: mean.within_error(), row_value: x }
     }
 }
 
@@ -270,7 +269,7 @@ pub fn curves_svg(sets: &[(String, Vec<StudyPlot>)]) -> String {
     let mut plots: Vec<(&StudyPlot, Vec<Series>)> = Vec::new();
     for (index, (set, of_set)) in sets.iter().enumerate() {
         for plot in of_set {
-            let series = plot.curves.iter().flat_map(|curve| series_of(curve, (index > 0).then_some(set.as_str())));
+            let series = plot.curves.iter().map(|curve| series_of(curve, (index > 0).then_some(set.as_str())));
             match plots.iter_mut().find(|(first, _)| first.title == plot.title) {
                 Some((_, all)) => all.extend(series),
                 None => plots.push((plot, series.collect())),
@@ -295,45 +294,27 @@ pub fn curves_svg(sets: &[(String, Vec<StudyPlot>)]) -> String {
                     label_x: plot.x_label,
                     label_y: &plot.y_label,
                     range_x: (1.03 * ends.clone().fold(0.0, f64::min), 1.03 * ends.fold(1e-6, f64::max)),
-                    range_y: range_from_zero(series),
+                    // Errors may be hundredths.
+                    range_y: range_from_zero(series, 1e-6),
                     has_dots: plot.marks_points,
                     series,
                 },
             );
+            let note = format!(r#"fill="{FAINT}""#);
+            sheet.styled_text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, &note, plot.spread);
         }
         top = below + HEIGHT + 78.0;
     }
     sheet.finish(top)
 }
 
-/// Range from 0 to a little above the largest value, however small: errors may be hundredths.
-fn range_from_zero(series: &[Series]) -> (f64, f64) {
-    let tops = series.iter().flat_map(|s| &s.points).map(|&(_, y, spread)| y + spread.unwrap_or(0.0));
-    (0.0, 1.06 * tops.filter(|y| y.is_finite()).fold(1e-6, f64::max))
-}
-
-/// The lines of a curve: the curve itself, and for errors the 95 % as a separate line.
-fn series_of(curve: &StudyCurve, set: Option<&str>) -> Vec<Series> {
+/// The line of a curve, with the spread of its points.
+fn series_of(curve: &StudyCurve, set: Option<&str>) -> Series {
     let label = set.map_or_else(|| curve.label.clone(), |set| format!("{}, {set}", curve.label));
     // Curves of sets after the first are thinner and dotted.
     let (dashes, width) = if set.is_some() { ("2 3", 1.4) } else { (curve.dashes, 2.2) };
-    let line = |label: String, dashes, point: fn(&StudyCurvePoint) -> (f64, f64, Option<f64>)| Series {
-        label,
-        colour: curve.colour,
-        dashes,
-        width,
-        points: curve.points.iter().map(point).collect(),
-    };
-    let is_symmetric = |point: &StudyCurvePoint| {
-        point.spread.is_none_or(|[low, high]| (high + low - 2.0 * point.y).abs() < 1e-9 * high.abs().max(1.0))
-    };
-    if curve.points.iter().all(is_symmetric) {
-        let with_error =
-            |point: &StudyCurvePoint| (point.x, point.y, point.spread.map(|[low, high]| 0.5 * (high - low)));
-        return vec![line(label, dashes, with_error)];
-    }
-    let upper = |point: &StudyCurvePoint| (point.x, point.spread.map_or(point.y, |[_, high]| high), None);
-    vec![line(label.clone(), dashes, |point| (point.x, point.y, None)), line(format!("{label}: 95 %"), "7 4", upper)]
+    let points = curve.points.iter().map(|point| (point.x, point.y, point.spread)).collect();
+    Series { label, colour: curve.colour, dashes, width, points }
 }
 
 #[cfg(test)]
@@ -382,7 +363,7 @@ mod tests {
         }
     }
 
-    /// A plot of one curve, whose points reach up to `most` times their value.
+    /// A plot of one curve, whose bars reach from half to `most` times the value.
     fn plot(method: Option<BurstMethod>, title: &str, most: f64) -> StudyPlot {
         let point = |x: f64| StudyCurvePoint { x, y: 2.0 * x, spread: Some([x, 2.0 * most * x]), row_value: x };
         let points = vec![point(1.0), point(2.0)];
@@ -392,7 +373,7 @@ mod tests {
             x_label: "x",
             y_label: "y".to_owned(),
             marks_points: true,
-            spread: "",
+            spread: "bars: 68 %",
             curves: vec![curve],
         }
     }
@@ -405,9 +386,30 @@ mod tests {
         let document = roxmltree::Document::parse(&svg).expect("sound XML");
         let texts: Vec<&str> = document.descendants().filter(|n| n.is_text()).filter_map(|n| n.text()).collect();
         assert_eq!(texts.iter().filter(|text| **text == "Found").count(), 1);
-        assert!(texts.contains(&"a & b, before") && texts.contains(&"a & b: 95 %"), "{texts:?}");
+        assert!(texts.contains(&"a & b, before") && texts.iter().all(|text| !text.contains("a & b:")), "{texts:?}");
+        assert_eq!(texts.iter().filter(|text| **text == "bars: 68 %").count(), 2, "one a plot");
         assert!(!svg.contains("NaN"));
         // Without plots the sheet is empty.
         roxmltree::Document::parse(&curves_svg(&[])).expect("sound XML");
+    }
+
+    #[test]
+    fn bars_reach_from_the_lower_to_the_upper_end_around_the_only_curve() {
+        let svg = curves_svg(&[("now".to_owned(), vec![plot(None, "Errors", 2.5)])]);
+        let document = roxmltree::Document::parse(&svg).expect("sound XML");
+        let number =
+            |node: roxmltree::Node<'_, '_>, name| node.attribute(name).and_then(|text| text.parse::<f64>().ok());
+        let bars = document.descendants().filter(|node| node.has_attribute("stroke-opacity"));
+        let bars: Vec<[f64; 3]> =
+            bars.map(|bar| ["x1", "y1", "y2"].map(|name| number(bar, name).expect(name))).collect();
+        let dots = document.descendants().filter(|node| node.has_tag_name("circle"));
+        let dots: Vec<[f64; 2]> = dots.map(|dot| ["cx", "cy"].map(|name| number(dot, name).expect(name))).collect();
+        assert_eq!((bars.len(), dots.len()), (2, 2), "{svg}");
+        for ([x, low, high], [dot_x, dot_y]) in bars.into_iter().zip(dots) {
+            assert_eq!(x, dot_x);
+            // The values are 1, 2 and 5 times x; higher ones are further up.
+            let (below, above) = (low - dot_y, dot_y - high);
+            assert!(below > 1.0 && (above / below - 3.0).abs() < 0.01, "{low} {dot_y} {high}");
+        }
     }
 }

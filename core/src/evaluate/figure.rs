@@ -12,7 +12,7 @@ use super::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use super::methods::BurstMethod;
 use super::statistics::Mean;
 use crate::export::sheet::{Anchor, Area, BLUE, FAINT, GREEN, RED, Sheet};
-use crate::export::{Plot, Series, range_from_zero};
+use crate::export::{Plot, Series, SeriesPoint, range_from_zero};
 
 /// Line style of a method: colour, dashes (empty for solid) and width in pixels.
 pub fn method_line(method: BurstMethod) -> (&'static str, &'static str, f64) {
@@ -27,7 +27,7 @@ pub fn method_line(method: BurstMethod) -> (&'static str, &'static str, f64) {
 }
 
 /// A method's line with its points.
-pub(super) fn method_series(method: BurstMethod, points: Vec<(f64, f64, Option<f64>)>) -> Series {
+pub(super) fn method_series(method: BurstMethod, points: Vec<SeriesPoint>) -> Series {
     let (colour, dashes, width) = method_line(method);
     Series { label: method.label().to_owned(), colour, dashes, width, points }
 }
@@ -158,8 +158,8 @@ pub fn frames_svg(report: &FramesReport) -> String {
         let methods = report.rows.first().map_or(&[][..], |row| &row.methods);
         let line = |(index, method): (usize, &super::chart::MethodReport)| {
             let point = |row: &super::frames::FramesRow| {
-                let Mean { mean, standard_error } = value(&row.methods[index]);
-                (row.frames as f64, mean, standard_error)
+                let value = value(&row.methods[index]);
+                (row.frames as f64, value.mean, value.within_error())
             };
             method_series(method.method, report.rows.iter().map(point).collect())
         };
@@ -242,7 +242,7 @@ fn figure<const N: usize>(title: &str, caption: &str, panels: [Panel; N]) -> Str
             label_x: "number of frames",
             label_y,
             range_x: (1.5, last + 0.5),
-            range_y: range.unwrap_or_else(|| range_from_zero(series)),
+            range_y: range.unwrap_or_else(|| range_from_zero(series, 1.0)),
             has_dots: true,
             series,
         };

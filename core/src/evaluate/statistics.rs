@@ -23,6 +23,11 @@ impl Mean {
         Self { mean, standard_error }
     }
 
+    /// Ends of one standard error below and above the mean; `None` without a standard error.
+    pub fn within_error(&self) -> Option<[f64; 2]> {
+        self.standard_error.map(|error| [self.mean - error, self.mean + error])
+    }
+
     /// Whether the mean differs from 0 by no more than `k` standard errors. Fewer than two samples cannot show a
     /// difference.
     pub fn is_consistent_with_zero(&self, k: f64) -> bool {

@@ -50,7 +50,7 @@ pub use mark::{CURVE_COLUMNS, PLANTED_COLUMNS, is_ours};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use npz::write_npz;
 pub use outputs::{OpenedFiles, OutputRules, Overwrite};
-pub use plot::{Plot, Series, range_from_zero};
+pub use plot::{Plot, Series, SeriesPoint, range_from_zero};
 pub use png::{Picture, write_png};
 pub(crate) use svg::Escaped;
 pub use tiff::write_tiff;

@@ -13,9 +13,12 @@ pub struct Series {
     pub dashes: &'static str,
     /// Width, pixels.
     pub width: f64,
-    /// Points: x, y, and the spread of the value to either side, if known. Points that are not finite break the line.
-    pub points: Vec<(f64, f64, Option<f64>)>,
+    /// Points, from left to right. Points that are not finite break the line.
+    pub points: Vec<SeriesPoint>,
 }
+
+/// Point of a line: x, y, and the lower and upper end of the value's spread, if known.
+pub type SeriesPoint = (f64, f64, Option<[f64; 2]>);
 
 /// Axes and the lines over them.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,10 +39,12 @@ pub struct Plot<'a> {
     pub series: &'a [Series],
 }
 
-/// Range from 0 to a little above the largest finite value of the points with their spread; at least 1.
-pub fn range_from_zero(series: &[Series]) -> (f64, f64) {
-    let tops = series.iter().flat_map(|s| &s.points).map(|&(_, y, spread)| y + spread.unwrap_or(0.0));
-    (0.0, 1.06 * tops.filter(|y| y.is_finite()).fold(1.0, f64::max))
+/// Range from 0 to a little above the largest finite value of the points with their spread; at least `least`, which is
+/// above 0.
+pub fn range_from_zero(series: &[Series], least: f64) -> (f64, f64) {
+    let tops =
+        series.iter().flat_map(|s| &s.points).flat_map(|&(_, y, spread)| [y, spread.map_or(y, |[_, high]| high)]);
+    (0.0, 1.06 * tops.filter(|y| y.is_finite()).fold(least, f64::max))
 }
 
 impl Sheet {
@@ -60,15 +65,16 @@ impl Sheet {
         self.clipped(area, |sheet| {
             for series in plot.series {
                 let Series { colour, dashes, width, points, .. } = series;
-                let finite =
-                    |&(x, y, _): &(f64, f64, Option<f64>)| (x.is_finite() && y.is_finite()).then(|| (x_of(x), y_of(y)));
+                let finite = |&(x, y, _): &SeriesPoint| (x.is_finite() && y.is_finite()).then(|| (x_of(x), y_of(y)));
                 let style = format!(
                     r#"stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dashes}" stroke-linejoin="round""#
                 );
                 for &(x, y, spread) in points {
-                    if let Some(spread) = spread.filter(|s| x.is_finite() && y.is_finite() && s.is_finite()) {
+                    if let Some([low, high]) =
+                        spread.filter(|ends| [x, y, ends[0], ends[1]].iter().all(|n| n.is_finite()))
+                    {
                         let style = r#"stroke-width="1.2" stroke-opacity="0.75""#;
-                        sheet.line((x_of(x), y_of(y - spread)), (x_of(x), y_of(y + spread)), colour, style);
+                        sheet.line((x_of(x), y_of(low)), (x_of(x), y_of(high)), colour, style);
                     }
                 }
                 sheet.polyline(points.iter().map(finite), &style);
@@ -107,20 +113,21 @@ impl Sheet {
 mod tests {
     use super::*;
 
-    fn series(points: &[(f64, f64, Option<f64>)]) -> Series {
+    fn series(points: &[SeriesPoint]) -> Series {
         Series { label: "a < b".into(), colour: "#000000", dashes: "", width: 2.0, points: points.to_vec() }
     }
 
     #[test]
     fn a_plot_has_room_for_what_it_shows() {
-        let all = [series(&[(1.0, 5.0, Some(2.0)), (2.0, f64::NAN, None)]), series(&[(1.0, 3.0, None)])];
-        assert!((range_from_zero(&all).1 - 7.42).abs() < 1e-9);
-        assert_eq!(range_from_zero(&[]), (0.0, 1.06));
+        let all = [series(&[(1.0, 5.0, Some([4.0, 7.0])), (2.0, f64::NAN, None)]), series(&[(1.0, 3.0, None)])];
+        assert!((range_from_zero(&all, 1.0).1 - 7.42).abs() < 1e-9);
+        assert_eq!(range_from_zero(&[], 1.0), (0.0, 1.06));
     }
 
     #[test]
     fn lines_break_where_a_value_is_missing_and_names_are_escaped() {
-        let all = [series(&[(0.0, 1.0, None), (1.0, f64::NAN, None), (2.0, 1.0, Some(0.5)), (3.0, 2.0, None)])];
+        let spread = Some([0.25, 1.5]);
+        let all = [series(&[(0.0, 1.0, None), (1.0, f64::NAN, spread), (2.0, 1.0, spread), (3.0, 2.0, None)])];
         let mut sheet = Sheet::new(300.0, "lines");
         let plot = Plot {
             title: "",
@@ -137,6 +144,9 @@ mod tests {
         let path = svg.lines().find(|line| line.starts_with("<path")).expect("a line");
         assert!(path.contains("M60 70M126.667 70L160 20"), "{path}");
         assert_eq!(svg.matches("<circle").count(), 3);
+        let bars: Vec<&str> = svg.lines().filter(|line| line.contains("stroke-opacity")).collect();
+        let is_from_low_to_high = bars[0].contains(r#"y1="107.5""#) && bars[0].contains(r#"y2="45""#);
+        assert!(bars.len() == 1 && is_from_low_to_high, "{bars:?}");
         assert!(svg.contains("a &lt; b") && !svg.contains("NaN"), "{svg}");
     }
 }

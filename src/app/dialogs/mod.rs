@@ -1,8 +1,9 @@
 //! File questions: the system's dialogs, and a path field where the system has none.
 //!
 //! The system's dialogs wait for a person, so they run on a thread of their own. They are behind [`FileDialogs`], so
-//! that tests can answer for the person. On a Linux desktop without a portal the system's dialog returns "nothing
-//! chosen" at once, faster than a person can cancel; the path field opens then.
+//! that tests can answer for the person. A free desktop shows dialogs through its portal, or through the program
+//! `zenity`; whether one of them is there is looked up for each question, and where neither is, the path field opens. A
+//! dialog that returns nothing was cancelled or has failed, which cannot be told apart: both are said.
 
 mod path_field;
 
@@ -12,7 +13,6 @@ use crate::app::project::effect::Purpose;
 use crate::engine::OnUpdate;
 use std::path::PathBuf;
 use std::sync::{Arc, mpsc};
-use std::time::{Duration, Instant};
 
 /// Question for files.
 #[derive(Debug, Clone)]
@@ -25,9 +25,12 @@ pub struct Question {
     pub folder: Option<PathBuf>,
 }
 
-/// Source of answers to file questions. It waits for the answer; `None` means that nothing was chosen.
+/// Source of answers to file questions.
 pub trait FileDialogs: Send + Sync {
-    /// Asks the question, and waits for the answer.
+    /// Whether there are dialogs at all. May wait for the system.
+    fn exist(&self) -> bool;
+
+    /// Asks the question, and waits for the answer. `None`, or no path: the dialog ended without an answer.
     fn ask(&self, question: &Question) -> Option<Vec<PathBuf>>;
 }
 
@@ -36,6 +39,17 @@ pub trait FileDialogs: Send + Sync {
 pub struct SystemDialogs;
 
 impl FileDialogs for SystemDialogs {
+    #[cfg(all(unix, not(target_os = "macos")))]
+    fn exist(&self) -> bool {
+        let session_bus = zbus::connection::Builder::session();
+        free_desktop::shows_dialogs(session_bus, std::env::var_os("PATH").as_deref())
+    }
+
+    #[cfg(not(all(unix, not(target_os = "macos"))))]
+    fn exist(&self) -> bool {
+        true
+    }
+
     fn ask(&self, question: &Question) -> Option<Vec<PathBuf>> {
         let mut dialog = rfd::FileDialog::new().set_title(question.purpose.title());
         if let Some(folder) = &question.folder {
@@ -60,19 +74,51 @@ impl FileDialogs for SystemDialogs {
     }
 }
 
+/// Search for what shows dialogs on a free desktop, where `rfd` asks the portal, and after it `zenity`.
+#[cfg(all(unix, not(target_os = "macos")))]
+mod free_desktop {
+    use std::ffi::OsStr;
+    use std::os::unix::fs::PermissionsExt;
+    use std::path::Path;
+    use std::time::Duration;
+
+    /// Time in which a portal answers: the bus itself waits as long for a service that it starts.
+    const PATIENCE: Duration = Duration::from_secs(25);
+
+    /// Whether the portal on `session_bus` has a file chooser, or a folder of `search_path` has `zenity`.
+    pub(super) fn shows_dialogs(
+        session_bus: zbus::Result<zbus::connection::Builder<'_>>,
+        search_path: Option<&OsStr>,
+    ) -> bool {
+        pollster::block_on(portal_chooses_files(session_bus)).is_ok()
+            || search_path
+                .is_some_and(|path| std::env::split_paths(path).any(|folder| is_program(&folder.join("zenity"))))
+    }
+
+    /// Asks the portal for the version of its file chooser. A portal without a desktop behind it has none.
+    async fn portal_chooses_files(session_bus: zbus::Result<zbus::connection::Builder<'_>>) -> zbus::Result<()> {
+        let bus = session_bus?.method_timeout(PATIENCE).build().await?;
+        let (portal, object) = ("org.freedesktop.portal.Desktop", "/org/freedesktop/portal/desktop");
+        let property = ("org.freedesktop.portal.FileChooser", "version");
+        bus.call_method(Some(portal), object, Some("org.freedesktop.DBus.Properties"), "Get", &property).await?;
+        Ok(())
+    }
+
+    fn is_program(path: &Path) -> bool {
+        path.metadata().is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
+    }
+}
+
 /// Answer to a question.
 #[derive(Debug, Clone)]
 pub enum FileAnswer {
     /// Files were chosen.
     Chosen(Purpose, Vec<PathBuf>),
-    /// The person chose nothing.
-    Nothing,
-    /// The system showed no dialog.
+    /// The dialog ended without an answer.
+    Nothing(Question),
+    /// The system has no dialogs.
     NoDialog(Question),
 }
-
-/// Minimum time a person needs to cancel: a dialog that returns "nothing" sooner was never shown.
-const TOO_QUICK_FOR_A_PERSON: Duration = Duration::from_millis(350);
 
 /// Asks questions on threads of their own and collects the answers.
 pub struct Desk {
@@ -90,24 +136,26 @@ impl Desk {
         Self { dialogs, sender, receiver, on_update, open: 0 }
     }
 
-    /// Asks a question, unless one is open already.
-    pub fn ask(&mut self, question: Question) {
+    /// Asks a question.
+    ///
+    /// # Errors
+    /// The question, when an earlier one is not answered yet.
+    pub fn ask(&mut self, question: Question) -> Result<(), Question> {
         if self.open > 0 {
-            return;
+            return Err(question);
         }
         self.open += 1;
         let (dialogs, sender, on_update) = (self.dialogs.clone(), self.sender.clone(), self.on_update.clone());
         std::thread::Builder::new()
             .name("burstscope-dialog".to_owned())
             .spawn(move || {
-                let asked = Instant::now();
-                let paths = dialogs.ask(&question);
-                let answer = answer(question, paths, asked.elapsed());
+                let answer = answer(question, &*dialogs);
                 // When the window is closed already, the answer is dropped.
                 let _ = sender.send(answer);
                 on_update();
             })
             .expect("the system can start a handful of threads");
+        Ok(())
     }
 
     /// Returns the answers received since the last call.
@@ -123,24 +171,32 @@ impl Desk {
     }
 }
 
-/// Interprets `paths`, which the system's dialog returned `after` this time.
-fn answer(question: Question, paths: Option<Vec<PathBuf>>, after: Duration) -> FileAnswer {
-    match paths {
+/// Asks the question, where there are dialogs.
+fn answer(question: Question, dialogs: &dyn FileDialogs) -> FileAnswer {
+    if !dialogs.exist() {
+        return FileAnswer::NoDialog(question);
+    }
+    match dialogs.ask(&question) {
         Some(paths) if !paths.is_empty() => FileAnswer::Chosen(question.purpose, paths),
-        _ if after < TOO_QUICK_FOR_A_PERSON => FileAnswer::NoDialog(question),
-        _ => FileAnswer::Nothing,
+        _ => FileAnswer::Nothing(question),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::{Duration, Instant};
 
-    struct Chooses(&'static str);
+    /// Dialogs that exist or not, and return these paths at once.
+    struct Scripted(bool, Option<Vec<PathBuf>>);
 
-    impl FileDialogs for Chooses {
+    impl FileDialogs for Scripted {
+        fn exist(&self) -> bool {
+            self.0
+        }
+
         fn ask(&self, _: &Question) -> Option<Vec<PathBuf>> {
-            Some(vec![self.0.into()])
+            self.1.clone()
         }
     }
 
@@ -148,33 +204,115 @@ mod tests {
         Question { purpose: Purpose::OpenFolder, suggested_name: String::new(), folder: None }
     }
 
-    fn answer_of(dialogs: Chooses) -> FileAnswer {
-        let mut desk = Desk::new(Arc::new(dialogs), Arc::new(|| {}));
-        desk.ask(question());
-        assert!(desk.is_asking());
+    #[test]
+    fn what_was_chosen_is_answered_and_a_second_question_comes_back() {
+        let mut desk = Desk::new(Arc::new(Scripted(true, Some(vec!["/x".into()]))), Arc::new(|| {}));
+        assert!(desk.ask(question()).is_ok());
+        assert!(desk.is_asking() && desk.ask(question()).is_err());
         let end = Instant::now() + Duration::from_secs(120);
-        loop {
+        let chosen = loop {
             if let Some(answer) = desk.take_answers().pop() {
-                assert!(!desk.is_asking());
-                return answer;
+                break answer;
             }
             assert!(Instant::now() < end, "no answer");
             std::thread::sleep(Duration::from_millis(1));
-        }
-    }
-
-    #[test]
-    fn an_instant_nothing_means_that_there_was_no_dialog() {
-        let nothing = |paths, millis| answer(question(), paths, Duration::from_millis(millis));
-        for paths in [None, Some(Vec::new())] {
-            assert!(matches!(nothing(paths.clone(), 5), FileAnswer::NoDialog(_)));
-            assert!(matches!(nothing(paths, 900), FileAnswer::Nothing));
-        }
-    }
-
-    #[test]
-    fn what_was_chosen_is_answered() {
-        let chosen = answer_of(Chooses("/x"));
+        };
         assert!(matches!(chosen, FileAnswer::Chosen(Purpose::OpenFolder, paths) if paths == [PathBuf::from("/x")]));
+        assert!(!desk.is_asking() && desk.ask(question()).is_ok());
+    }
+
+    #[test]
+    fn there_is_no_dialog_only_where_the_system_has_none_however_soon_one_ends() {
+        for paths in [None, Some(Vec::new())] {
+            assert!(matches!(answer(question(), &Scripted(true, paths.clone())), FileAnswer::Nothing(_)));
+            assert!(matches!(answer(question(), &Scripted(false, paths)), FileAnswer::NoDialog(_)));
+        }
+    }
+
+    #[cfg(all(unix, not(target_os = "macos")))]
+    mod of_a_free_desktop {
+        use super::super::free_desktop::shows_dialogs;
+        use std::io::{BufRead, BufReader};
+        use std::os::unix::fs::PermissionsExt;
+        use std::process::{Child, Command, Stdio};
+        use zbus::connection::Builder;
+
+        /// A session bus of its own, which ends with the test.
+        struct Bus(Child, String);
+
+        impl Bus {
+            fn start() -> Self {
+                let arguments = ["--session", "--nofork", "--nopidfile", "--print-address"];
+                let mut daemon =
+                    Command::new("dbus-daemon").args(arguments).stdout(Stdio::piped()).spawn().expect("it starts");
+                let mut address = String::new();
+                BufReader::new(daemon.stdout.take().expect("piped")).read_line(&mut address).expect("an address");
+                Self(daemon, address.trim().to_owned())
+            }
+
+            fn builder(&self) -> zbus::Result<Builder<'_>> {
+                Builder::address(self.1.as_str())
+            }
+        }
+
+        impl Drop for Bus {
+            fn drop(&mut self) {
+                let _ = self.0.kill();
+                let _ = self.0.wait();
+            }
+        }
+
+        /// A portal's file chooser, or an object in its place that is none.
+        struct Chooser;
+
+        #[zbus::interface(name = "org.freedesktop.portal.FileChooser")]
+        impl Chooser {
+            #[zbus(property, name = "version")]
+            fn version(&self) -> u32 {
+                4
+            }
+        }
+
+        struct Settings;
+
+        #[zbus::interface(name = "org.freedesktop.portal.Settings")]
+        impl Settings {
+            #[zbus(property, name = "version")]
+            fn version(&self) -> u32 {
+                2
+            }
+        }
+
+        const NAME: &str = "org.freedesktop.portal.Desktop";
+        const OBJECT: &str = "/org/freedesktop/portal/desktop";
+
+        #[needs::program("dbus-daemon")]
+        #[test]
+        fn a_portal_or_zenity_shows_dialogs_and_nothing_else_does() {
+            let home = tempfile::tempdir().expect("a folder");
+            let (with, without) = (home.path().join("with"), home.path().join("without"));
+            [&with, &without].into_iter().for_each(|folder| std::fs::create_dir(folder).expect("made"));
+            for (folder, mode) in [(&with, 0o755), (&without, 0o644)] {
+                std::fs::write(folder.join("zenity"), "#!/bin/sh\n").expect("written");
+                let mode = std::fs::Permissions::from_mode(mode);
+                std::fs::set_permissions(folder.join("zenity"), mode).expect("set");
+            }
+            let bus = Bus::start();
+            let both = || [&without, &with].map(|folder| shows_dialogs(bus.builder(), Some(folder.as_os_str())));
+            assert_eq!(both(), [false, true], "no portal");
+            let served = |builder: zbus::Result<Builder<'_>>| {
+                let builder = builder.and_then(|builder| builder.name(NAME));
+                pollster::block_on(builder.expect("a name").build()).expect("a service")
+            };
+            let other = served(bus.builder().and_then(|builder| builder.serve_at(OBJECT, Settings)));
+            assert_eq!(both(), [false, true], "a portal that chooses no files");
+            pollster::block_on(other.release_name(NAME)).expect("released");
+            let portal = served(bus.builder().and_then(|builder| builder.serve_at(OBJECT, Chooser)));
+            assert_eq!(both(), [true, true], "a portal");
+            assert!(shows_dialogs(bus.builder(), None), "a portal, and no search path");
+            drop(portal);
+            let gone = Builder::address("unix:path=/nowhere/bus");
+            assert!(!shows_dialogs(gone, Some(without.as_os_str())), "no bus");
+        }
     }
 }

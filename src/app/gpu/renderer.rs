@@ -2,11 +2,11 @@
 //! for each pane), and the paint callback that draws one picture in one pane with it.
 
 use super::PictureId;
-use super::texture::{DeviceLimits, Layout, PictureTexture};
+use super::texture::{DeviceLimits, Layout, PictureTexture, wait_for_card};
 use crate::app::canvas::RectTransform;
 use crate::plane::Plane;
 use crate::plane::display::{ColourMap, Display};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::num::NonZeroU64;
 use std::sync::{Arc, Mutex};
 
@@ -17,7 +17,7 @@ const BUDGET_BYTES: u64 = 512 << 20;
 const PANE_LIFETIME_FRAMES: u64 = 600;
 
 /// Reasons why pictures could not be uploaded.
-pub type Failures = Arc<Mutex<HashMap<PictureId, String>>>;
+pub type Failures = Arc<Mutex<BTreeMap<PictureId, String>>>;
 
 struct Resident {
     texture: PictureTexture,
@@ -41,14 +41,23 @@ pub struct PictureRenderer {
     pictures: HashMap<PictureId, Resident>,
     panes: HashMap<u64, Pane>,
     failures: Failures,
+    /// Shows failures in its next pass.
+    pub(super) window: Option<egui::Context>,
     frame: u64,
     frame_open: bool,
     uploads: u64,
 }
 
 impl PictureRenderer {
-    /// Creates the pipeline and the table of colour maps.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target: wgpu::TextureFormat, limits: DeviceLimits) -> Self {
+    /// Creates the pipeline and the table of colour maps. Failed uploads are noted in `failures`, and those that are in
+    /// it are not tried again.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        target: wgpu::TextureFormat,
+        limits: DeviceLimits,
+        failures: Failures,
+    ) -> Self {
         let layout = bind_group_layout(device);
         Self {
             pipeline: pipeline(device, &layout, target),
@@ -58,16 +67,12 @@ impl PictureRenderer {
             target_is_srgb: target.is_srgb(),
             pictures: HashMap::new(),
             panes: HashMap::new(),
-            failures: Failures::default(),
+            failures,
+            window: None,
             frame: 0,
             frame_open: false,
             uploads: 0,
         }
-    }
-
-    /// Map in which failed uploads are noted.
-    pub fn failures(&self) -> Failures {
-        self.failures.clone()
     }
 
     /// Number of pictures uploaded so far.
@@ -131,12 +136,19 @@ impl PictureRenderer {
             resident.last_used_frame = self.frame;
             return Some(resident.texture.layout);
         }
-        let mut failures = self.failures.lock().ok()?;
-        if failures.contains_key(&id) {
+        if self.failures.lock().ok()?.contains_key(&id) {
             return None;
         }
-        let texture = Layout::new(plane.size(), self.limits)
-            .and_then(|layout| PictureTexture::upload(device, queue, plane, layout));
+        let texture = Layout::new(plane.size(), self.limits).and_then(|layout| {
+            PictureTexture::upload(device, queue, plane, layout).or_else(|_| {
+                // What is not on show may be in the way.
+                let frame = self.frame;
+                self.pictures.retain(|_, picture| picture.last_used_frame == frame);
+                self.panes.retain(|_, pane| self.pictures.contains_key(&pane.picture));
+                wait_for_card(device, None);
+                PictureTexture::upload(device, queue, plane, layout)
+            })
+        });
         match texture {
             Ok(texture) => {
                 let layout = texture.layout;
@@ -145,7 +157,10 @@ impl PictureRenderer {
                 Some(layout)
             }
             Err(message) => {
-                failures.insert(id, message);
+                self.failures.lock().ok()?.insert(id, message);
+                if let Some(window) = &self.window {
+                    window.request_repaint();
+                }
                 None
             }
         }

@@ -5,7 +5,7 @@
 //! them all again; so they are kept here too (a whole image shares its pixels with its creator). The pictures of
 //! bursts are not among them: they come with each frame, and are uploaded where they are missing.
 
-use super::renderer::PictureRenderer;
+use super::renderer::{Failures, PictureRenderer};
 use super::texture::DeviceLimits;
 use egui::epaint::{ColorImage, ImageData, ImageDelta, TextureId};
 use egui::{Context, FullOutput, TextureOptions};
@@ -69,22 +69,39 @@ fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
 
 /// Enables `ctx` to draw float pictures with `render_state`. Call it once when the window (or the offscreen drawing) is
 /// created, before the first canvas is shown: in an eframe app with `cc.egui_ctx` and `cc.wgpu_render_state`. Call it
-/// again for a new device in place of a [lost](Gpu::lost) one: everything on the card is uploaded to the new one.
+/// again for a new device in place of a [lost](Gpu::lost) one: everything on the card is uploaded to the new one, but
+/// not pictures for which there was no memory.
 ///
 /// The renderer of `render_state` must draw without multisampling and without a depth buffer, which are egui's
 /// defaults.
 pub fn install(ctx: &egui::Context, render_state: &RenderState) {
-    let limits = DeviceLimits::of(&render_state.device);
-    let renderer = PictureRenderer::new(&render_state.device, &render_state.queue, render_state.target_format, limits);
+    let RenderState { device, queue, target_format, .. } = render_state;
+    let limits = DeviceLimits::of(device);
+    let failures = Gpu::of(ctx).map_or_else(Failures::default, |gpu| gpu.failures);
+    let mut renderer = PictureRenderer::new(device, queue, *target_format, limits, failures.clone());
+    renderer.window = Some(ctx.clone());
     let lost = Arc::new(OnceLock::new());
     let (noted, waker) = (lost.clone(), ctx.clone());
-    render_state.device.set_device_lost_callback(move |reason, message| {
+    let lose = move |why: String| {
         // A device is lost only once.
-        let _ = noted.set(if message.is_empty() { format!("{reason:?}") } else { message });
+        let _ = noted.set(why);
         waker.request_repaint();
+    };
+    let lose_without_memory = lose.clone();
+    device.set_device_lost_callback(move |reason, message| {
+        lose(if message.is_empty() { format!("{reason:?}") } else { message });
     });
+    let noted = lost.clone();
+    device.on_uncaptured_error(Arc::new(move |error| match error {
+        // Memory for pictures is asked for where it may be refused. Without that for letters and shapes a device is of
+        // no use: another takes its place.
+        wgpu::Error::OutOfMemory { .. } => lose_without_memory("it has no memory left".to_owned()),
+        // What is asked of a lost device fails.
+        _ if noted.get().is_some() => {}
+        error => panic!("{error}"),
+    }));
     let adapter_name = Arc::from(render_state.adapter.get_info().name);
-    let gpu = Gpu { adapter_name, limits, failures: renderer.failures(), lost };
+    let gpu = Gpu { adapter_name, limits, failures, lost };
     render_state.renderer.write().callback_resources.insert(renderer);
     TextureMirror::install(ctx);
     ctx.data_mut(|data| data.insert_temp(egui::Id::NULL, gpu));
@@ -97,7 +114,7 @@ pub struct Gpu {
     pub adapter_name: Arc<str>,
     /// Limits of the device.
     pub limits: DeviceLimits,
-    failures: super::renderer::Failures,
+    failures: Failures,
     lost: Arc<OnceLock<String>>,
 }
 
@@ -119,6 +136,11 @@ impl Gpu {
             return Some(message);
         }
         self.failures.lock().ok()?.get(&id).cloned()
+    }
+
+    /// The newest picture for which there was no memory, and what is to be said about it.
+    pub fn newest_failure(&self) -> Option<(super::PictureId, String)> {
+        self.failures.lock().ok()?.last_key_value().map(|(id, why)| (*id, why.clone()))
     }
 }
 

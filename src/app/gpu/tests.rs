@@ -2,11 +2,13 @@
 
 use super::*;
 use crate::app::canvas::{Canvas, Picture, View, Zoom};
-use crate::app::offscreen::Offscreen;
+use crate::app::offscreen::{Offscreen, OffscreenError};
 use crate::plane::Plane;
 use crate::plane::display::{ColourMap, Display, NAN_COLOUR};
 use egui::{Vec2, vec2};
 use image::RgbaImage;
+use std::io::{Read, Write};
+use std::process::Stdio;
 use std::sync::Arc;
 
 /// Tolerance of a colour: the card may round differently once on the way to 8 bits and once in the gamma.
@@ -18,6 +20,16 @@ fn offscreen(size: Vec2, pixels_per_point: f32) -> Offscreen {
 
 /// Shows `picture` over the whole window.
 fn draw(window: &mut Offscreen, picture: &Picture, display: &Display, view: &mut View, dim: bool) -> RgbaImage {
+    try_draw(window, picture, display, view, dim).expect("the card draws")
+}
+
+fn try_draw(
+    window: &mut Offscreen,
+    picture: &Picture,
+    display: &Display,
+    view: &mut View,
+    dim: bool,
+) -> Result<RgbaImage, OffscreenError> {
     for _ in 0..2 {
         window.frame(Vec::new(), |ui| {
             let size = ui.ctx().content_rect().size();
@@ -27,7 +39,7 @@ fn draw(window: &mut Offscreen, picture: &Picture, display: &Display, view: &mut
             });
         });
     }
-    window.image().expect("the card draws")
+    window.image()
 }
 
 fn one_to_one(picture: &Picture, pixels_per_point: f32) -> View {
@@ -154,7 +166,7 @@ fn pictures_beyond_one_texture_are_tiled_without_a_seam() {
     let limits = DeviceLimits { max_side: 128, max_layers: 64 };
     {
         let state = window.render_state();
-        let small = PictureRenderer::new(&state.device, &state.queue, state.target_format, limits);
+        let small = PictureRenderer::new(&state.device, &state.queue, state.target_format, limits, Default::default());
         state.renderer.write().callback_resources.insert(small);
     }
     let plane = Plane::from_fn(400, 300, |u, v| ((u * 3 + v * 2) % 256) as f32 / 255.0);
@@ -216,4 +228,79 @@ fn a_picture_that_cannot_be_shown_says_why() {
     let gpu_limits = DeviceLimits { max_side: 64, max_layers: 1 };
     let message = super::texture::Layout::new((1000, 10), gpu_limits).unwrap_err();
     assert!(message.contains("1000 × 10"), "{message}");
+}
+
+/// Bytes of address space that this process uses.
+fn address_space() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").expect("Linux has it");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmSize:")).expect("its size");
+    line.trim().trim_end_matches(" kB").parse::<u64>().expect("a number") << 10
+}
+
+/// Another process, which limits the address space of this one: with too little left, this one cannot start any.
+struct Limiter(std::process::Child);
+
+impl Limiter {
+    fn start() -> Self {
+        let script = format!("while read n; do prlimit --pid {} --as=$n: && echo set; done", std::process::id());
+        let mut shell = std::process::Command::new("sh");
+        let shell = shell.args(["-c", &script]).stdin(Stdio::piped()).stdout(Stdio::piped());
+        Self(shell.spawn().expect("it starts"))
+    }
+
+    fn set(&mut self, limit: &str) {
+        let Self(shell) = self;
+        let (to, from) = (shell.stdin.as_mut().expect("piped"), shell.stdout.as_mut().expect("piped"));
+        to.write_all(format!("{limit}\n").as_bytes()).expect("it listens");
+        let mut answer = [0; 4];
+        from.read_exact(&mut answer).expect("it answers");
+        assert_eq!(&answer, b"set\n");
+    }
+}
+
+/// Draws a small and a large picture in turn, with more and more memory for the large one.
+fn draw_with_little_memory() {
+    let small = Picture::new(Arc::new(Plane::from_fn(64, 48, |u, v| ((u * 5 + v * 3) % 64) as f32 / 64.0)), "ramp");
+    let display = Display::default();
+    let mut window = offscreen(vec2(64.0, 48.0), 1.0);
+    let before = draw(&mut window, &small, &display, &mut View::fit(), false);
+    let large = Arc::new(Plane::zeros(5472, 3648));
+    let mut limiter = Limiter::start();
+    let (mut refused, mut drawn) = (0, 0);
+    for megabytes in (16..=256).step_by(16) {
+        let picture = Picture::new(large.clone(), "large");
+        limiter.set(&(address_space() + (megabytes << 20)).to_string());
+        let result = try_draw(&mut window, &picture, &display, &mut View::fit(), false);
+        limiter.set("unlimited");
+        println!("{megabytes} MB: {:?}", result.as_ref().map(|_| ()));
+        match result {
+            Ok(_) => drawn += 1,
+            Err(OffscreenError::NoRoom(why)) => {
+                assert!(why.contains("5472 × 3648"), "{why}");
+                let gpu = Gpu::of(window.context()).expect("installed");
+                assert_eq!(gpu.obstacle(picture.id, (5472, 3648)), Some(why), "the window says it in its next pass");
+                refused += 1;
+            }
+            Err(other) => panic!("{megabytes} MB: {other}"),
+        }
+        assert!(Gpu::of(window.context()).is_some_and(|gpu| gpu.lost().is_none()));
+        assert_eq!(draw(&mut window, &small, &display, &mut View::fit(), false), before, "{megabytes} MB");
+    }
+    assert!(refused > 0 && drawn > 0, "{refused} refused, {drawn} drawn");
+}
+
+/// Whatever memory is left, a picture is drawn or refused, and the next one is drawn on the same device.
+#[needs::program("prlimit")]
+#[test]
+fn a_picture_for_which_there_is_no_memory_is_refused_and_the_window_goes_on() {
+    // In a process of its own, whose limits are those of no other test.
+    const ALONE: &str = "BURSTSCOPE_TEST_ALONE";
+    if std::env::var_os(ALONE).is_some() {
+        return draw_with_little_memory();
+    }
+    let name = "app::gpu::tests::a_picture_for_which_there_is_no_memory_is_refused_and_the_window_goes_on";
+    let mut alone = std::process::Command::new(std::env::current_exe().expect("this program"));
+    let output = alone.args(["--exact", name, "--nocapture"]).env(ALONE, "1").output().expect("it starts");
+    let words = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    assert!(output.status.success() && words.contains("1 passed"), "{}: {words}", output.status);
 }

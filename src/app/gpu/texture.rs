@@ -5,8 +5,9 @@
 //! is averaged, not subsampled. The side of a tile is a multiple of 2^(levels − 1), hence a cell of any level lies in
 //! one tile.
 
-use crate::plane::Plane;
+use crate::plane::{Plane, memory};
 use rayon::prelude::*;
+use std::time::Duration;
 
 /// Picture on the card.
 pub struct PictureTexture {
@@ -16,86 +17,168 @@ pub struct PictureTexture {
     pub view: wgpu::TextureView,
 }
 
-/// Maximum size of one write into the texture, bytes; it keeps the copy on its way to the card small.
-const BYTES_PER_WRITE: usize = 32 << 20;
+/// Size of what is on its way to the card at once, bytes.
+const BYTES_ON_THE_WAY: u64 = 32 << 20;
+
+/// Time allowed to the card for what it is working on. A device that does not answer is not waited for any longer.
+const CARD_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// Waits until the card is done with `submission`, or with all that it was given; memory that it no longer needs is
+/// then given back.
+pub(super) fn wait_for_card(device: &wgpu::Device, submission: Option<wgpu::SubmissionIndex>) {
+    let wait = wgpu::PollType::Wait { submission_index: submission, timeout: Some(CARD_TIMEOUT) };
+    let _ = device.poll(wait);
+}
+
+/// There is no memory for a picture: neither on the card, nor for what is made of it on the way there.
+struct NoRoom;
+
+/// Runs `make`, which asks the device for memory.
+///
+/// # Errors
+/// Where the device had none.
+fn within_memory<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, NoRoom> {
+    let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let made = make();
+    pollster::block_on(scope.pop()).map_or(Ok(made), |_| Err(NoRoom))
+}
 
 impl PictureTexture {
     /// Uploads `plane`, and the coarser levels made from it.
     ///
     /// # Errors
-    /// When the card has no memory left; a sentence for the user.
+    /// When there is no memory left; a sentence for the user. The device goes on.
     pub fn upload(device: &wgpu::Device, queue: &wgpu::Queue, plane: &Plane, layout: Layout) -> Result<Self, String> {
-        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("burstscope picture"),
-            size: wgpu::Extent3d {
-                width: layout.tile.0,
-                height: layout.tile.1,
-                depth_or_array_layers: layout.layers(),
-            },
-            mip_level_count: layout.levels,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::R32Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        if pollster::block_on(scope.pop()).is_some() {
-            return Err(format!(
-                "The graphics card has no room for this picture of {} × {} pixels ({} MB). Close other programs that use it, or crop the picture.",
+        let uploaded = memory::refusable(|| Self::filled(device, queue, plane, layout));
+        uploaded.unwrap_or(Err(NoRoom)).map_err(|NoRoom| {
+            format!(
+                "There is no memory left to show this picture of {} × {} pixels ({} MB on the graphics card). Close other programs, or crop the picture.",
                 layout.size.0,
                 layout.size.1,
                 layout.bytes() >> 20
-            ));
-        }
-        write_level(queue, &texture, plane, layout, 0);
+            )
+        })
+    }
+
+    fn filled(device: &wgpu::Device, queue: &wgpu::Queue, plane: &Plane, layout: Layout) -> Result<Self, NoRoom> {
+        let texture = within_memory(device, || {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("burstscope picture"),
+                size: wgpu::Extent3d {
+                    width: layout.tile.0,
+                    height: layout.tile.1,
+                    depth_or_array_layers: layout.layers(),
+                },
+                mip_level_count: layout.levels,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::R32Float,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            })
+        })?;
+        let mut writes = Writes { device, queue, texture: &texture, commands: Vec::new(), bytes: 0 };
+        writes.write_level(plane, layout, 0)?;
         let mut coarse: Option<Plane> = None;
         for level in 1..layout.levels {
             let next = halve(coarse.as_ref().unwrap_or(plane));
-            write_level(queue, &texture, &next, layout, level);
+            writes.write_level(&next, layout, level)?;
             coarse = Some(next);
         }
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        });
+        writes.submit()?;
+        let view = within_memory(device, || {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                ..Default::default()
+            })
+        })?;
         Ok(Self { layout, view })
     }
 }
 
-/// Writes one level, tile by tile, in strips of rows.
-fn write_level(queue: &wgpu::Queue, texture: &wgpu::Texture, plane: &Plane, layout: Layout, level: u32) {
-    let tile = ((layout.tile.0 >> level) as usize, (layout.tile.1 >> level) as usize);
-    let bytes: &[u8] = bytemuck::cast_slice(plane.data());
-    for layer in 0..layout.layers() {
-        let (u0, v0) = ((layer % layout.tiles.0) as usize * tile.0, (layer / layout.tiles.0) as usize * tile.1);
-        let columns = tile.0.min(plane.width().saturating_sub(u0));
-        let rows = tile.1.min(plane.height().saturating_sub(v0));
-        if columns == 0 {
-            continue;
+/// Writes into a texture, on their way to the card. They go through buffers of our own: where a device has no memory
+/// for those of its queue, it is lost.
+struct Writes<'a> {
+    device: &'a wgpu::Device,
+    queue: &'a wgpu::Queue,
+    texture: &'a wgpu::Texture,
+    commands: Vec<wgpu::CommandBuffer>,
+    /// Size of the buffers that the commands copy.
+    bytes: u64,
+}
+
+impl Writes<'_> {
+    /// Writes one level, tile by tile, in strips of rows.
+    fn write_level(&mut self, plane: &Plane, layout: Layout, level: u32) -> Result<(), NoRoom> {
+        let tile = ((layout.tile.0 >> level) as usize, (layout.tile.1 >> level) as usize);
+        for layer in 0..layout.layers() {
+            let (u0, v0) = ((layer % layout.tiles.0) as usize * tile.0, (layer / layout.tiles.0) as usize * tile.1);
+            let columns = tile.0.min(plane.width().saturating_sub(u0));
+            let rows = tile.1.min(plane.height().saturating_sub(v0));
+            if columns == 0 {
+                continue;
+            }
+            let row_bytes = (columns * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
+            let rows_per_write = (BYTES_ON_THE_WAY as usize / row_bytes).max(1);
+            for first in (0..rows).step_by(rows_per_write) {
+                let count = rows_per_write.min(rows - first);
+                let row = |row: usize| &plane.row(v0 + first + row)[u0..u0 + columns];
+                let origin = wgpu::Origin3d { x: 0, y: first as u32, z: layer };
+                self.write_strip((level, origin), (columns, count), row_bytes, row)?;
+            }
         }
-        // Whole rows of the plane are passed; the card copies the tile's columns out of them.
-        let rows_per_write = (BYTES_PER_WRITE / (plane.width() * 4)).max(1);
-        for first in (0..rows).step_by(rows_per_write) {
-            let count = rows_per_write.min(rows - first);
-            let start = ((v0 + first) * plane.width() + u0) * 4;
-            let end = ((v0 + first + count - 1) * plane.width() + u0 + columns) * 4;
-            queue.write_texture(
-                wgpu::TexelCopyTextureInfo {
-                    texture,
-                    mip_level: level,
-                    origin: wgpu::Origin3d { x: 0, y: first as u32, z: layer },
-                    aspect: wgpu::TextureAspect::All,
-                },
-                &bytes[start..end],
-                wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(plane.width() as u32 * 4),
-                    rows_per_image: None,
-                },
-                wgpu::Extent3d { width: columns as u32, height: count as u32, depth_or_array_layers: 1 },
+        Ok(())
+    }
+
+    /// Writes (columns, rows) at a place of a level; `row_bytes` lie between the beginnings of two rows on the way.
+    fn write_strip<'p>(
+        &mut self,
+        (mip_level, origin): (u32, wgpu::Origin3d),
+        (columns, rows): (usize, usize),
+        row_bytes: usize,
+        row: impl Fn(usize) -> &'p [f32],
+    ) -> Result<(), NoRoom> {
+        let size = (row_bytes * rows) as u64;
+        if self.bytes + size > BYTES_ON_THE_WAY {
+            let submission = self.submit()?;
+            wait_for_card(self.device, Some(submission));
+        }
+        let buffer = within_memory(self.device, || {
+            self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("burstscope picture"),
+                size,
+                usage: wgpu::BufferUsages::MAP_WRITE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: true,
+            })
+        })?;
+        let mut mapped = buffer.get_mapped_range_mut(..).map_err(|_| NoRoom)?;
+        for index in 0..rows {
+            let start = index * row_bytes;
+            mapped.slice(start..start + 4 * columns).copy_from_slice(bytemuck::cast_slice(row(index)));
+        }
+        drop(mapped);
+        buffer.unmap();
+        let (layout, size) = (
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes as u32), rows_per_image: None },
+            wgpu::Extent3d { width: columns as u32, height: rows as u32, depth_or_array_layers: 1 },
+        );
+        self.commands.push(within_memory(self.device, || {
+            let mut encoder = self.device.create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_texture(
+                wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+                wgpu::TexelCopyTextureInfo { texture: self.texture, mip_level, origin, aspect: Default::default() },
+                size,
             );
-        }
+            encoder.finish()
+        })?);
+        self.bytes += (row_bytes * rows) as u64;
+        Ok(())
+    }
+
+    /// Sends the writes to the card.
+    fn submit(&mut self) -> Result<wgpu::SubmissionIndex, NoRoom> {
+        self.bytes = 0;
+        within_memory(self.device, || self.queue.submit(self.commands.drain(..)))
     }
 }
 

@@ -13,8 +13,9 @@ use crate::inspect::words::counted;
 use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
 use std::time::Duration;
 
-/// Draws the status bar.
-pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut Queue) {
+/// Draws the status bar. Returns whether the path is to be typed for which a dialog returned none.
+pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut Queue) -> bool {
+    let mut types_path = false;
     ui.horizontal(|ui| {
         let hint = if model.slots.a.burst.is_some() { "Point at the picture to read values" } else { "" };
         let text = readout.unwrap_or(hint);
@@ -55,6 +56,9 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
                 let text = format!("Figures  {}", progress_text(running));
                 ui.label(text).on_hover_text("Remaking the figures of the paper");
             }
+            let help = "Type the path, if no dialog appeared or it cannot be used";
+            types_path = model.messages.unanswered().is_some()
+                && ui.small_button("Type the path…").on_hover_text(help).clicked();
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 if let Some(note) = model.messages.last_note() {
                     ui.add(Label::new(note).truncate());
@@ -62,6 +66,7 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
             });
         });
     });
+    types_path
 }
 
 /// Warnings about the files of the burst in focus.

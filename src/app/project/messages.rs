@@ -1,5 +1,7 @@
 //! Messages of the window: errors stay until they are dismissed, a note until the next one.
 
+use super::effect::Purpose;
+
 /// Severity of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
@@ -25,6 +27,8 @@ pub struct Message {
 pub struct Messages {
     errors: Vec<Message>,
     note: Option<String>,
+    /// Question for a file, with the suggested name, that the last note is about.
+    unanswered: Option<(Purpose, String)>,
     newest: u64,
 }
 
@@ -46,11 +50,24 @@ impl Messages {
     /// Shows a note in the status bar until the next one.
     pub fn note(&mut self, text: impl Into<String>) {
         self.note = Some(text.into());
+        self.unanswered = None;
+    }
+
+    /// Shows a note that a dialog for a file ended without an answer, or `why` else there is none. The path can be
+    /// typed instead, until the next note.
+    pub fn note_unanswered(&mut self, purpose: Purpose, suggested_name: String, why: &str) {
+        self.note(format!("{}: {why}", purpose.title()));
+        self.unanswered = Some((purpose, suggested_name));
+    }
+
+    /// The question for a file, with the suggested name, that the last note is about.
+    pub fn unanswered(&self) -> Option<&(Purpose, String)> {
+        self.unanswered.as_ref()
     }
 
     /// Removes the last note: its subject is no longer on show.
     pub fn forget_note(&mut self) {
-        self.note = None;
+        (self.note, self.unanswered) = (None, None);
     }
 
     /// Errors that were not dismissed, oldest first.
@@ -93,5 +110,15 @@ mod tests {
         assert_eq!(messages.errors().len(), MAX_ERRORS);
         messages.resolved("Many");
         assert!(messages.errors().is_empty());
+    }
+
+    #[test]
+    fn an_unanswered_question_is_open_until_the_next_note() {
+        let mut messages = Messages::default();
+        messages.note_unanswered(Purpose::SaveParams, "params.toml".to_owned(), "no file was chosen");
+        assert_eq!(messages.last_note(), Some("Save parameters: no file was chosen"));
+        assert_eq!(messages.unanswered(), Some(&(Purpose::SaveParams, "params.toml".to_owned())));
+        messages.note("Saved");
+        assert_eq!(messages.unanswered(), None);
     }
 }

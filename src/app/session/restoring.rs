@@ -54,21 +54,21 @@ impl Restoring {
     /// place that is asked about.
     pub fn open(&mut self, source: BurstSource, model: &mut Model, engine: &Engine) {
         let case = match source.paths() {
-            [path] if is_case(path) => Some(path.clone()),
+            [path] if is_case(path) => Some(path),
             _ => None,
         };
-        match case.as_deref().map(Session::in_case) {
-            Some(Ok(Some(session))) => {
-                self.begin(session, model, engine);
-                return;
-            }
-            Some(Err(why)) => model.messages.error(TITLE, why),
-            Some(Ok(None)) | None => {}
-        }
         // A case that cannot be read is reported when it is opened.
-        if let Some(Ok(case)) = case.as_deref().map(read_about) {
-            model.set_search(case.search);
-            model.lab.probe_when_open = case.place.map(|place| (source.clone(), place));
+        if let Some((path, Ok(about))) = case.map(|path| (path, read_about(path))) {
+            match Session::in_case(path) {
+                Ok(Some(session)) => {
+                    self.begin(session, model, engine);
+                    return;
+                }
+                Ok(None) => {}
+                Err(why) => model.messages.error(TITLE, why),
+            }
+            model.set_search(about.search);
+            model.lab.probe_when_open = about.place.map(|place| (source.clone(), place));
         }
         model.open(Side::A, source, engine);
     }

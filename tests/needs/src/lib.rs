@@ -50,6 +50,15 @@ pub fn landlock(_: TokenStream, test: TokenStream) -> TokenStream {
     with_ignore((!is_offered).then_some(&"needs a kernel with Landlock".to_owned()), test)
 }
 
+/// Ignores the test where the named program is in no folder of `PATH`.
+#[proc_macro_attribute]
+pub fn program(name: TokenStream, test: TokenStream) -> TokenStream {
+    let name: String = name.into_iter().filter_map(text).collect();
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let is_there = std::env::split_paths(&path).any(|folder| folder.join(&name).is_file());
+    with_ignore((!is_there).then_some(&format!("needs the program {name}")), test)
+}
+
 /// Folder of the real input: that of `BURSTSCOPE_SHARED`, or `shared` beside the folder that holds `Cargo.lock`.
 fn shared_root() -> Option<PathBuf> {
     if let Some(named) = std::env::var_os("BURSTSCOPE_SHARED") {

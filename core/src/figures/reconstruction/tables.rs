@@ -7,7 +7,7 @@ use crate::evaluate::figure::method_line;
 use crate::evaluate::poses::Projection;
 use crate::evaluate::{MatchMethod, motion_name};
 use crate::export::sheet::{Anchor, Area, Sheet};
-use crate::export::{Plot, Series};
+use crate::export::{Plot, Series, SeriesPoint};
 use crate::figures::Made;
 use crate::figures::drawing::{Cell, Table};
 use crate::synth::{Light, Motion};
@@ -300,7 +300,7 @@ fn write_centres(csv: &mut String, motion: Motion, method: &str, centres: &[Cent
 
 /// Ranges of the axes that contain all points with a margin and have one scale, for an area of this shape.
 fn ranges(all: &[Series], width_over_height: f64) -> ((f64, f64), (f64, f64)) {
-    let range = |value: fn(&(f64, f64, Option<f64>)) -> f64| {
+    let range = |value: fn(&SeriesPoint) -> f64| {
         let values = all.iter().flat_map(|series| &series.points).map(value);
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
     };
