@@ -37,7 +37,9 @@ fn of_error(error: &anyhow::Error, text: String) -> PyErr {
             };
         }
         match cause.downcast_ref::<ExportError>() {
-            Some(ExportError::Foreign { .. }) => return PyFileExistsError::new_err(text),
+            Some(ExportError::Foreign { .. } | ExportError::InTheWay { .. }) => {
+                return PyFileExistsError::new_err(text);
+            }
             Some(_) => return PyOSError::new_err(text),
             None => {}
         }

@@ -23,6 +23,7 @@ use crate::evaluate::curves::{curves_csv, curves_svg};
 use crate::export::case::{Case, Enclosed, write_case};
 use crate::export::film::FilmFormat;
 use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
+use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
@@ -217,10 +218,10 @@ type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 /// When a detection, a picture or a burst is missing; the message names it.
 fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     match purpose {
-        Purpose::SaveParams => Ok(text_work(written_by() + &model.asked().to_toml())),
+        Purpose::SaveParams => Ok(settings_work(model.asked().to_toml())),
         Purpose::SaveSession => {
             let session = Session::of(model).ok_or("no burst is open; open one first")?;
-            Ok(text_work(written_by() + &session.to_toml()))
+            Ok(settings_work(session.to_toml()))
         }
         Purpose::Export(ExportKind::Csv) => features_work(model, ExportFormat::Csv),
         Purpose::Export(ExportKind::Colmap) => features_work(model, ExportFormat::Colmap),
@@ -228,8 +229,13 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         Purpose::Export(ExportKind::Matches) => matches_work(model),
         Purpose::Export(ExportKind::MatchPicture) => match_picture_work(model),
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
-        Purpose::Export(ExportKind::CurvesCsv) => Ok(text_work(curves_csv(&shown_plots(&model.lab)))),
-        Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(curves_svg(&shown_plots(&model.lab)))),
+        Purpose::Export(ExportKind::CurvesCsv) => {
+            let text = curves_csv(&shown_plots(&model.lab));
+            Ok(Box::new(move |path| {
+                export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
+            }))
+        }
+        Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(Kind::Drawing, curves_svg(&shown_plots(&model.lab)))),
         Purpose::Export(ExportKind::Case) => case_work(model),
         Purpose::Export(kind @ (ExportKind::FilmGif | ExportKind::FilmApng)) => {
             let (film, rate) = film_of(model, widgets)?;
@@ -242,8 +248,12 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
     }
 }
 
-fn text_work(text: String) -> Work {
-    Box::new(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string()))
+fn text_work(kind: Kind, text: String) -> Work {
+    Box::new(move |path| export::write_text(path, kind, text).map_err(|e| e.to_string()))
+}
+
+fn settings_work(toml: String) -> Work {
+    text_work(Kind::Settings, written_by() + &toml)
 }
 
 /// Writes the open burst with the search, the place that is probed in it, the session, and its truth.

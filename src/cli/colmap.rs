@@ -78,7 +78,9 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         }
     }
     let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };
-    let mut store = FeatureStore::open(&args.out, &job.features)?.comparing(comparison);
+    let opened = [args.run.search.file.params.as_ref(), args.matching.camera_file()].into_iter().flatten().cloned();
+    let store = FeatureStore::open(&args.out, &job.features)?.and_opened(opened.collect());
+    let mut store = store.comparing(comparison);
     let mut gathered = None;
     if !args.gather.is_empty() {
         let report = gather(&mut store, &bursts, &args.gather, &console.monitor)?;

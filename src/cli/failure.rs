@@ -113,7 +113,10 @@ impl From<ParamError> for Failure {
 
 impl From<crate::export::ExportError> for Failure {
     fn from(error: crate::export::ExportError) -> Self {
-        Self::Failed(error.into())
+        match error {
+            crate::export::ExportError::Cancelled(_) => Self::Interrupted,
+            other => Self::Failed(other.into()),
+        }
     }
 }
 

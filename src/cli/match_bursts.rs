@@ -74,7 +74,8 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let options = open_options(&inputs, &args.run.calibration)?;
     let name = safe_file_name(&format!("{}_{}", inputs[0].name, inputs[1].name));
     let [matches, picture] = ["csv", "png"].map(|end| args.out.join(format!("{name}.matches.{end}")));
-    job.rules = args.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
+    let settings = [args.run.search.file.params.as_ref(), args.matching.camera_file()];
+    job.rules = args.overwrite.rules(&inputs, &options, &settings);
     let folder = job.take_folder(&inputs, &[matches.clone(), picture.clone()])?;
     let mut found: Vec<(BurstReport, Burst, Detection)> = Vec::with_capacity(2);
     for (index, input) in inputs.into_iter().enumerate() {

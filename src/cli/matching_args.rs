@@ -8,7 +8,7 @@ use crate::dataset::camera::read_camera;
 use crate::matching::params::doc;
 use crate::matching::{Camera, MatchParams};
 use clap::{ArgMatches, Args, Command, FromArgMatches};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The options of matching as they are written: one for each record of a parameter.
 #[derive(Debug, Clone, Default)]
@@ -16,6 +16,8 @@ pub struct MatchingArgs {
     given: Given<MatchParams>,
     /// The camera, which may also come from a file.
     camera: Option<Camera>,
+    /// The file that it came from.
+    camera_file: Option<PathBuf>,
 }
 
 impl Args for MatchingArgs {
@@ -43,7 +45,12 @@ impl Args for MatchingArgs {
 impl FromArgMatches for MatchingArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let others: Vec<_> = doc::ALL.into_iter().filter(|record| *record != doc::CAMERA).collect();
-        Ok(Self { given: Given::among(&others, matches), camera: matches.get_one::<Camera>(doc::CAMERA.name).cloned() })
+        let camera_file = matches.get_raw(doc::CAMERA.name).and_then(|mut raw| raw.next()).map(PathBuf::from);
+        Ok(Self {
+            given: Given::among(&others, matches),
+            camera: matches.get_one::<Camera>(doc::CAMERA.name).cloned(),
+            camera_file: camera_file.filter(|path| path.is_file()),
+        })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -53,6 +60,11 @@ impl FromArgMatches for MatchingArgs {
 }
 
 impl MatchingArgs {
+    /// The file that the camera came from.
+    pub fn camera_file(&self) -> Option<&PathBuf> {
+        self.camera_file.as_ref()
+    }
+
     /// Parameters, checked. With a camera and no geometry, matches are verified by the essential matrix.
     ///
     /// # Errors

@@ -7,7 +7,8 @@ use super::inputs;
 use super::inputs::{open_options, resolve_one};
 use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
 use crate::detector::SlopeChoice;
-use crate::export::{ExportError, write_whole};
+use crate::export::write_text;
+use crate::files::mark::Kind;
 use crate::files::path_text;
 use crate::inspect::figure::{probe_svg, spectrum_svg};
 use crate::inspect::price::price;
@@ -18,7 +19,6 @@ use crate::inspect::{ProbeCache, ProbeOptions, probe};
 use crate::monitor::Stage;
 use clap::Args;
 use serde_json::json;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
@@ -49,7 +49,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
         rules.check(path)?;
-        write_text(path, &probe_svg(&answer, &input.name))?;
+        write_text(path, Kind::Drawing, probe_svg(&answer, &input.name))?;
     }
     let remedy = answer.subject_fate().and_then(|fate| Some((fate.of_sample(), &fate.remedy.as_ref()?.change)));
     let price = match remedy.filter(|_| args.price) {
@@ -109,11 +109,6 @@ pub(super) fn check_svg(path: &Path) -> Result<(), Failure> {
     Err(Failure::usage(format!("--plot: figures are written as SVG; name the file .svg: {}", path.display())))
 }
 
-/// Writes a text file whole or not at all.
-pub(super) fn write_text(path: &Path, text: &str) -> Result<(), ExportError> {
-    write_whole(path, |out| out.write_all(text.as_bytes()))
-}
-
 /// Share of the progress that the search takes.
 const SEARCH_SHARE: f32 = 0.8;
 
@@ -158,7 +153,7 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
         rules.check(path)?;
-        write_text(path, &spectrum_svg(&answer, &input.name))?;
+        write_text(path, Kind::Drawing, spectrum_svg(&answer, &input.name))?;
         text += &format!("wrote {}\n", path.display());
     }
     console.say(&text)?;

@@ -5,14 +5,15 @@ use super::choices::{CONTRASTS, SHAPES, words};
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{self, open_options, resolve_one};
-use super::probe::write_text;
 use super::study::{Document, check_plot, write_plot};
 use crate::detector::{SearchParams, SlopeAxis};
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, is_case, write_case};
+use crate::export::write_whole;
 use crate::inspect::recover::plots::recover_svg;
 use crate::inspect::recover::report::planted_csv;
 use crate::inspect::recover::{Contrast, RecoverStudy, Shape};
 use clap::Args;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -156,7 +157,7 @@ pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
     write_plot(&console, args.plot.as_deref(), &rules, || recover_svg(&report))?;
     if let Some(path) = &args.csv {
         rules.check(path)?;
-        write_text(path, &planted_csv(&report.planted))?;
+        write_whole(path, |out| out.write_all(planted_csv(&report.planted).as_bytes()))?;
         console.say(&format!("wrote {}\n", path.display()))?;
     }
     if let Some(path) = &args.case {

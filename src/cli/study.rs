@@ -8,9 +8,9 @@ use super::search_options::SearchArgs;
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
 use crate::evaluate::{BurstMethod, ChartStudy};
-use crate::export::{OutputRules, write_whole};
+use crate::export::{OutputRules, write_text};
+use crate::files::mark::Kind;
 use serde::Serialize;
-use std::io::Write;
 use std::path::Path;
 
 /// JSON document of a report, with version and command.
@@ -109,7 +109,7 @@ pub(super) fn write_plot(
 ) -> Result<(), Failure> {
     let Some(path) = path else { return Ok(()) };
     rules.check(path)?;
-    write_whole(path, |out| out.write_all(svg().as_bytes()))?;
+    write_text(path, Kind::Drawing, svg())?;
     console.say(&format!("\nwrote {}\n", path.display()))
 }
 

@@ -1,6 +1,6 @@
 //! Odd names, odd files, a closed terminal, and interruptions: nothing aborts, hangs, or loses finished work.
 
-use super::support::{at_work, ended, names, program, run, run_badly, run_well, stderr};
+use super::support::{at_work, ended, leave_unfinished, names, program, run, run_badly, run_well, stderr};
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::os::unix::ffi::{OsStrExt, OsStringExt};
@@ -244,19 +244,32 @@ fn what_killed_runs_left_is_cleared_by_the_next() {
     let large = ["--width", "2000", "--height", "1500", "--frames", "20", "--threads", "1"];
     let mut making = program(home.path(), &[&["synth", "chart", "--out", "big"][..], &large].concat());
     let mut making = making.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
-    // A folder without its lock may be anyone's, and stays.
-    let is_ours = |name: &String| home.path().join(name).join("in-use").exists();
-    while !hidden(".synth-").iter().any(is_ours) && making.try_wait().expect("a state").is_none() {
+    // A folder without its mark may be anyone's, and stays.
+    let is_ours = |name: &String| fs::metadata(home.path().join(name).join("in-use")).is_ok_and(|file| file.len() > 0);
+    while !hidden(".burstscope-").iter().any(is_ours) && making.try_wait().expect("a state").is_none() {
         std::thread::sleep(Duration::from_millis(5));
     }
     making.kill().expect("it is ours");
     making.wait().expect("it ends");
-    assert_eq!(hidden(".synth-").len(), 1, "it was killed while it wrote");
-    // A temporary file as a killed run leaves it.
-    fs::write(home.path().join(".burstscope-abc.tmp"), "half").expect("written");
+    assert_eq!(hidden(".burstscope-").len(), 2, "it was killed while it wrote: the hidden folder, and its lock");
+    leave_unfinished(home.path());
+    // Files and folders of others, whatever their names are.
+    fs::write(home.path().join(".burstscope-notes.tmp"), "mine").expect("written");
+    fs::write(home.path().join(".burstscope-notes.lock"), "mine").expect("written");
+    fs::create_dir(home.path().join(".burstscope-mine.tmp")).expect("made");
+    fs::write(home.path().join(".burstscope-mine.tmp/in-use"), "mine").expect("written");
     chart(home.path(), os("a"));
     run_well(home.path(), &["stack", "a", "--slope", "0,0", "--out", "a.tiff"]);
-    assert_eq!(names(home.path()), ["a", "a.tiff"]);
+    let kept = [".burstscope-mine.tmp", ".burstscope-notes.lock", ".burstscope-notes.tmp", "a", "a.tiff"];
+    assert_eq!(names(home.path()), kept);
+    assert_eq!(fs::read_to_string(home.path().join(".burstscope-mine.tmp/in-use")).expect("there"), "mine");
+    // Nor do they give way to a folder that is made, or to a lock.
+    fs::create_dir(home.path().join("own")).expect("made");
+    fs::rename(home.path().join(".burstscope-notes.tmp"), home.path().join("own/.burstscope-x.tmp")).expect("moved");
+    assert!(run_badly(home.path(), &["synth", "chart", "--out", "own"], 1).contains("did not write there"));
+    let words = run_badly(home.path(), &["synth", "chart", "--out", "notes"], 1);
+    assert!(words.contains(".burstscope-notes.lock") && words.contains("move it away"), "{words}");
+    assert_eq!(fs::read_to_string(home.path().join(".burstscope-notes.lock")).expect("there"), "mine");
 }
 
 #[test]
@@ -351,6 +364,9 @@ fn a_limit_on_the_size_of_files_is_an_error_that_names_the_file() {
         assert!(words.contains(named) && words.contains("ulimit -f"), "{arguments}: {words}");
         assert_eq!(names(home.path()), ["nights"], "{arguments}");
     }
+    // Not even the text of the lock fits.
+    assert!(limited(0, "synth chart --out x").contains(".burstscope-x.lock"));
+    assert_eq!(names(home.path()), ["nights"]);
     // Pictures and features fit, but the database does not.
     assert!(limited(64, &format!("colmap nights --out rec {search}")).contains("database.db"));
     let rec = names(&home.path().join("rec"));

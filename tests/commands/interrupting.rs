@@ -1,7 +1,7 @@
 //! Ctrl-C and the signals that schedulers and closed terminals send: exit code 130, and nothing half-written.
 #![cfg(unix)]
 
-use super::support::{at_work, ended, names, program, run_well};
+use super::support::{at_work, ended, names, program, run_well, stderr};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -105,6 +105,27 @@ fn a_burst_in_a_dataset_stops_and_the_folder_goes_on_later() {
         assert!(!left.exists() || !names(&left).contains(&"database.db".to_owned()), "{signal}");
     }
     run_well(home.path(), &["colmap", "nights", "--out", "rec", "--slopes-u", "-1:1:3", "--octaves", "2"]);
+}
+
+#[test]
+fn a_film_or_a_case_that_is_written_stops_and_leaves_nothing() {
+    let home = tempfile::tempdir().expect("a folder");
+    let size = ["--width", "480", "--height", "360", "--frames", "60", "--max-slope", "1"];
+    run_well(home.path(), &[&["synth", "chart", "--out", "a", "--quiet"][..], &size].concat());
+    let film = ["film", "a", "--sweep", "frames", "--no-features", "--out", "x.gif"];
+    let case = ["case", "a", "--out", "x.burstcase"];
+    for command in [&film[..], &case] {
+        let mut child = program(home.path(), command);
+        let mut child = child.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        while !names(home.path()).iter().any(|name| name.ends_with(".tmp")) {
+            assert!(child.try_wait().expect("a state").is_none(), "{command:?} ended before it wrote");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        send("-TERM", child.id());
+        let output = ended(child);
+        assert_eq!(output.status.code(), Some(130), "{command:?}: {}", stderr(&output));
+        assert_eq!(names(home.path()), ["a"], "{command:?}");
+    }
 }
 
 #[test]

@@ -17,6 +17,8 @@ mod interrupting;
 mod killed;
 mod lessons_and_sessions;
 mod making;
+#[cfg(unix)]
+mod marks;
 mod matching;
 mod measuring;
 mod memory;

@@ -19,7 +19,10 @@ fn a_chart_opens_again_with_the_very_same_values() {
     let text = run_well(home.path(), &arguments);
     assert!(text.contains("4 frames of 200×150, 6 features"), "{text}");
     let folder = home.path().join("chart");
-    assert_eq!(names(&folder), ["frame_000.png", "frame_001.png", "frame_002.png", "frame_003.png", "truth.json"]);
+    assert_eq!(
+        names(&folder),
+        [".burstscope.json", "frame_000.png", "frame_001.png", "frame_002.png", "frame_003.png", "truth.json"]
+    );
     let params = ChartParams {
         width: 200,
         height: 150,
@@ -110,7 +113,7 @@ fn noisy_copies_keep_names_and_bursts_apart() {
         |out: &str, more: &[&str]| run_well(home.path(), &[&["synth", "noisy", "clean", "--out", out], more].concat());
     let text = copy("dark", &["--snr", "0.5", "--seed", "7"]);
     assert!(text.contains("6 frames of 2 bursts"), "{text}");
-    assert_eq!(names(&home.path().join("dark")), ["night 1", "night 2", "noise.json"]);
+    assert_eq!(names(&home.path().join("dark")), [".burstscope.json", "night 1", "night 2", "noise.json"]);
     assert_eq!(names(&home.path().join("dark/night 2")), ["frame_000.png", "frame_001.png", "frame_002.png"]);
     let json: serde_json::Value =
         serde_json::from_str(&copy("dark", &["--snr", "0.5", "--seed", "7", "--json"])).expect("JSON");

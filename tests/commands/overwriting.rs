@@ -1,6 +1,6 @@
 //! Opened files are never written to, and files of others are replaced only with `--force`.
 
-use super::support::{names, program, run, run_badly, run_well, stderr};
+use super::support::{contents, leave_unfinished, names, program, run, run_badly, run_well, stderr};
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
@@ -14,23 +14,6 @@ fn chart(home: &Path, name: &str) {
 
 const SEARCH: [&str; 4] = ["--slopes-u", "-1:1:3", "--octaves", "2"];
 const SMALL: [&str; 3] = ["--size", "640x480", "--no-detect"];
-
-/// All files below `folder`, with their contents.
-fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut found = Vec::new();
-    for name in names(folder) {
-        let path = folder.join(&name);
-        if path.is_dir() {
-            found.extend(contents(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
-        } else {
-            // A link may lead nowhere.
-            let content =
-                fs::read(&path).or_else(|_| fs::read_link(&path).map(|to| to.as_os_str().as_encoded_bytes().to_vec()));
-            found.push((name, content.expect("a file or a link")));
-        }
-    }
-    found
-}
 
 /// Checks that the command is refused with this word, with and without `--force`, before it begins, and changes
 /// nothing.
@@ -312,7 +295,7 @@ fn two_processes_do_not_write_into_one_folder() {
         let left = home.path().join(command[command.iter().position(|word| *word == "--out").expect("there") + 1]);
         fs::create_dir(&left).expect("made");
         fs::write(left.join(".burstscope-lock"), "process 4711\n").expect("written");
-        fs::write(left.join(".burstscope-abc.tmp"), "half").expect("written");
+        leave_unfinished(&left);
         run_well(home.path(), command);
     }
 }

@@ -57,11 +57,20 @@ fn all_figures_are_made_once_and_kept() {
     let table = std::fs::read_to_string(folder.join("table1.csv")).expect("a table");
     assert!(table.contains("1D,BuFF 1D,,,") && table.contains("2D,gold standard,,,"), "{table}");
 
+    // A file of somebody else that came into the place of one of ours stays.
+    let numbers = std::fs::read(folder.join("fig7.csv")).expect("numbers");
+    std::fs::write(folder.join("fig7.csv"), "mine").expect("written");
+    let words = run_badly(home.path(), &arguments, 1);
+    assert!(words.contains("fig7.csv") && words.contains("did not write"), "{words}");
+    assert_eq!(std::fs::read_to_string(folder.join("fig7.csv")).expect("there"), "mine");
+    std::fs::write(folder.join("fig7.csv"), numbers).expect("put back");
+
     // Again: all files are kept, except the altered one.
     let dates = || names(&folder).iter().map(|n| folder.join(n).metadata().and_then(|m| m.modified()).ok()).collect();
     let before: Vec<_> = dates();
     let seconds = made["figures"][4]["seconds"].clone();
-    std::fs::write(folder.join("fig7.csv"), "altered").expect("written");
+    let picture = std::fs::read_to_string(folder.join("fig7.svg")).expect("a picture");
+    std::fs::write(folder.join("fig7.svg"), picture.replacen("<title>", "<title>Altered: ", 1)).expect("written");
     let again: Value = serde_json::from_str(&run_well(home.path(), &arguments)).expect("JSON");
     for (name, resumed) in figures(&again) {
         assert_eq!(resumed, name != "fig7", "{name}");

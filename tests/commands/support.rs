@@ -91,3 +91,30 @@ pub fn features(path: &Path) -> Vec<Vec<f64>> {
     assert_eq!(lines.next(), Some("u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit"));
     lines.map(|line| line.split(',').map(|x| x.parse().expect("a number")).collect()).collect()
 }
+
+/// All files below `folder`, with their contents.
+pub fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found = Vec::new();
+    for name in names(folder) {
+        let path = folder.join(&name);
+        if path.is_dir() {
+            found.extend(contents(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+        } else {
+            // A link may lead nowhere.
+            let content = std::fs::read(&path)
+                .or_else(|_| std::fs::read_link(&path).map(|to| to.as_os_str().as_encoded_bytes().to_vec()));
+            found.push((name, content.expect("a file or a link")));
+        }
+    }
+    found
+}
+
+/// Leaves a hidden folder in `folder` as a run does that is killed while it writes.
+pub fn leave_unfinished(folder: &Path) {
+    use burstscope::files::mark::{Kind, claiming};
+    let hidden = folder.join(".burstscope-abc.tmp");
+    std::fs::create_dir(&hidden).expect("made");
+    let mark = claiming(Kind::Unfinished, &serde_json::json!({ "target": "x.tiff" }));
+    std::fs::write(hidden.join(Kind::Unfinished.file()), mark).expect("written");
+    std::fs::write(hidden.join("new"), "half").expect("written");
+}

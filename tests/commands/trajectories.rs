@@ -34,7 +34,7 @@ fn a_trajectory_is_bursts_gold_poses_and_a_lens() {
     let text = run_well(home.path(), &SMALL);
     assert!(text.contains("3 bursts of 5 frames of 240×180, 4 planes, SNR 0.30 ("), "{text}");
     let way = home.path().join("way");
-    assert_eq!(names(&way), ["bursts", "gold", "lens.toml", "poses.txt", "trajectory.json"]);
+    assert_eq!(names(&way), [".burstscope.json", "bursts", "gold", "lens.toml", "poses.txt", "trajectory.json"]);
     assert_eq!(names(&way.join("bursts")), ["burst_000", "burst_001", "burst_002"]);
     assert_eq!(names(&way.join("gold")), ["burst_000.png", "burst_001.png", "burst_002.png"]);
     let truth = truth(&way);

@@ -1,8 +1,7 @@
 //! The features of each burst of a dataset: found once, stored in files, and read from there the next time.
 
 use super::kept::{
-    BurstRecord, DETECTOR_KEY, KeptBurst, MANIFEST_FILE, NotKept, check_folder, detector_text, differences,
-    write_manifest,
+    BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, check_folder, detector_text, differences, write_manifest,
 };
 use super::picture::{ImageKind, write_picture};
 use super::stamp::{Comparison, FileStamp};
@@ -11,10 +10,12 @@ use crate::baseline::{Searched, check_memory, search};
 use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions, RawColour, files_at};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{
-    Checksum, ColmapKeypoint, ExportError, MadeFrom, OpenedFiles, OutputRules, Overwrite, Record, Records,
-    parse_colmap, remove_temporary_files, safe_file_name, write_colmap_keypoints,
+    ColmapKeypoint, ExportError, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records,
+    parse_colmap, safe_file_name, write_colmap_keypoints,
 };
 use crate::files::lock::FolderLock;
+use crate::files::mark::{Checksum, Kind};
+use crate::files::unfinished::remove_abandoned;
 use crate::monitor::Monitor;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -108,6 +109,8 @@ pub struct FeatureStore {
     made_with: MadeFrom,
     /// Comparison of frames with those of finished bursts.
     comparison: Comparison,
+    /// Files that were opened beside frames and calibration, such as parameters.
+    opened: Vec<PathBuf>,
     /// Rules for overwriting files.
     rules: OutputRules,
     /// Lock of the folder, taken with the first write.
@@ -146,10 +149,16 @@ impl FeatureStore {
         if job.open.accept_damaged {
             settings.insert("accept_damaged".to_owned(), json!(true));
         }
-        check_folder(folder)?;
+        check_folder(folder, &[IMAGES_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])?;
         let made_with = MadeFrom::new(Value::Object(settings));
         let (comparison, rules) = (Comparison::default(), OutputRules::default());
-        Ok(Self { folder: folder.into(), job: job.clone(), made_with, comparison, rules, lock: None })
+        let (folder, opened) = (folder.into(), Vec::new());
+        Ok(Self { folder, job: job.clone(), made_with, comparison, opened, rules, lock: None })
+    }
+
+    /// This store, which also never writes over the files `opened`.
+    pub fn and_opened(self, opened: Vec<PathBuf>) -> Self {
+        Self { opened, ..self }
     }
 
     /// This store with another `comparison` of frames with those of finished bursts.
@@ -161,7 +170,8 @@ impl FeatureStore {
     pub(super) fn like(&self, folder: &Path) -> Self {
         let (comparison, rules) = (self.comparison, OutputRules::default());
         let (job, made_with) = (self.job.clone(), self.made_with.clone());
-        Self { folder: folder.into(), job, made_with, comparison, rules, lock: None }
+        let (folder, opened) = (folder.into(), Vec::new());
+        Self { folder, job, made_with, comparison, opened, rules, lock: None }
     }
 
     /// The records of finished bursts.
@@ -181,22 +191,25 @@ impl FeatureStore {
         SearchParams::from_toml(&detector_text(folder)?).ok()
     }
 
-    /// Ensures, now and with every later write, that no frame of `bursts` and no bias or flat frame is overwritten.
+    /// Ensures, now and with every later write, that no frame of `bursts`, no bias or flat frame, no other opened file
+    /// and no file of others is overwritten.
     ///
     /// # Errors
-    /// [`ExportError::Input`] for a frame in the place of an output file, [`ExportError::Link`] for a link.
+    /// [`ExportError::Input`] for an opened file in the place of an output file, [`ExportError::Link`] for a link,
+    /// [`ExportError::InTheWay`] for a file of others.
     pub fn protect(&mut self, bursts: &[BurstFiles]) -> Result<(), DatasetError> {
         let of_bursts = bursts.iter().flat_map(|burst| burst.files().unwrap_or_else(|_| burst.paths.clone()));
         let calibration =
             [&self.job.open.bias, &self.job.open.flat].map(|path| calibration_files(path).unwrap_or_default());
-        let inputs = OpenedFiles::of(of_bursts.chain(calibration.into_iter().flatten()));
+        let settings = self.opened.iter().cloned();
+        let inputs = OpenedFiles::of(of_bursts.chain(calibration.into_iter().flatten()).chain(settings));
         self.rules = OutputRules::new(inputs, Overwrite::Refuse);
         for image_name in bursts.iter().map(image_name) {
             for file in [self.feature_file(&image_name), self.picture_file(&image_name)] {
-                self.rules.check_own(&file)?;
+                self.check_output(&file)?;
             }
         }
-        Ok(self.rules.check_own(&self.folder.join(MANIFEST_FILE))?)
+        self.check_output(&self.folder.join(Kind::Dataset.file()))
     }
 
     /// Checks whether `file` of the dataset's folder may be written.
@@ -204,7 +217,7 @@ impl FeatureStore {
     /// # Errors
     /// As [`Self::protect`].
     pub(super) fn check_output(&self, file: &Path) -> Result<(), DatasetError> {
-        Ok(self.rules.check_own(file)?)
+        Ok(self.rules.check_own(file, &[])?)
     }
 
     /// The numbers of `source` if it is finished, judged without reading its frames or its features.
@@ -371,7 +384,7 @@ impl FeatureStore {
         let lock = FolderLock::take(&self.folder)?;
         let folders = [IMAGES_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));
         for folder in folders.iter().chain([&self.folder, &self.records().folder().to_path_buf()]) {
-            remove_temporary_files(folder);
+            remove_abandoned(folder);
         }
         write_manifest(&self.folder, &self.made_with)?;
         self.lock = Some(lock);

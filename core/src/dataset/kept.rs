@@ -1,19 +1,19 @@
 //! State of a dataset on disk, so that an interrupted run continues.
 //!
-//! `manifest.json` names the program and settings with which the folder was begun; it is written before anything else.
+//! `manifest.json` is the folder's mark and claims the program and settings with which the folder was begun; it is
+//! written before anything else.
 //! Each finished burst has a record of its own (see [`Records`]), `records/NAME.png.json`, which names all that its
 //! features were made from, and the checksum of their file. A burst without a record, or with one that differs from the
 //! current settings, is computed again: features of two detectors do not match one another as well as those of one.
 
 use super::stamp::FileStamp;
 use super::{DatasetError, ImageKind};
-use crate::export::{Checksum, ExportError, MadeFrom, Record, may_begin, read_json, write_json};
+use crate::export::{ExportError, MadeFrom, Record, may_begin, write_whole};
+use crate::files::mark::{Checksum, Kind, claiming, claims};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+use std::io::Write;
 use std::path::Path;
-
-/// Name of the manifest file.
-pub(super) const MANIFEST_FILE: &str = "manifest.json";
 
 /// Key of the detector's parameters in the settings.
 pub(super) const DETECTOR_KEY: &str = "detector";
@@ -68,14 +68,15 @@ pub enum NotKept {
 /// Checks that `folder` is free or holds a dataset that this command began.
 ///
 /// # Errors
-/// [`DatasetError::Occupied`] when `folder` holds files but no manifest: it belongs to somebody else.
-pub(super) fn check_folder(folder: &Path) -> Result<(), DatasetError> {
-    if may_begin(folder, MANIFEST_FILE.as_ref()) { Ok(()) } else { Err(DatasetError::Occupied(folder.into())) }
+/// [`DatasetError::Occupied`] when `folder` holds files but no manifest: it belongs to somebody else;
+/// [`ExportError::Link`] when one of its `parts` is a link.
+pub(super) fn check_folder(folder: &Path, parts: &[&str]) -> Result<(), DatasetError> {
+    if may_begin(folder, Kind::Dataset, parts)? { Ok(()) } else { Err(DatasetError::Occupied(folder.into())) }
 }
 
 /// The manifest in `folder`, if it can be read.
 fn read_manifest(folder: &Path) -> Option<MadeFrom> {
-    read_json(&folder.join(MANIFEST_FILE))
+    claims(folder, Kind::Dataset)
 }
 
 /// Writes the manifest into `folder`, unless it is there already.
@@ -83,7 +84,8 @@ pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<(), E
     if read_manifest(folder).as_ref() == Some(manifest) {
         Ok(())
     } else {
-        write_json(&folder.join(MANIFEST_FILE), manifest)
+        let text = claiming(Kind::Dataset, manifest);
+        write_whole(&folder.join(Kind::Dataset.file()), |out| out.write_all(text.as_bytes()))
     }
 }
 
@@ -126,7 +128,7 @@ mod tests {
         let manifest = MadeFrom::new(json!({ DETECTOR_KEY: "levels = 4" }));
         let mut value = serde_json::to_value(&manifest).expect("plain values");
         change(&mut value);
-        std::fs::write(home.path().join(MANIFEST_FILE), value.to_string()).expect("written");
+        std::fs::write(home.path().join(Kind::Dataset.file()), claiming(Kind::Dataset, &value)).expect("written");
         home
     }
 
@@ -163,10 +165,14 @@ mod tests {
     #[test]
     fn a_folder_of_other_files_is_refused() {
         let home = tempfile::tempdir().expect("a folder");
+        let check_folder = |folder: &Path| check_folder(folder, &[]);
         assert_eq!(check_folder(home.path()), Ok(()));
         std::fs::write(home.path().join("holiday.png"), "").expect("written");
         assert_eq!(check_folder(home.path()), Err(DatasetError::Occupied(home.path().into())));
-        assert_eq!(check_folder(begun(|_| ()).path()), Ok(()));
+        let begun = begun(|_| ());
+        assert_eq!(check_folder(begun.path()), Ok(()));
+        std::fs::write(begun.path().join(Kind::Dataset.file()), "{\"name\": \"a page\"}").expect("written");
+        assert_eq!(check_folder(begun.path()), Err(DatasetError::Occupied(begun.path().into())));
     }
 
     #[test]

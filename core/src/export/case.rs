@@ -6,10 +6,11 @@
 //! those of calibrated ones within rounding. Reading is bounded: the sizes that `case.toml` declares are checked before
 //! frames are decoded, and no entry is read further than a frame of that size can need.
 
-use super::atomic::write_whole;
+use super::atomic::write_marked;
 use super::error::ExportError;
 use crate::burst::{Burst, Encoding, Limits};
 use crate::detector::{ParamError, SearchParams};
+use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::{Plane, memory};
@@ -244,8 +245,7 @@ impl Truth {
 /// Writes a case; `burst` has its frames.
 ///
 /// # Errors
-/// When the file cannot be written; an older one is then unchanged. [`ExportError::Write`] with the reason when
-/// cancelled.
+/// When the file cannot be written, or the work was cancelled; an older one is then unchanged.
 pub fn write_case(
     path: &Path,
     (case, burst): (&Case, &Burst),
@@ -256,7 +256,7 @@ pub fn write_case(
     let truth = enclosed.truth.as_ref().map(|truth| truth.within(case));
     let truth = truth.map(|truth| serde_json::to_string(&truth).expect("a truth is plain values"));
     let texts = [(ABOUT, Some(&about)), (SESSION, enclosed.session.as_ref()), (TRUTH, truth.as_ref())];
-    write_whole(path, |out| {
+    write_marked(path, Kind::Case, |out| {
         // The size and sum of an entry come before its bytes, so it is written to memory first.
         let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
         let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);

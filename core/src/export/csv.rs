@@ -6,9 +6,10 @@
 use super::atomic::write_whole;
 use super::error::ExportError;
 use crate::detector::Feature;
-use crate::files::{MAX_TABLE_BYTES, read_bytes};
+use crate::files::{MAX_TABLE_BYTES, read_bytes, read_text};
 use crate::plane::sample::ProfileSample;
-use std::io::Write;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 
 /// Writes the features as CSV.
@@ -89,6 +90,33 @@ fn row(line: &str) -> Result<FeatureRow, String> {
             _ => return Err(wrong(10, "0 or 1")),
         },
     })
+}
+
+/// Header of tables of curves.
+pub const CURVE_COLUMNS: &str = "set,plot,curve,x,y,low,high";
+/// Header of tables of planted things.
+pub const PLANTED_COLUMNS: &str = "seed,id,varied,u,v,radius,slope_u,slope_v,sign,snr,amplitude,frames,expected_snr_d,found,found_slope_u,found_slope_v,found_snr,failed,why";
+
+/// Whether the file at `path` is a table that this program writes: its header is one of ours, every line has as many
+/// cells, and the last one is complete.
+pub(super) fn is_table(path: &Path) -> bool {
+    let (features, matches) = (COLUMNS.join(","), MATCH_COLUMNS.join(","));
+    let headers = [features.as_str(), &matches, PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
+    // Commas outside of quotes.
+    let commas = |line: &str| line.split('"').step_by(2).map(|part| part.matches(',').count()).sum::<usize>();
+    first_line(path).is_some_and(|header| headers.contains(&header.as_str()))
+        && read_text(path, MAX_TABLE_BYTES).is_ok_and(|text| {
+            let count = commas(text.lines().next().unwrap_or_default());
+            text.ends_with('\n') && text.lines().all(|line| commas(line) == count)
+        })
+}
+
+/// The first line of the regular file at `path`, if it is short enough for a header and there is no more before it.
+pub(super) fn first_line(path: &Path) -> Option<String> {
+    let mut line = String::new();
+    let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|found| found.is_file()))?;
+    BufReader::new(file.take(1024)).read_line(&mut line).ok()?;
+    line.strip_suffix('\n').map(str::to_owned)
 }
 
 /// Names of the columns, in order. Positions and scale are in input pixels; orientation in radians; slopes in pixels

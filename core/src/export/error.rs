@@ -2,12 +2,16 @@
 
 use crate::files::lock::LockError;
 use crate::files::write_problem;
+use crate::monitor::Cancelled;
 use std::path::{Path, PathBuf};
 
 /// Reason why no new file was written. An existing file is unchanged.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
+    /// The work was cancelled; nothing was written.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// The folder could not be created, or the file could not be written.
     #[error("cannot write this file: {reason}; check the folder's permissions and the free space: {}", path.display())]
     Write {
@@ -34,9 +38,15 @@ pub enum ExportError {
         /// The target.
         path: PathBuf,
     },
-    /// The target already exists, and Burstscope did not write it.
-    #[error("Burstscope did not write this file and leaves it as it is; choose another name, or replace it with --force: {}", path.display())]
+    /// The target already exists, and Burstscope did not write it, or it was changed since.
+    #[error("Burstscope did not write this file, or not as it is now, and leaves it as it is; choose another name, or replace it with --force: {}", path.display())]
     Foreign {
+        /// The target.
+        path: PathBuf,
+    },
+    /// A file in a folder of the program's own has the name of an output, and Burstscope did not write it.
+    #[error("Burstscope did not write this file and leaves it as it is; move it away, or name another folder: {}", path.display())]
+    InTheWay {
         /// The target.
         path: PathBuf,
     },
@@ -76,8 +86,11 @@ pub enum ExportError {
 }
 
 impl ExportError {
-    /// The error of a failed write to `path`.
+    /// The error of a failed or cancelled write to `path`.
     pub(crate) fn write(path: &Path, error: &std::io::Error) -> Self {
+        if error.get_ref().is_some_and(|inner| inner.is::<Cancelled>()) {
+            return Self::Cancelled(Cancelled);
+        }
         Self::Write { path: path.into(), reason: write_problem(error) }
     }
 }

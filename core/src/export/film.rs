@@ -3,9 +3,9 @@
 //! A GIF has 256 colours a picture and is shown everywhere; an animated PNG has all of them, is two to four times as
 //! large, and is shown by browsers; other programs show its first picture.
 
-use super::atomic::write_whole;
+use super::atomic::write_marked;
 use super::error::ExportError;
-use super::mark::SOFTWARE;
+use crate::files::mark::{Kind, SOFTWARE};
 use crate::monitor::{Monitor, Stage};
 use image::RgbaImage;
 use std::io::{self, Write};
@@ -68,9 +68,6 @@ pub fn encode_film(
             };
             let mut encoder = gif::Encoder::new(out, width, height, &[]).map_err(io::Error::other)?;
             encoder.set_repeat(gif::Repeat::Infinite).map_err(io::Error::other)?;
-            encoder
-                .write_raw_extension(gif::AnyExtension(gif::Extension::Comment as u8), &[SOFTWARE.as_bytes()])
-                .map_err(io::Error::other)?;
             for picture in pictures {
                 let mut pixels = picture?.into_raw();
                 let mut frame = gif::Frame::from_rgba_speed(width, height, &mut pixels, GIF_SPEED);
@@ -117,7 +114,7 @@ pub fn write_film(
     per_second: u16,
     monitor: &Monitor,
 ) -> Result<(), ExportError> {
-    write_whole(path, |mut out| encode_film(&mut out, format, pictures, per_second, monitor))
+    write_marked(path, Kind::Film, |mut out| encode_film(&mut out, format, pictures, per_second, monitor))
 }
 
 #[cfg(test)]

@@ -4,13 +4,14 @@
 //! detector and the settings that made the result ([`MadeFrom`]), and what else tells whether its files are still
 //! those. A record is removed before the result's files are written and written after them, so whenever a run ends,
 //! either the record describes the existing files or there is no record. A result is used again if its record was made
-//! from the same by this program; otherwise it is made again. A folder that holds files, but none of these records, is
-//! somebody else's and refused.
+//! from the same by this program; otherwise it is made again. A folder that holds files, but not the mark of such a
+//! folder, is somebody else's and refused; so is a file among the records that is none.
 
-use super::atomic::{remove_temporary_files, write_whole};
+use super::atomic::write_whole;
 use super::error::ExportError;
 use crate::detector::REVISION;
-use crate::files::lock::is_free;
+use crate::files::mark::{Kind, claims};
+use crate::files::unfinished::{is_free, remove_abandoned};
 use crate::files::{MAX_SESSION_BYTES, read_text};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -19,9 +20,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Folder of records in a folder of results.
-const RECORDS_FOLDER: &str = "records";
-/// Key of an object in which records of earlier programs have what they were made from.
-const NESTED_KEY: &str = "made_from";
+pub(crate) const RECORDS_FOLDER: &str = "records";
 
 /// Program and settings that made a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -89,22 +88,27 @@ impl Records {
     /// Creates the folder, and removes files that killed runs have left there.
     pub fn begin(&self) -> Result<(), ExportError> {
         std::fs::create_dir_all(&self.folder).map_err(|error| ExportError::write(&self.folder, &error))?;
-        remove_temporary_files(&self.folder);
+        remove_abandoned(&self.folder);
         Ok(())
     }
 
     /// Reads the record `name`, if there is a readable one.
     pub fn read<T: DeserializeOwned>(&self, name: &str) -> Option<Record<T>> {
-        read_json(&self.path(name))
+        serde_json::from_str(&read_text(&self.path(name), MAX_SESSION_BYTES).ok()?).ok()
     }
 
     /// Writes the record `name`, after the files that it describes.
     pub fn write<T: Serialize>(&self, name: &str, record: &Record<T>) -> Result<(), ExportError> {
-        write_json(&self.path(name), record)
+        self.check(name)?;
+        write_whole(&self.path(name), |out| {
+            serde_json::to_writer_pretty(&mut *out, record)?;
+            out.write_all(b"\n")
+        })
     }
 
     /// Removes the record `name`, before the files that it describes are changed.
     pub fn remove(&self, name: &str) -> Result<(), ExportError> {
+        self.check(name)?;
         let path = self.path(name);
         match std::fs::remove_file(&path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(ExportError::write(&path, &error)),
@@ -112,75 +116,35 @@ impl Records {
         }
     }
 
+    /// Checks that a file in the place of the record `name` is a record.
+    fn check(&self, name: &str) -> Result<(), ExportError> {
+        let path = self.path(name);
+        let is_other = std::fs::metadata(&path).is_ok_and(|file| file.is_file() && file.len() > 0)
+            && self.read::<serde_json::Map<String, Value>>(name).is_none();
+        if is_other { Err(ExportError::InTheWay { path }) } else { Ok(()) }
+    }
+
     fn path(&self, name: &str) -> PathBuf {
         self.folder.join(format!("{name}.json"))
     }
 }
 
-/// Whether results may be written into `folder`: it holds the file or folder `mark`, which is written before the first
+/// Whether results may be written into `folder`: it has the mark of its `kind`, which is written before the first
 /// result, or nothing. A folder that cannot be listed passes: writing there gives the error.
-pub(crate) fn may_begin(folder: &Path, mark: &Path) -> bool {
-    folder.join(mark).exists() || is_free(folder).unwrap_or(true)
-}
-
-/// Reads a file of JSON that [`write_json`] wrote, in this or an earlier version of the program; `None` for any other.
-pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Option<T> {
-    parsed(&read_text(path, MAX_SESSION_BYTES).ok()?)
-}
-
-fn parsed<T: DeserializeOwned>(text: &str) -> Option<T> {
-    let mut value: Value = serde_json::from_str(text).ok()?;
-    if let Some(object) = value.as_object_mut()
-        && let Some(Value::Object(nested)) = object.remove(NESTED_KEY)
-    {
-        object.extend(nested);
-    }
-    serde_json::from_value(value).ok()
-}
-
-/// Writes `value` as JSON, completely or not at all.
-pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ExportError> {
-    write_whole(path, |out| {
-        serde_json::to_writer_pretty(&mut *out, value)?;
-        out.write_all(b"\n")
-    })
-}
-
-/// Length and checksum by which an altered file is recognised.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Checksum {
-    bytes: u64,
-    crc32: u32,
-}
-
-impl Checksum {
-    /// The checksum of these bytes.
-    pub fn of(bytes: &[u8]) -> Self {
-        Self { bytes: bytes.len() as u64, crc32: crc32fast::hash(bytes) }
-    }
-
-    /// The checksum of the file at `path`.
-    ///
-    /// # Errors
-    /// The system's error.
-    pub fn of_file(path: &Path) -> io::Result<Self> {
-        Ok(Self::of(&std::fs::read(path)?))
-    }
-
-    /// Whether the file at `path` has the same length; checked without reading it.
-    pub fn is_as_long_as(&self, path: &Path) -> bool {
-        std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() == self.bytes)
-    }
-
-    /// Whether the file at `path` has this content. A file of another length is not read.
-    pub fn is_of(&self, path: &Path) -> bool {
-        self.is_as_long_as(path) && Self::of_file(path).is_ok_and(|now| now == *self)
+///
+/// # Errors
+/// [`ExportError::Link`] where one of its `parts` is a link, which leads out of the folder.
+pub(crate) fn may_begin(folder: &Path, kind: Kind, parts: &[&str]) -> Result<bool, ExportError> {
+    match parts.iter().map(|part| folder.join(part)).find(|part| part.is_symlink()) {
+        Some(path) => Err(ExportError::Link { path }),
+        None => Ok(claims::<Value>(folder, kind).is_some() || is_free(folder).unwrap_or(true)),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::mark::{Checksum, claiming};
     use proptest::prelude::*;
     use serde_json::json;
 
@@ -211,30 +175,31 @@ mod tests {
     }
 
     #[test]
-    fn records_of_earlier_programs_are_read() {
-        let text = format!(
-            r#"{{"made_from": {{"version": {:?}, "detector_revision": {REVISION}, "settings": "seed 1"}}, "values": [1.5],
-                "content": {{"bytes": 6, "crc32": {}}}}}"#,
-            env!("CARGO_PKG_VERSION"),
-            record().of.content.crc32
-        );
-        let of = Row { values: vec![1.5], ..record().of };
-        assert_eq!(parsed(&text), Some(Record { made_from: MadeFrom::new("seed 1"), of }));
-        let older = r#"{"version": "0.0.1", "settings": {}, "values": [], "content": {"bytes": 0, "crc32": 0}}"#;
-        assert!(parsed::<Record<Row>>(older).is_some_and(|record| !record.made_from.is_of_this_program()));
-    }
-
-    #[test]
-    fn files_of_an_interrupted_run_are_no_reason_to_refuse_a_folder() {
+    fn files_and_links_of_others_are_not_taken_for_records() {
         let home = tempfile::tempdir().expect("a folder");
-        let mark = Path::new("manifest.json");
-        std::fs::write(home.path().join(crate::files::lock::LOCK_FILE), "").expect("written");
-        std::fs::write(home.path().join(".burstscope-abc.tmp"), "").expect("written");
-        assert!(may_begin(home.path(), mark) && may_begin(&home.path().join("new"), mark));
-        std::fs::write(home.path().join("holiday.png"), "").expect("written");
-        assert!(!may_begin(home.path(), mark));
-        std::fs::write(home.path().join(mark), "").expect("written");
-        assert!(may_begin(home.path(), mark));
+        let (records, at) = (Records::of(home.path()), |name: &str| home.path().join(name));
+        records.begin().expect("made");
+        for text in ["about the night", "{}", r#"{"version": "1", "scripts": {}}"#] {
+            std::fs::write(at("records/night.json"), text).expect("written");
+            let refused = Err(ExportError::InTheWay { path: at("records/night.json") });
+            assert_eq!((records.write("night", &record()), records.remove("night")), (refused.clone(), refused));
+        }
+        std::fs::remove_dir_all(at("records")).expect("removed");
+        let begins = || may_begin(home.path(), Kind::Figures, &["records"]);
+        assert_eq!(begins(), Ok(true));
+        std::fs::write(at("holiday.png"), "").expect("written");
+        for text in ["", "{}", r#"{"program": "burstscope", "kind": "figures"}"#] {
+            std::fs::write(at(Kind::Figures.file()), text).expect("written");
+            assert_eq!(begins(), Ok(false), "{text}");
+        }
+        std::fs::write(at(Kind::Figures.file()), claiming(Kind::Figures, &())).expect("written");
+        assert_eq!(begins(), Ok(true));
+        assert_eq!(may_begin(home.path(), Kind::Dataset, &[]), Ok(false), "another kind");
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(home.path(), at("records")).expect("linked");
+            assert_eq!(begins(), Err(ExportError::Link { path: at("records") }));
+        }
     }
 
     proptest! {
@@ -247,9 +212,9 @@ mod tests {
             let end = (place + noise.len()).min(bytes.len());
             if cut { bytes.truncate(place) } else { bytes[place..end].copy_from_slice(&noise[..end - place]) }
             for text in [String::from_utf8_lossy(&bytes).into_owned(), String::from_utf8_lossy(&bytes[place..]).into_owned()] {
-                if let Some(read) = parsed::<Record<Row>>(&text) {
+                if let Ok(read) = serde_json::from_str::<Record<Row>>(&text) {
                     let again = serde_json::to_string(&read).expect("plain values");
-                    prop_assert_eq!(parsed::<Record<Row>>(&again), Some(read));
+                    prop_assert_eq!(serde_json::from_str::<Record<Row>>(&again).ok(), Some(read));
                 }
             }
         }

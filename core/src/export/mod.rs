@@ -16,7 +16,6 @@ mod figure;
 pub mod film;
 mod format;
 mod kept;
-mod mark;
 mod match_picture;
 mod npz;
 mod outputs;
@@ -26,15 +25,15 @@ pub mod sheet;
 mod svg;
 mod tiff;
 
-pub use atomic::{FileWriter, is_temporary_name, remove_temporary_files, write_whole};
+pub use atomic::{FileWriter, write_marked, write_text, write_whole};
 pub use colmap::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};
 #[cfg(feature = "colmap")]
 pub use colmap::{
     DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
 };
 pub use csv::{
-    COLUMNS, FeatureRow, MATCH_COLUMNS, MatchRow, PROFILE_COLUMNS, PictureProfile, read_features_csv, write_csv,
-    write_matches_csv, write_profiles_csv,
+    COLUMNS, CURVE_COLUMNS, FeatureRow, MATCH_COLUMNS, MatchRow, PLANTED_COLUMNS, PROFILE_COLUMNS, PictureProfile,
+    read_features_csv, write_csv, write_matches_csv, write_profiles_csv,
 };
 pub use density::{Cells, IN_A_CELL};
 pub use error::ExportError;
@@ -45,11 +44,10 @@ pub use figure::{
 pub use format::{
     ExportFormat, UnknownFormat, detection_files, make_file_names_unique, safe_file_name, write_detection,
 };
-pub(crate) use kept::{Checksum, MadeFrom, Record, Records, may_begin, read_json, write_json};
-pub use mark::{CURVE_COLUMNS, PLANTED_COLUMNS, is_ours};
+pub(crate) use kept::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use npz::write_npz;
-pub use outputs::{OpenedFiles, OutputRules, Overwrite};
+pub use outputs::{OpenedFiles, OutputRules, Overwrite, is_ours};
 pub use plot::{Plot, Series, SeriesPoint, range_from_zero};
 pub use png::{Picture, write_png};
 pub(crate) use svg::Escaped;

@@ -1,10 +1,11 @@
 //! Features and descriptors as numpy's `.npz`: `features` `[N, 11]` float32 in the CSV's columns, `descriptors` `[N,
 //! 128]` uint8 in UBC order.
 
-use super::atomic::write_whole;
+use super::atomic::write_marked;
 use super::csv::{COLUMNS, FeatureRow};
 use super::error::ExportError;
 use crate::detector::{Descriptor, Feature};
+use crate::files::mark::Kind;
 use ndarray::ArrayView2;
 use ndarray_npy::NpzWriter;
 use std::io;
@@ -23,7 +24,7 @@ pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) 
     let rows = ArrayView2::from_shape((features.len(), COLUMNS.len()), &rows).expect("one row for each feature");
     let descriptors =
         ArrayView2::from_shape((descriptors.len(), 128), descriptors.as_flattened()).expect("128 bytes each");
-    write_whole(path, |out| {
+    write_marked(path, Kind::Features, |out| {
         let mut npz = NpzWriter::new(out);
         npz.add_array("features", &rows).map_err(io::Error::other)?;
         npz.add_array("descriptors", &descriptors).map_err(io::Error::other)?;

@@ -5,16 +5,25 @@
 //! be relative, lead through links, or be one of several of the same file.
 
 use super::atomic::is_of_system;
+use super::colmap::is_colmap_text;
+use super::csv::is_table;
 use super::error::ExportError;
-use super::mark::is_ours;
+use crate::files::mark::{Checksum, has_mark};
 use std::collections::HashSet;
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
+/// Whether this program wrote the file at `path` as it is now: by its mark (see [`mark`](crate::files::mark)); a table,
+/// which has no place for one, by its header and the form of all its lines, and COLMAP's text by the form of all its
+/// numbers. False for a file that cannot be read.
+pub fn is_ours(path: &Path) -> bool {
+    has_mark(path, true) || is_table(path) || is_colmap_text(path, true)
+}
+
 /// Whether files that Burstscope did not write may be replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Overwrite {
-    /// Only files that Burstscope wrote are replaced. Links stay.
+    /// Only files that Burstscope wrote, and nobody changed, are replaced. Links stay.
     #[default]
     Refuse,
     /// Any file is replaced, and a link by the file; the link's target stays.
@@ -120,31 +129,35 @@ impl OutputRules {
     /// # Errors
     /// [`ExportError::Input`] for a file that was opened, in any case; [`ExportError::NotAFile`] for a folder or a
     /// device; without [`Overwrite::Force`] [`ExportError::Link`] for a link and [`ExportError::Foreign`] for a file
-    /// that Burstscope did not write.
+    /// that Burstscope did not write, or not as it is now.
     pub fn check(&self, path: &Path) -> Result<(), ExportError> {
-        self.check_if(path, |metadata| metadata.len() == 0 || is_ours(path))
+        self.check_if(path, || is_ours(path))
+            .map_err(|refused| refused.unwrap_or(ExportError::Foreign { path: path.into() }))
     }
 
-    /// Checks whether `path` may be written in a folder known to be this program's own: every file there may be
-    /// replaced.
+    /// Checks whether `path` may be written in a folder known to be this program's own. What was altered there is made
+    /// again: every file with a mark may be replaced, whole or not, and one with a checksum among the `known` ones.
     ///
     /// # Errors
-    /// As [`Self::check`], except for [`ExportError::Foreign`].
-    pub fn check_own(&self, path: &Path) -> Result<(), ExportError> {
-        self.check_if(path, |_| true)
+    /// As [`Self::check`], but for [`ExportError::InTheWay`] in place of [`ExportError::Foreign`].
+    pub(crate) fn check_own(&self, path: &Path, known: &[Checksum]) -> Result<(), ExportError> {
+        let is_ours =
+            || has_mark(path, false) || is_colmap_text(path, false) || known.iter().any(|content| content.is_of(path));
+        self.check_if(path, is_ours).map_err(|refused| refused.unwrap_or(ExportError::InTheWay { path: path.into() }))
     }
 
-    fn check_if(&self, path: &Path, is_ours: impl FnOnce(&Metadata) -> bool) -> Result<(), ExportError> {
+    /// The error is `None` for a file that is not ours.
+    fn check_if(&self, path: &Path, is_ours: impl FnOnce() -> bool) -> Result<(), Option<ExportError>> {
         let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
         let refused = match self.overwrite {
             _ if is_of_system(path) => ExportError::NotAFile { path: path.into() },
             _ if self.inputs.hold(path, &metadata) => ExportError::Input { path: path.into() },
             Overwrite::Refuse if metadata.is_symlink() => ExportError::Link { path: path.into() },
             _ if !(metadata.is_file() || metadata.is_symlink()) => ExportError::NotAFile { path: path.into() },
-            Overwrite::Refuse if !is_ours(&metadata) => ExportError::Foreign { path: path.into() },
+            Overwrite::Refuse if metadata.len() > 0 && !is_ours() => return Err(None),
             _ => return Ok(()),
         };
-        Err(refused)
+        Err(Some(refused))
     }
 
     /// Checks that `folder` may be replaced as a whole with respect to opened files.
@@ -159,6 +172,17 @@ impl OutputRules {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detector::SearchParams;
+    use crate::export::atomic::write_text;
+    use crate::export::case::{Case, Enclosed, write_case};
+    use crate::export::film::{FilmFormat, write_film};
+    use crate::export::{
+        CURVE_COLUMNS, ColmapKeypoint, Drawing, Picture, PictureProfile, sheet, write_colmap_keypoints, write_csv,
+        write_drawing_svg, write_matches_csv, write_npz, write_png, write_profiles_csv, write_tiff,
+    };
+    use crate::files::mark::Kind;
+    use crate::monitor::Monitor;
+    use crate::plane::Plane;
 
     /// A folder with a frame, a note, and a table of ours.
     fn home() -> (tempfile::TempDir, impl Fn(&str) -> PathBuf) {
@@ -185,7 +209,7 @@ mod tests {
             for name in ["night/f0.png", "night/../night/./f0.png", "a.txt"] {
                 let path = at(name);
                 assert_eq!(rules.check(&path), Err(ExportError::Input { path: path.clone() }), "{name}");
-                assert_eq!(rules.check_own(&path), Err(ExportError::Input { path }), "{name}");
+                assert_eq!(rules.check_own(&path, &[]), Err(ExportError::Input { path }), "{name}");
             }
             assert_eq!(rules.check(&at("new/x.png")), Ok(()));
             assert!(rules.check_folder(&at("night")).is_err() && rules.check_folder(&at("")).is_err());
@@ -203,7 +227,8 @@ mod tests {
         for name in ["a.txt", "empty.txt", "none.txt"] {
             assert_eq!(careful.check(&at(name)), Ok(()), "{name}");
         }
-        assert_eq!(careful.check_own(&at("notes.txt")), Ok(()));
+        assert_eq!(careful.check_own(&at("notes.txt"), &[]), Err(ExportError::InTheWay { path: at("notes.txt") }));
+        assert_eq!(careful.check_own(&at("notes.txt"), &[Checksum::of(b"about the night")]), Ok(()));
         assert_eq!(rules(&[], Overwrite::Force).check(&at("notes.txt")), Ok(()));
     }
 
@@ -231,5 +256,107 @@ mod tests {
         let of_links = rules(&[at("to_frame.png")], Overwrite::Force);
         assert!(matches!(of_links.check(&at("to_frame.png")), Err(ExportError::Input { .. })));
         assert!(matches!(of_links.check(&at("night/f0.png")), Err(ExportError::Input { .. })));
+    }
+
+    #[test]
+    fn every_file_that_is_written_is_known_until_somebody_changes_it() {
+        let home = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| home.path().join(name);
+        write_png(&at("a.png"), Picture::rgb(2, 1, &[9; 6])).expect("written");
+        write_tiff(&at("a.tiff"), &Plane::from_fn(400, 300, |u, v| (u * v) as f32)).expect("written");
+        for (name, format) in [("a.gif", FilmFormat::Gif), ("a.apng", FilmFormat::Apng)] {
+            let pictures = [image::RgbaImage::new(9, 9), image::RgbaImage::new(9, 9)];
+            write_film(&at(name), format, &pictures, 10, &Monitor::default()).expect("written");
+        }
+        let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], shapes: Vec::new() };
+        write_drawing_svg(&at("a.svg"), &drawing).expect("written");
+        let parts = vec![sheet::Sheet::new(80.0, "b").finish(40.0); 2];
+        write_text(&at("b.svg"), Kind::Drawing, sheet::stacked("both", &parts)).expect("written");
+        write_text(&at("p.toml"), Kind::Settings, crate::files::written_by() + "levels = 4\n").expect("written");
+        let burst = crate::burst::Burst::from_planes("a", vec![Plane::zeros(9, 9)]);
+        let (case, part) = Case::of(&burst, &SearchParams::default(), None, None, "");
+        write_case(&at("a.burstcase"), (&case, &part), &Enclosed::default(), &Monitor::default()).expect("written");
+        write_npz(&at("a.npz"), &[], &[]).expect("written");
+        write_csv(&at("a.csv"), &[]).expect("written");
+        write_matches_csv(&at("m.csv"), &[]).expect("written");
+        let profile = PictureProfile { picture: "a \"b\", c".into(), samples: Vec::new() };
+        write_profiles_csv(&at("p.csv"), &[profile]).expect("written");
+        std::fs::write(at("c.csv"), format!("{CURVE_COLUMNS}\n")).expect("written");
+        write_colmap_keypoints(&at("a.txt"), &[KEYPOINT], &[[7; 128]]).expect("written");
+        let mut known = 0;
+        for entry in std::fs::read_dir(home.path()).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            assert!(is_ours(&path), "{}", path.display());
+            // A byte of the pixels or the text is changed; then one more comes at the end.
+            let bytes = std::fs::read(&path).expect("read");
+            let place = if path.ends_with("a.tiff") { 2000 } else { 60.min(bytes.len() / 2) };
+            for changed in
+                [[&bytes[..place], &[bytes[place] ^ 1], &bytes[place + 1..]].concat(), [&bytes[..], b"?"].concat()]
+            {
+                std::fs::write(&path, &changed).expect("written");
+                let is_longer_tiff = path.ends_with("a.tiff") && changed.len() > bytes.len();
+                assert_eq!(is_ours(&path), is_longer_tiff, "{}", path.display());
+            }
+            known += 1;
+        }
+        assert_eq!(known, 14);
+    }
+
+    const KEYPOINT: ColmapKeypoint = ColmapKeypoint { x: 10.25, y: 0.1, scale: 1.6, orientation: -3.0 };
+
+    #[test]
+    fn files_of_others_are_not_taken_for_ours() {
+        let home = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| home.path().join(name);
+        let gray = image::GrayImage::from_pixel(8, 8, image::Luma([9]));
+        for name in ["a.png", "a.tiff", "a.jpg", "a.gif"] {
+            if name == "a.gif" {
+                let mut file = std::fs::File::create(at(name)).expect("made");
+                let mut gif = gif::Encoder::new(&mut file, 2, 2, &[0, 0, 0, 9, 9, 9]).expect("a GIF");
+                let words = gif::AnyExtension(gif::Extension::Comment as u8);
+                gif.write_raw_extension(words, &[b"drawn over a picture of Burstscope 0.1.0".as_slice()])
+                    .expect("written");
+            } else {
+                gray.save(at(name)).expect("written");
+            }
+            assert!(!is_ours(&at(name)), "{name}");
+        }
+        // A TIFF that speaks of the program in the field for it, and in its description.
+        let mut file = std::fs::File::create(at("b.tiff")).expect("made");
+        let mut encoder = tiff::encoder::TiffEncoder::new(&mut file).expect("a TIFF");
+        let mut page = encoder.new_image::<tiff::encoder::colortype::Gray8>(8, 8).expect("a page");
+        for tag in [tiff::tags::Tag::Software, tiff::tags::Tag::ImageDescription] {
+            page.encoder().write_tag(tag, "Burstscope 0.1.0").expect("written");
+        }
+        page.write_data(&[9; 64]).expect("written");
+        let mut npz = ndarray_npy::NpzWriter::new(std::fs::File::create(at("a.npz")).expect("made"));
+        npz.add_array("features", &ndarray::Array2::<f32>::zeros((3, 11))).expect("written");
+        npz.finish().expect("written");
+        assert!(!is_ours(&at("b.tiff")) && !is_ours(&at("a.npz")));
+        let numbers = |first: &str| format!("1 128\n{first} 0.1 1.6 -3{}\n", " 7".repeat(128));
+        std::fs::write(at("x"), numbers("10.25")).expect("written");
+        assert!(is_ours(&at("x")), "as this program writes it");
+        for text in [
+            "",
+            "\n",
+            " 128\n",
+            "12 a 128",
+            "0 127\n",
+            "2 128\n",
+            &numbers("10.250000"),
+            "u,v\n1,2\n",
+            "u,v,sigma\n",
+            "set,plot,curve,x,y,low,high\nmine\n",
+            "about Burstscope 0.1.0: # Written by Burstscope 0.1.0\n",
+            "# Written by Burstscope 0.1.0\nlevels = 4\n",
+            "PK\u{3}\u{4}",
+            "<svg><!-- Written by Burstscope 0.1.0 --></svg>",
+            "II*\0",
+            "SQLite format 3\0",
+        ] {
+            std::fs::write(at("x"), text).expect("written");
+            assert!(!is_ours(&at("x")), "{text:?}");
+        }
+        assert!(!is_ours(home.path()) && !is_ours(&at("none")));
     }
 }

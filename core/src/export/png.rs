@@ -1,8 +1,8 @@
 //! PNG files of 8-bit RGB or RGBA pictures, as shown in the window.
 
-use super::atomic::write_whole;
+use super::atomic::write_marked;
 use super::error::ExportError;
-use super::mark::SOFTWARE;
+use crate::files::mark::{Kind, SOFTWARE};
 use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 use std::io::{self, Write};
 use std::path::Path;
@@ -80,5 +80,5 @@ impl<'a> Picture<'a> {
 /// [`ExportError`] when the picture has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_png(path: &Path, picture: Picture<'_>) -> Result<(), ExportError> {
     picture.check_size(path)?;
-    write_whole(path, |out| picture.encode_png(out))
+    write_marked(path, Kind::Picture, |out| picture.encode_png(out))
 }

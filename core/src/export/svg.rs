@@ -1,7 +1,6 @@
 //! Writer of SVG 1.1: elements with attributes, escaped text, short numbers. Everything that is drawn as SVG is written
 //! by it, one element a line.
 
-use super::mark::SVG_COMMENT;
 use super::png::Picture;
 use std::fmt::{self, Display, Write as _};
 use std::io::{self, Write};
@@ -33,7 +32,6 @@ impl<W: Write> SvgWriter<W> {
         let sizes: [Attribute<'_>; 4] =
             [("version", &"1.1"), ("width", &width), ("height", &height), ("viewBox", &view)];
         svg.begin("svg", &[&names[..], &sizes, more].concat())?;
-        svg.raw(SVG_COMMENT)?;
         svg.text("title", &[], "", title)?;
         Ok(svg)
     }

@@ -2,7 +2,7 @@
 
 use super::atomic::write_whole;
 use super::error::ExportError;
-use super::mark::SOFTWARE;
+use crate::files::mark::{Checksum, Kind, Mark, SOFTWARE};
 use crate::plane::Plane;
 use std::io::{self, Seek, Write};
 use std::path::Path;
@@ -37,13 +37,14 @@ pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), ExportError> {
     })
 }
 
-/// Writes the page and the program's name.
+/// Writes the page, the program's name and the mark, which claims the samples as they are in the file.
 fn write_page<K: TiffKind>(
     mut encoder: TiffEncoder<impl Write + Seek, K>,
     (columns, rows): (u32, u32),
     plane: &Plane,
 ) -> TiffResult<()> {
     let mut page = encoder.new_image::<Gray32Float>(columns, rows)?;
-    page.encoder().write_tag(Tag::Software, SOFTWARE)?;
+    let mark = Mark::new(Kind::Picture, Checksum::of(bytemuck::cast_slice(plane.data())));
+    page.encoder().write_tag(Tag::Software, format!("{SOFTWARE} {}", mark.text()).as_str())?;
     page.write_data(plane.data())
 }

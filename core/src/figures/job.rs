@@ -2,8 +2,9 @@
 
 use super::record::{FigureRecord, KeptFigure, Pieces, begin, check_folder, read_record};
 use super::{FigureSize, FiguresError, Made, PaperFigure};
-use crate::export::{Checksum, Escaped, ExportError, MadeFrom, OutputRules, Record, Records, write_whole};
+use crate::export::{Escaped, ExportError, MadeFrom, OutputRules, Record, Records, write_text, write_whole};
 use crate::files::lock::FolderLock;
+use crate::files::mark::{Checksum, Kind, sealed};
 use crate::monitor::Monitor;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -142,22 +143,23 @@ impl FiguresJob {
         seconds: f64,
     ) -> Result<FigureRecord, FiguresError> {
         let records = Records::of(&self.out);
-        records.remove(figure.name())?;
-        let mut files = Vec::with_capacity(2);
-        for (ending, text) in [("svg", &made.svg), ("csv", &made.csv)] {
-            let name = format!("{}.{ending}", figure.name());
-            write_text(&self.out.join(&name), text)?;
-            files.push((name, Checksum::of(text.as_bytes())));
+        let earlier = records.read::<KeptFigure>(figure.name()).map(|record| record.of);
+        let mut earlier = earlier.map_or_else(Vec::new, |of| [of.files, of.earlier].concat());
+        earlier.retain(|(name, content)| content.is_of(&self.out.join(name)));
+        let name = |ending: &str| format!("{}.{ending}", figure.name());
+        let texts = [(name("svg"), sealed(made.svg, Kind::Drawing)), (name("csv"), made.csv)];
+        for (name, _) in &texts {
+            let known = earlier.iter().filter(|(of, _)| of == name).map(|(_, content)| *content).collect::<Vec<_>>();
+            OutputRules::default().check_own(&self.out.join(name), &known)?;
         }
-        let record = Record { made_from, of: KeptFigure { figure, files, notes: made.notes, seconds } };
+        let files = texts.iter().map(|(name, text)| (name.clone(), Checksum::of(text.as_bytes()))).collect();
+        let record = Record { made_from, of: KeptFigure { figure, files, earlier, notes: made.notes, seconds } };
         records.write(figure.name(), &record)?;
+        for (name, text) in texts {
+            write_whole(&self.out.join(name), |out| out.write_all(text.as_bytes()))?;
+        }
         Ok(record)
     }
-}
-
-fn write_text(path: &Path, text: &str) -> Result<(), FiguresError> {
-    OutputRules::default().check_own(path)?;
-    Ok(write_whole(path, |out| out.write_all(text.as_bytes()))?)
 }
 
 /// Writes `index.html` into `folder`: every finished figure there, with its caption, notes and numbers.
@@ -165,8 +167,8 @@ pub(super) fn write_page(folder: &Path, size: FigureSize) -> Result<PathBuf, Fig
     let records: Vec<KeptFigure> =
         PaperFigure::ALL.into_iter().filter_map(|f| Some(read_record(folder, f)?.of)).collect();
     let path = folder.join("index.html");
-    OutputRules::default().check_own(&path)?;
-    write_whole(&path, |out| out.write_all(page(&records, size).as_bytes()))?;
+    OutputRules::default().check_own(&path, &[])?;
+    write_text(&path, Kind::Page, page(&records, size))?;
     Ok(path)
 }
 

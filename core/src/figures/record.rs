@@ -4,9 +4,12 @@
 //! same way, parts that take long and are used by several figures.
 
 use super::{FiguresError, PaperFigure};
-use crate::export::{Checksum, ExportError, MadeFrom, Record, Records, may_begin, remove_temporary_files};
+use crate::export::{ExportError, MadeFrom, RECORDS_FOLDER, Record, Records, may_begin, write_whole};
+use crate::files::mark::{Checksum, Kind, claiming};
+use crate::files::unfinished::{Unfinished, remove_abandoned};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use std::io::Write;
 use std::path::Path;
 
 /// Folder of pieces among the records.
@@ -22,6 +25,10 @@ pub(super) struct KeptFigure {
     pub figure: PaperFigure,
     /// Names and checksums of its files.
     pub files: Vec<(String, Checksum)>,
+    /// Names and checksums of the files that these replace. The record is written before them, so if a run is killed in
+    /// between, there are some of both.
+    #[serde(default)]
+    pub earlier: Vec<(String, Checksum)>,
     /// Notes for the reader.
     pub notes: Vec<String>,
     /// Time that it took, seconds.
@@ -38,15 +45,17 @@ pub(super) fn read_record(folder: &Path, figure: PaperFigure) -> Option<FigureRe
 /// Checks that `folder` is free or holds figures that this program began.
 ///
 /// # Errors
-/// [`FiguresError::Occupied`] when `folder` holds files but no records: it belongs to somebody else.
+/// [`FiguresError::Occupied`] when `folder` holds files but not the mark of a folder of figures: it belongs to somebody
+/// else; [`ExportError::Link`] when a folder of records is a link.
 pub(super) fn check_folder(folder: &Path) -> Result<(), FiguresError> {
-    let mark = Pieces::of(Path::new("")).records.folder().to_path_buf();
-    if may_begin(folder, &mark) { Ok(()) } else { Err(FiguresError::Occupied(folder.into())) }
+    let parts = [RECORDS_FOLDER, &format!("{RECORDS_FOLDER}/{PIECES_FOLDER}")];
+    if may_begin(folder, Kind::Figures, &parts)? { Ok(()) } else { Err(FiguresError::Occupied(folder.into())) }
 }
 
-/// Creates the folders of records, and removes files that killed runs have left.
+/// Writes the folder's mark, creates the folders of records, and removes files that killed runs have left.
 pub(super) fn begin(folder: &Path) -> Result<(), ExportError> {
-    remove_temporary_files(folder);
+    remove_abandoned(folder);
+    write_whole(&folder.join(Kind::Figures.file()), |out| out.write_all(claiming(Kind::Figures, &()).as_bytes()))?;
     Records::of(folder).begin()?;
     Pieces::of(folder).records.begin()
 }
@@ -80,11 +89,11 @@ impl Pieces {
         self.records.write(name, &Record { made_from: MadeFrom::new(settings), of: Piece { value } })
     }
 
-    /// A folder for files that are needed only while a piece is made.
-    pub fn temporary(&self) -> Result<tempfile::TempDir, ExportError> {
-        let folder = self.records.folder();
-        let made = tempfile::Builder::new().prefix(".work-").tempdir_in(folder);
-        made.map_err(|error| ExportError::write(folder, &error))
+    /// A folder for files that are needed only while a piece is made: [`Unfinished::new_path`], which exists.
+    pub fn temporary(&self) -> Result<Unfinished, ExportError> {
+        let place = self.records.folder().join("work");
+        let made = Unfinished::beside(&place).and_then(|made| std::fs::create_dir(made.new_path()).map(|()| made));
+        made.map_err(|error| ExportError::write(&place, &error))
     }
 }
 
@@ -101,6 +110,7 @@ mod tests {
         let of = KeptFigure {
             figure: PaperFigure::Fig7,
             files: vec![("fig7.svg".into(), Checksum::of(b"<svg/>"))],
+            earlier: Vec::new(),
             notes: Vec::new(),
             seconds: 1.0,
         };

@@ -7,7 +7,8 @@
 //! On Unix the file is removed at the end, while it is still locked. Another process may have opened it before, so
 //! after taking a lock a process checks that the file still has its name, and otherwise starts again: no two processes
 //! hold a lock of the same name. Elsewhere that cannot be checked, and the hidden file stays. A folder that holds
-//! nothing else counts as empty, see [`is_left_over`].
+//! nothing else counts as empty, see [`is_free`](super::unfinished::is_free). A file of the lock's name with any other
+//! text is somebody's, and stays.
 
 use super::{path_text, write_problem};
 use std::ffi::OsStr;
@@ -17,43 +18,32 @@ use std::path::{Path, PathBuf};
 
 /// Name of the lock file in a folder.
 pub const LOCK_FILE: &str = ".burstscope-lock";
-/// Prefix of the names of all hidden files that runs of this program create and remove.
-const HIDDEN_PREFIX: &str = ".burstscope";
-/// Suffix of the names of files that are not complete yet.
-pub const TEMPORARY_SUFFIX: &str = ".tmp";
+/// Prefix of the names of all hidden files and folders that runs of this program create and remove.
+pub(super) const HIDDEN_PREFIX: &str = ".burstscope";
 /// Suffix of the names of locks that lie beside their folders.
 const LOCK_SUFFIX: &str = ".lock";
 /// Maximum length of a folder's name in the name of the lock beside it, bytes.
 const LONGEST_NAME: usize = 200;
 /// Maximum number of attempts to take a lock whose file keeps being removed in the meantime.
 const TRIES: usize = 64;
+/// Begin of the text of a lock: its owner.
+const OWNER: &str = "process ";
 
-/// Whether a file of this name is one that a run of this program creates for itself and removes at its end; a killed
-/// run leaves it behind.
-pub fn is_left_over(name: &OsStr) -> bool {
-    name.to_str().is_some_and(|name| {
-        let ends = [TEMPORARY_SUFFIX, LOCK_SUFFIX].iter().any(|end| name.ends_with(end));
-        name == LOCK_FILE || (name.starts_with(HIDDEN_PREFIX) && ends)
-    })
+/// Whether the file at `path` is a lock that a run of this program took, by its name and text. A killed run leaves it
+/// behind.
+pub(super) fn is_lock(path: &Path) -> bool {
+    let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
+    (name == LOCK_FILE || (name.starts_with(HIDDEN_PREFIX) && name.ends_with(LOCK_SUFFIX)))
+        && std::fs::symlink_metadata(path).is_ok_and(|found| found.is_file())
+        && File::open(path).is_ok_and(|mut file| names_owner(&mut file))
 }
 
-/// Whether `folder` holds nothing but files left by killed runs, or does not exist.
-///
-/// # Errors
-/// A folder that cannot be read, or a path that is no folder.
-pub fn is_free(folder: &Path) -> io::Result<bool> {
-    match std::fs::read_dir(folder) {
-        Ok(entries) => {
-            for entry in entries {
-                if !is_left_over(&entry?.file_name()) {
-                    return Ok(false);
-                }
-            }
-            Ok(true)
-        }
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(true),
-        Err(error) => Err(error),
-    }
+/// Whether the text of `file` is that of a lock, or empty.
+fn names_owner(file: &mut File) -> bool {
+    let mut text = String::new();
+    let is_text = file.rewind().is_ok() && file.take(4096).read_to_string(&mut text).is_ok();
+    let is_number = |rest: &str| rest.starts_with(|c: char| c.is_ascii_digit());
+    is_text && (text.is_empty() || (text.strip_prefix(OWNER).is_some_and(is_number) && text.lines().count() == 1))
 }
 
 /// Reason why a folder must not be written, or no longer.
@@ -148,9 +138,15 @@ impl FolderLock {
                 Err(TryLockError::Error(_)) => lock.is_locked = false,
             }
             if is_named(&file, &path) {
+                if !names_owner(&mut file) {
+                    return Err(failed(io::Error::other(
+                        "this is not the lock that should have this name; move it away",
+                    )));
+                }
+                // From here on the file is removed again, even if it cannot be written.
+                let file = lock.file.insert(file);
                 file.set_len(0).and_then(|()| file.rewind()).map_err(failed)?;
                 writeln!(file, "{}", owner()).map_err(failed)?;
-                lock.file = Some(file);
                 return Ok(lock);
             }
         }
@@ -188,7 +184,7 @@ impl Drop for FolderLock {
 fn owner() -> String {
     let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let on_host = if host.trim().is_empty() { String::new() } else { format!(" on {}", host.trim()) };
-    format!("process {}{on_host}", std::process::id())
+    format!("{OWNER}{}{on_host}", std::process::id())
 }
 
 /// The owner named in the lock `file`.
@@ -239,11 +235,9 @@ fn make_folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
 /// Removes the locks of folders in `parent` that killed runs have left.
 fn remove_abandoned(parent: &Path) {
     for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        let is_lock = name.to_str().is_some_and(|name| name.starts_with(HIDDEN_PREFIX) && name.ends_with(LOCK_SUFFIX));
         if cfg!(unix)
-            && is_lock
-            && entry.file_type().is_ok_and(|kind| kind.is_file())
+            && entry.file_name() != LOCK_FILE
+            && is_lock(&entry.path())
             && let Ok(file) = OpenOptions::new().write(true).open(entry.path())
             && file.try_lock().is_ok()
             && is_named(&file, &entry.path())
@@ -286,9 +280,7 @@ mod tests {
         drop(FolderLock::take(&folder).expect("free"));
         assert_eq!(names(), 0, "folders that were made for nothing");
         let lock = FolderLock::take(&folder).expect("free");
-        assert!(is_free(&folder).expect("a folder"), "it holds nothing but the lock");
         std::fs::write(folder.join("x"), "").expect("written");
-        assert!(!is_free(&folder).expect("a folder"));
         drop(lock);
         assert_eq!(std::fs::read_dir(&folder).expect("it stays").count(), 1);
         // A lock file left by a killed run is removed by the next lock there.

@@ -16,7 +16,7 @@ use super::truth::NoiseTruth;
 use super::write::{WriteBurstError, io, write_folder, write_frame};
 use super::{SynthError, check_camera, check_snr};
 use crate::burst::Burst;
-use crate::files::{MAX_TABLE_BYTES, read_text};
+use crate::files::mark::Kind;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -209,7 +209,7 @@ pub fn write_noisy<E: From<WriteBurstError> + From<Cancelled>>(
         frames: Vec::new(),
     };
     let mut failure = None;
-    let written = write_folder(dir, replaceable, |fresh| {
+    let written = write_folder(dir, Kind::NoisyCopies, |fresh| {
         for (k, name) in names.iter().enumerate() {
             let part = subfolders.then_some(name.as_str());
             let burst = match open(k) {
@@ -256,34 +256,6 @@ fn frame_files(originals: &[String]) -> Vec<String> {
     } else {
         (0..originals.len()).map(super::write::frame_name).collect()
     }
-}
-
-/// Whether `dir` holds only files that its own `noise.json` lists.
-fn replaceable(dir: &Path) -> std::io::Result<bool> {
-    let Ok(text) = read_text(&dir.join(TRUTH_FILE), MAX_TABLE_BYTES) else {
-        return Ok(false);
-    };
-    let Ok(truth) = serde_json::from_str::<NoisyTruth>(&text) else {
-        return Ok(false);
-    };
-    let known: BTreeSet<PathBuf> = truth.frames.iter().map(PathBuf::from).chain([TRUTH_FILE.into()]).collect();
-    let parts: BTreeSet<&Path> = known.iter().filter_map(|p| p.parent()).collect();
-    let mut folders = vec![PathBuf::new()];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(dir.join(&folder))? {
-            let entry = entry?;
-            let place = folder.join(entry.file_name());
-            if entry.file_type()?.is_dir() {
-                if !parts.contains(place.as_path()) {
-                    return Ok(false);
-                }
-                folders.push(place);
-            } else if !known.contains(&place) {
-                return Ok(false);
-            }
-        }
-    }
-    Ok(true)
 }
 
 #[cfg(test)]
@@ -385,7 +357,7 @@ mod tests {
         assert_eq!(Burst::open(&dir).expect("a burst").frame_names, ["a.png", "b.png", "c.png"]);
         let truth = write(true).expect("replaced");
         assert_eq!(truth.frames[3..], ["night 2/a.png", "night 2/b.png", "night 2/c.png"]);
-        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 3);
+        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 4);
         write(true).expect("replaced again");
         std::fs::write(dir.join("night 1/notes.txt"), "precious").expect("written");
         assert!(matches!(write(false), Err(WriteBurstError::Occupied(_))));

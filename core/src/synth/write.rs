@@ -3,21 +3,21 @@
 //! Values of a converter with fewer than 16 bits are stored at the top of the 16-bit word (see [`super::noise`]), so
 //! that the files hold them exactly; values that were never rounded are rounded to 16 bits.
 //!
-//! Everything goes into a hidden folder beside the target, which then replaces the target. A killed run leaves its
-//! hidden folder; the next one that writes there removes it. A system lock on a file in it, which ends with its
-//! process, shows that it is still in use. Another lock, beside the target, keeps two processes from making the same
-//! folder.
+//! Everything goes into a hidden folder beside the target ([`Unfinished`]), which then replaces the target. A lock
+//! beside the target keeps two processes from making the same folder. The mark of the folder claims all of its files: one to
+//! which anything was added, or in which anything was changed, is not replaced.
 
 use super::noise::quantised_word;
 use super::truth::Truth;
 use crate::burst::Burst;
-use crate::files::lock::{FolderLock, LockError, is_free};
+use crate::files::lock::{FolderLock, LockError};
+use crate::files::mark::{Kind, is_unchanged, seal_folder};
+use crate::files::unfinished::{Unfinished, is_free};
 use crate::files::write_problem;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use image::ImageFormat;
-use std::fs::{File, OpenOptions};
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is created. An earlier
@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// See [`WriteBurstError`]; the folder is then unchanged.
 pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<(), WriteBurstError> {
-    write_folder(dir, replaceable, |fresh| {
+    write_folder(dir, Kind::Burst, |fresh| {
         for (t, frame) in burst.frames.iter().enumerate() {
             monitor.check()?;
             write_frame(&fresh.join(frame_name(t)), frame)?;
@@ -57,28 +57,11 @@ pub fn frame_name(t: usize) -> String {
     format!("frame_{t:03}.png")
 }
 
-/// Whether `dir` holds only files that [`write_burst`] writes.
-fn replaceable(dir: &Path) -> std::io::Result<bool> {
-    let mut has_truth = false;
-    for entry in std::fs::read_dir(dir)? {
-        let entry = entry?;
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let number = name.strip_prefix("frame_").and_then(|rest| rest.strip_suffix(".png"));
-        let is_frame = number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
-        has_truth |= name == "truth.json";
-        if !(is_frame || name == "truth.json") || entry.file_type()?.is_dir() {
-            return Ok(false);
-        }
-    }
-    Ok(has_truth)
-}
-
 /// Reason why a burst was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteBurstError {
-    /// The folder holds files that are no earlier synthetic burst.
-    #[error("the folder holds files that are not a synthetic burst; name a new or an empty folder: {}", .0.display())]
+    /// The folder holds files that this command did not write there, or that were changed since.
+    #[error("the folder holds files that this command did not write there, or that were changed since; name a new or an empty folder: {}", .0.display())]
     Occupied(PathBuf),
     /// Writing failed.
     #[error("cannot write: {}: {}", write_problem(.source), .path.display())]
@@ -106,83 +89,31 @@ pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> WriteBurstError + us
 }
 
 /// Makes the folder `dir` by `fill`, which writes into the empty folder that it is given. An existing `dir` is replaced
-/// as a whole if `replaceable` returns true (an empty folder always is), and otherwise left unchanged. Meanwhile no
-/// other process can make it.
+/// as a whole if it has an unchanged mark of this `kind` (an empty folder always is), and otherwise left unchanged.
+/// Meanwhile no other process can make it.
 ///
 /// # Errors
 /// See [`WriteBurstError`]; the folder is then unchanged.
 pub(super) fn write_folder(
     dir: &Path,
-    replaceable: impl FnOnce(&Path) -> std::io::Result<bool>,
+    kind: Kind,
     fill: impl FnOnce(&Path) -> Result<(), WriteBurstError>,
 ) -> Result<(), WriteBurstError> {
     if std::fs::symlink_metadata(dir).is_ok_and(|metadata| metadata.is_symlink()) {
         return Err(WriteBurstError::Link(dir.to_owned()));
     }
     let _lock = FolderLock::beside(dir)?;
-    if !is_free(dir).map_err(io(dir))? && !replaceable(dir).map_err(io(dir))? {
-        return Err(WriteBurstError::Occupied(dir.to_owned()));
+    let may_go = |folder: &Path| Ok(is_free(folder)? || is_unchanged(folder, kind)?);
+    let occupied = || Err(WriteBurstError::Occupied(dir.to_owned()));
+    if !may_go(dir).map_err(io(dir))? {
+        return occupied();
     }
-    let parent = match dir.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
-        _ => PathBuf::from("."),
-    };
-    remove_abandoned(&parent);
-    let stage = tempfile::Builder::new().prefix(STAGE_PREFIX).tempdir_in(&parent).map_err(io(&parent))?;
-    let _in_use = locked(&stage.path().join(LOCK_FILE), dir).map_err(io(stage.path()))?;
-    let fresh = stage.path().join("new");
+    let unfinished = Unfinished::beside(dir).map_err(io(dir))?;
+    let fresh = unfinished.new_path();
     std::fs::create_dir(&fresh).map_err(io(&fresh))?;
     fill(&fresh)?;
-    let old = stage.path().join("old");
-    if dir.exists() {
-        std::fs::rename(dir, &old).map_err(io(dir))?;
-    }
-    if let Err(source) = std::fs::rename(&fresh, dir) {
-        if old.exists() {
-            std::fs::rename(&old, dir).map_err(io(dir))?;
-        }
-        return Err(WriteBurstError::Io { path: dir.to_owned(), source });
-    }
-    Ok(())
-}
-
-const STAGE_PREFIX: &str = ".synth-";
-/// File in a hidden folder whose lock shows that it is in use; its text is the name of the folder that is made.
-const LOCK_FILE: &str = "in-use";
-
-fn locked(path: &Path, target: &Path) -> std::io::Result<File> {
-    let file = File::create_new(path)?;
-    // A file system without locks: then nothing is removed either.
-    let _ = file.try_lock();
-    let name = target.file_name().unwrap_or_default();
-    (&file).write_all(name.as_encoded_bytes())?;
-    Ok(file)
-}
-
-/// Removes the hidden folders in `parent` that killed runs have left. If a run was killed between moving the old folder
-/// away and putting the new one there, the new one, which was complete by then, is moved to its place.
-fn remove_abandoned(parent: &Path) {
-    for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
-        let stage = entry.path();
-        let is_stage = entry.file_name().to_str().is_some_and(|name| name.starts_with(STAGE_PREFIX));
-        if !is_stage {
-            continue;
-        }
-        let Ok(lock) = OpenOptions::new().write(true).open(stage.join(LOCK_FILE)) else { continue };
-        if lock.try_lock().is_err() {
-            continue;
-        }
-        if stage.join("old").exists()
-            && let Ok(name) = std::fs::read_to_string(stage.join(LOCK_FILE))
-            && !name.is_empty()
-            && !parent.join(&name).exists()
-            && std::fs::rename(stage.join("new"), parent.join(&name)).is_err()
-        {
-            continue;
-        }
-        // A folder that cannot be removed does no harm.
-        let _ = std::fs::remove_dir_all(&stage);
-    }
+    seal_folder(&fresh, kind).map_err(io(&fresh.join(kind.file())))?;
+    if unfinished.put_folder(dir, may_go).map_err(io(dir))? { Ok(()) } else { occupied() }
 }
 
 #[cfg(test)]
@@ -222,16 +153,28 @@ mod tests {
         write_burst(&dir, &long, &truth, &Monitor::default()).expect("written");
         let (short, truth) = chart(2, 3);
         write_burst(&dir, &short, &truth, &Monitor::default()).expect("replaced");
-        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 4);
+        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 5);
         std::fs::write(dir.join("thesis.txt"), "precious").expect("written");
         let error = write_burst(&dir, &long, &truth, &Monitor::default()).expect_err("occupied").to_string();
         assert!(error.contains("chart"), "{error}");
-        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 5);
-        // Pictures without a truth beside them belong to somebody else.
+        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 6);
+        // Pictures with a truth beside them belong to somebody else, if there is no mark that claims them.
         let own = home.path().join("own");
         std::fs::create_dir(&own).expect("made");
-        std::fs::write(own.join("frame_000.png"), "mine").expect("written");
-        assert!(write_burst(&own, &long, &truth, &Monitor::default()).is_err());
+        for name in ["frame_000.png", "truth.json"] {
+            std::fs::write(own.join(name), "mine").expect("written");
+        }
+        assert!(matches!(write_burst(&own, &long, &truth, &Monitor::default()), Err(WriteBurstError::Occupied(_))));
+        // So does what comes into the folder while the new one is made.
+        let late = home.path().join("late");
+        write_burst(&late, &short, &truth, &Monitor::default()).expect("written");
+        let added = |_: &Path| {
+            std::fs::write(late.join("thesis.txt"), "precious").expect("written");
+            Ok(())
+        };
+        assert!(matches!(write_folder(&late, Kind::Burst, added), Err(WriteBurstError::Occupied(_))));
+        assert_eq!(std::fs::read_to_string(late.join("thesis.txt")).expect("there"), "precious");
+        assert!(matches!(write_folder(&dir, Kind::Trajectory, |_| Ok(())), Err(WriteBurstError::Occupied(_))));
     }
 
     #[test]
@@ -246,32 +189,5 @@ mod tests {
         std::fs::write(&file, "").expect("written");
         assert!(write_burst(&file.join("chart"), &burst, &truth, &Monitor::default()).is_err());
         assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1);
-    }
-
-    /// Creates a hidden folder as a killed run leaves it.
-    fn left(parent: &Path, name: &str, target: &str, parts: &[&str]) -> PathBuf {
-        let stage = parent.join(name);
-        std::fs::create_dir(&stage).expect("made");
-        drop(locked(&stage.join(LOCK_FILE), Path::new(target)).expect("locked"));
-        for part in parts {
-            std::fs::create_dir(stage.join(part)).expect("made");
-            std::fs::write(stage.join(part).join("truth.json"), part).expect("written");
-        }
-        stage
-    }
-
-    #[test]
-    fn what_killed_runs_left_is_removed_and_what_is_in_use_stays() {
-        let home = tempfile::tempdir().expect("a folder");
-        let begun = left(home.path(), ".synth-a", "a", &["new"]);
-        let replaced = left(home.path(), ".synth-b", "b", &["new", "old"]);
-        let used = left(home.path(), ".synth-c", "c", &["new"]);
-        let lock = OpenOptions::new().write(true).open(used.join(LOCK_FILE)).expect("there");
-        lock.try_lock().expect("free");
-        std::fs::create_dir(home.path().join(".synth-own")).expect("made");
-        write_folder(&home.path().join("d"), |_| Ok(false), |_| Ok(())).expect("written");
-        assert!(!begun.exists() && !replaced.exists() && used.exists() && home.path().join(".synth-own").exists());
-        assert!(!home.path().join("a").exists() && home.path().join("d").is_dir());
-        assert_eq!(std::fs::read_to_string(home.path().join("b/truth.json")).expect("put there"), "new");
     }
 }

@@ -6,10 +6,12 @@
 
 use super::text::{ColmapKeypoint, FIRST_PIXEL};
 use crate::detector::Descriptor;
-use crate::export::atomic::replace_whole;
+use crate::export::atomic::replace;
 use crate::export::error::ExportError;
+use crate::files::mark::DATABASE_ID;
 use nalgebra::{Isometry3, Matrix3};
 use rusqlite::{Connection, Params, params};
+use std::fs::File;
 use std::io;
 use std::path::Path;
 
@@ -52,8 +54,8 @@ pub fn write_colmap_database<E: From<ExportError>>(
     fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), E>,
 ) -> Result<(), E> {
     let mut failure = None;
-    let written = replace_whole(path, |temporary| match make(temporary.path(), path, fill) {
-        Ok(()) => Ok(()),
+    let written = replace(path, |new| match make(new, path, fill) {
+        Ok(()) => File::options().read(true).write(true).open(new),
         Err(error) => {
             failure = Some(error);
             Err(io::Error::other("the database was not completed"))
@@ -75,6 +77,7 @@ fn make<E: From<ExportError>>(
     // No journal and no waiting for the disk: the file is useless until it is complete, and is flushed to the disk
     // then.
     connection.execute_batch("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN;").map_err(fail)?;
+    connection.pragma_update(None, "application_id", DATABASE_ID).map_err(fail)?;
     connection.execute_batch(TABLES).map_err(fail)?;
     let mut writer = DatabaseWriter { connection: &connection, path, cameras: 0, keypoints: Vec::new() };
     fill(&mut writer)?;

@@ -14,4 +14,5 @@ mod text;
 pub use database::{
     DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
 };
+pub(super) use text::is_colmap_text;
 pub use text::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};

@@ -7,9 +7,10 @@
 
 use crate::detector::{Descriptor, Feature};
 use crate::export::atomic::write_whole;
+use crate::export::csv::first_line;
 use crate::export::error::ExportError;
 use crate::files::{MAX_TABLE_BYTES, read_text};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
 use std::str::FromStr;
 
@@ -37,17 +38,32 @@ pub fn write_colmap_keypoints(
     descriptors: &[Descriptor],
 ) -> Result<(), ExportError> {
     assert_eq!(keypoints.len(), descriptors.len(), "each feature has one descriptor");
-    write_whole(path, |out| {
-        writeln!(out, "{} 128", keypoints.len())?;
-        for (ColmapKeypoint { x, y, scale, orientation }, descriptor) in keypoints.iter().zip(descriptors) {
-            write!(out, "{x} {y} {scale} {orientation}")?;
-            for value in descriptor {
-                write!(out, " {value}")?;
-            }
-            writeln!(out)?;
+    write_whole(path, |out| print(out, keypoints, descriptors))
+}
+
+fn print(out: &mut impl Write, keypoints: &[ColmapKeypoint], descriptors: &[Descriptor]) -> io::Result<()> {
+    writeln!(out, "{} 128", keypoints.len())?;
+    for (ColmapKeypoint { x, y, scale, orientation }, descriptor) in keypoints.iter().zip(descriptors) {
+        write!(out, "{x} {y} {scale} {orientation}")?;
+        for value in descriptor {
+            write!(out, " {value}")?;
         }
-        Ok(())
-    })
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// Whether the file at `path` has COLMAP's header; with `is_whole`, also whether all of it is as this program writes
+/// these numbers. Other programs write as many digits for each.
+pub(in crate::export) fn is_colmap_text(path: &Path, is_whole: bool) -> bool {
+    let is_number = |count: &str| !count.is_empty() && count.bytes().all(|byte| byte.is_ascii_digit());
+    let is_printed = |text: String| {
+        let mut bytes = Vec::with_capacity(text.len());
+        let printed = parse_colmap(path, &text).map(|(keypoints, all)| print(&mut bytes, &keypoints, &all));
+        printed.is_ok_and(|printed| printed.is_ok()) && bytes == text.as_bytes()
+    };
+    first_line(path).is_some_and(|line| line.strip_suffix(" 128").is_some_and(is_number))
+        && (!is_whole || read_text(path, MAX_TABLE_BYTES).is_ok_and(is_printed))
 }
 
 /// Reads features and descriptors that [`write_colmap`] wrote; all numbers are the same.

@@ -1,10 +1,11 @@
 //! Drawings as SVG 1.1.
 
 use super::{Colour, Drawing, FigureRect, FigureShape, FigureStroke};
-use crate::export::atomic::write_whole;
+use crate::export::atomic::write_marked;
 use crate::export::error::ExportError;
 use crate::export::png::Picture;
 use crate::export::svg::{Attribute, Number, PathData, SvgWriter};
+use crate::files::mark::Kind;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -18,7 +19,7 @@ pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), ExportErr
             Picture::rgba(size.0, size.1, rgba).check_size(path)?;
         }
     }
-    write_whole(path, |out| {
+    write_marked(path, Kind::Drawing, |out| {
         writeln!(out, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
         let size = (f64::from(drawing.size[0]), f64::from(drawing.size[1]));
         let mut svg = SvgWriter::document(out, size, &drawing.title, &[])?;

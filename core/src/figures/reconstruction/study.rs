@@ -117,7 +117,7 @@ impl Study {
                                     program,
                                     &self.how(method),
                                     &drawn.way,
-                                    folder.path(),
+                                    &folder.new_path(),
                                     monitor,
                                 )?;
                                 pieces.keep(&name, &settings, &made)?;

@@ -21,6 +21,7 @@ use super::noisy::{FrameLevels, NoisyExposure};
 use super::truth::NoiseTruth;
 use super::{Motion, SynthError, check_common};
 use crate::burst::Burst;
+use crate::files::mark::Kind;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::synth::write::{WriteBurstError, frame_name, io, write_folder, write_frame};
@@ -341,9 +342,7 @@ pub struct BurstTruth {
     pub slope_v: [f64; 2],
 }
 
-/// Entries of the folder.
-const ENTRIES: [&str; 5] = ["bursts", "gold", "poses.txt", "lens.toml", TRUTH_FILE];
-/// File that marks the folder as a trajectory and holds its truth.
+/// File that holds the folder's truth.
 const TRUTH_FILE: &str = "trajectory.json";
 
 /// Writes a trajectory into the folder `dir`, which is created: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
@@ -354,7 +353,7 @@ const TRUTH_FILE: &str = "trajectory.json";
 /// # Errors
 /// See [`WriteBurstError`]; the folder is then unchanged.
 pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) -> Result<(), WriteBurstError> {
-    write_folder(dir, replaceable, |fresh| {
+    write_folder(dir, Kind::Trajectory, |fresh| {
         let make = |folder: &Path| std::fs::create_dir(folder).map_err(io(folder));
         let (bursts, gold) = (fresh.join("bursts"), fresh.join("gold"));
         make(&bursts)?;
@@ -395,32 +394,4 @@ fn poses(trajectory: &Trajectory) -> String {
         let _ = writeln!(text, "{index} {tx} {ty} {tz} {qx} {qy} {qz} {qw}");
     }
     text
-}
-
-/// Whether `dir` holds only files that [`write_trajectory`] writes.
-fn replaceable(dir: &Path) -> std::io::Result<bool> {
-    let names = |folder: &Path| -> std::io::Result<Vec<String>> {
-        std::fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()
-    };
-    let numbered = |name: &str, start: &str, end: &str| {
-        let number = name.strip_prefix(start).and_then(|rest| rest.strip_suffix(end));
-        number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
-    };
-    let top = names(dir)?;
-    if !(top.iter().any(|name| name == TRUTH_FILE) && top.iter().all(|name| ENTRIES.contains(&name.as_str()))) {
-        return Ok(false);
-    }
-    let gold = dir.join("gold");
-    if gold.exists() && !names(&gold)?.iter().all(|name| numbered(name, "burst_", ".png")) {
-        return Ok(false);
-    }
-    let bursts = dir.join("bursts");
-    for name in if bursts.exists() { names(&bursts)? } else { Vec::new() } {
-        let folder = bursts.join(&name);
-        let frames = || Ok::<_, std::io::Error>(names(&folder)?.iter().all(|name| numbered(name, "frame_", ".png")));
-        if !(numbered(&name, "burst_", "") && folder.is_dir() && frames()?) {
-            return Ok(false);
-        }
-    }
-    Ok(true)
 }

@@ -1,0 +1,447 @@
+//! The mark by which Burstscope recognises what it wrote, so that it replaces this and nothing else without being told
+//! to.
+//!
+//! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
+//! it claims. A file has it in the field that its format offers: a text chunk of PNG, a comment of GIF, ZIP and XML, or
+//! a comment line, at its end, which claim all bytes before; `Software` in a TIFF, which claims the samples. A folder
+//! has it in a file of JSON beside what the mark claims ([`Kind::file`]). COLMAP's database has the identity of its
+//! program in its header alone, because COLMAP adds to it. Tables have no such field, see
+//! [`is_ours`](crate::export::is_ours).
+
+use super::{MAX_TABLE_BYTES, path_text, read_text};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+use tiff::decoder::Decoder;
+use tiff::tags::Tag;
+
+/// The program's name and version, for the `Software` field of pictures.
+pub(crate) const SOFTWARE: &str = concat!("Burstscope ", env!("CARGO_PKG_VERSION"));
+/// Application id of COLMAP's databases that this program wrote, in the field that SQLite has for it.
+pub(crate) const DATABASE_ID: u32 = u32::from_be_bytes(*b"Brst");
+/// Version of the form of a mark.
+const FORMAT: u32 = 1;
+/// Number of bytes at the start of a file that tell its format.
+const HEAD: u64 = 128;
+/// Number of bytes at the end of a file that hold its mark.
+const TAIL: u64 = 1024;
+
+/// Kind of an output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Folder of a synthetic burst: a chart or a scene.
+    Burst,
+    /// Folder of noisy copies.
+    NoisyCopies,
+    /// Folder of a trajectory.
+    Trajectory,
+    /// Folder of a dataset for COLMAP.
+    Dataset,
+    /// Folder of figures.
+    Figures,
+    /// Hidden folder of work that is not finished.
+    Unfinished,
+    /// PNG or TIFF.
+    Picture,
+    /// GIF or animated PNG.
+    Film,
+    /// SVG.
+    Drawing,
+    /// HTML.
+    Page,
+    /// Features in NumPy's archive.
+    Features,
+    /// Case.
+    Case,
+    /// Parameters, or a session.
+    Settings,
+}
+
+impl Kind {
+    /// File with the mark of a folder of this kind.
+    pub fn file(self) -> &'static str {
+        match self {
+            Self::Dataset => "manifest.json",
+            Self::Unfinished => "in-use",
+            _ => ".burstscope.json",
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Program {
+    Burstscope,
+}
+
+/// Mark of an output.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Mark {
+    program: Program,
+    version: String,
+    kind: Kind,
+    format: u32,
+    #[serde(flatten)]
+    content: Checksum,
+}
+
+impl Mark {
+    /// The mark of an output of this program that claims `content`.
+    pub fn new(kind: Kind, content: Checksum) -> Self {
+        let version = env!("CARGO_PKG_VERSION").to_owned();
+        Self { program: Program::Burstscope, version, kind, format: FORMAT, content }
+    }
+
+    /// The mark on one line.
+    pub fn text(&self) -> String {
+        serde_json::to_string(self).expect("a mark is plain values")
+    }
+
+    fn parsed(text: &[u8]) -> Option<Self> {
+        serde_json::from_slice(text).ok().filter(|mark: &Self| mark.format == FORMAT)
+    }
+}
+
+/// Length and checksum by which an altered file is recognised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Checksum {
+    bytes: u64,
+    crc32: u32,
+}
+
+impl Checksum {
+    /// The checksum of these bytes.
+    pub fn of(bytes: &[u8]) -> Self {
+        Self { bytes: bytes.len() as u64, crc32: crc32fast::hash(bytes) }
+    }
+
+    /// The checksum of the file at `path`.
+    ///
+    /// # Errors
+    /// The system's error.
+    pub fn of_file(path: &Path) -> io::Result<Self> {
+        Self::of_parts(&mut File::open(path)?, &[(0, u64::MAX)])
+    }
+
+    /// The checksum of parts of a file, each from an offset on and of at most so many bytes.
+    fn of_parts(file: &mut File, parts: &[(u64, u64)]) -> io::Result<Self> {
+        let (mut hasher, mut piece, mut bytes) = (crc32fast::Hasher::new(), vec![0; 1 << 16], 0);
+        for &(offset, length) in parts {
+            file.seek(SeekFrom::Start(offset))?;
+            let mut part = file.take(length);
+            loop {
+                match part.read(&mut piece) {
+                    Ok(0) => break,
+                    Ok(count) => {
+                        hasher.update(&piece[..count]);
+                        bytes += count as u64;
+                    }
+                    Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                    Err(error) => return Err(error),
+                }
+            }
+        }
+        Ok(Self { bytes, crc32: hasher.finalize() })
+    }
+
+    /// Whether the file at `path` has the same length; checked without reading it.
+    pub fn is_as_long_as(&self, path: &Path) -> bool {
+        std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() == self.bytes)
+    }
+
+    /// Whether the file at `path` has this content. A file of another length is not read.
+    pub fn is_of(&self, path: &Path) -> bool {
+        self.is_as_long_as(path) && Self::of_file(path).is_ok_and(|now| now == *self)
+    }
+}
+
+/// Place of the mark in a file that has it at its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Png,
+    Gif,
+    Zip,
+    Xml,
+    Line,
+}
+
+impl Place {
+    /// Place in a file that begins with `head`.
+    fn of(head: &[u8]) -> Self {
+        let starts: [(&[u8], Self); 4] =
+            [(b"\x89PNG\r\n\x1a\n", Self::Png), (b"GIF8", Self::Gif), (b"PK\x03\x04", Self::Zip), (b"<", Self::Xml)];
+        starts.into_iter().find(|(start, _)| head.starts_with(start)).map_or(Self::Line, |(_, place)| place)
+    }
+
+    /// The end of a file without a mark, in place of which the mark comes: the last chunk or block, or the length of an
+    /// empty comment.
+    fn end(self) -> &'static [u8] {
+        match self {
+            Self::Png => b"\0\0\0\0IEND\xae\x42\x60\x82",
+            Self::Gif => b"\x3b",
+            Self::Zip => b"\0\0",
+            Self::Xml | Self::Line => b"",
+        }
+    }
+
+    /// The end of a file with the mark `text`.
+    fn marked_end(self, text: &[u8]) -> Vec<u8> {
+        match self {
+            Self::Png => {
+                let data = [b"tEXtBurstscope\0", text].concat();
+                let length = (data.len() as u32 - 4).to_be_bytes();
+                [&length[..], &data, &crc32fast::hash(&data).to_be_bytes(), self.end()].concat()
+            }
+            // A block of a comment has at most 255 bytes.
+            Self::Gif => {
+                let blocks = text.chunks(255).flat_map(|part| [&[part.len() as u8], part].concat());
+                [b"\x21\xfe".to_vec(), blocks.collect(), vec![0], self.end().to_vec()].concat()
+            }
+            Self::Zip => [&(text.len() as u16).to_le_bytes(), text].concat(),
+            Self::Xml => [b"<!-- ", text, b" -->\n"].concat(),
+            Self::Line => [b"# ", text, b"\n"].concat(),
+        }
+    }
+}
+
+/// Puts the mark of this kind into a complete PNG, GIF, ZIP or XML file, or as a comment line at the end of any other.
+///
+/// # Errors
+/// The system's error, or a file that does not end as its format does.
+pub fn seal(file: &mut File, kind: Kind) -> io::Result<()> {
+    let place = Place::of(&part_of(file, 0, HEAD)?);
+    let length = file.seek(SeekFrom::End(0))?;
+    let before = length.saturating_sub(place.end().len() as u64);
+    if part_of(file, before, TAIL)? != place.end() {
+        return Err(io::Error::other("this file does not end as its format does, and takes no mark"));
+    }
+    let mark = Mark::new(kind, Checksum::of_parts(file, &[(0, before)])?);
+    file.set_len(before)?;
+    file.seek(SeekFrom::Start(before))?;
+    file.write_all(&place.marked_end(mark.text().as_bytes()))
+}
+
+/// Returns the text of an XML document or of settings, with their mark.
+pub fn sealed(mut text: String, kind: Kind) -> String {
+    let mark = Mark::new(kind, Checksum::of(text.as_bytes())).text();
+    let place = if text.starts_with('<') { Place::Xml } else { Place::Line };
+    text.push_str(std::str::from_utf8(&place.marked_end(mark.as_bytes())).expect("a mark is ASCII"));
+    text
+}
+
+fn part_of(file: &mut File, offset: u64, length: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    file.seek(SeekFrom::Start(offset))?;
+    file.take(length).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Whether the regular file at `path` has a mark of this program; with `is_whole`, only if what the mark claims has not
+/// changed. A picture that was cut off, so that it has lost its mark, is known by its `Software` unless `is_whole`.
+pub fn has_mark(path: &Path, is_whole: bool) -> bool {
+    std::fs::metadata(path).is_ok_and(|file| file.is_file()) && holds_mark(path, is_whole).unwrap_or(false)
+}
+
+fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
+    let mut file = File::open(path)?;
+    let head = part_of(&mut file, 0, HEAD)?;
+    let starts = |start: &[u8]| head.starts_with(start);
+    if starts(b"SQLite format 3\0") {
+        return Ok(head.get(68..72) == Some(&DATABASE_ID.to_be_bytes()[..]));
+    }
+    if starts(b"{") {
+        return Ok(claims_in::<Value>(path, None).is_some());
+    }
+    let is_tiff = [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|start| starts(*start));
+    let found = if is_tiff { mark_in_tiff(&mut file) } else { mark_at_end(&mut file, Place::of(&head))? };
+    match found {
+        Some((mark, parts)) => Ok(!is_whole || Checksum::of_parts(&mut file, &parts)? == mark.content),
+        None => {
+            let is_our_png = |rest: &[u8]| starts(b"\x89PNG") && rest.starts_with(b"tEXtSoftware\0Burstscope ");
+            Ok(!is_whole && head.get(37..).is_some_and(is_our_png))
+        }
+    }
+}
+
+/// Mark, and the parts of the file that it claims.
+type Found = (Mark, Vec<(u64, u64)>);
+
+fn mark_at_end(file: &mut File, place: Place) -> io::Result<Option<Found>> {
+    let length = file.seek(SeekFrom::End(0))?;
+    let tail = part_of(file, length.saturating_sub(TAIL), TAIL)?;
+    let begin = tail.windows(12).rposition(|window| window == b"{\"program\":\"");
+    let end = tail.iter().rposition(|byte| *byte == b'}');
+    let text = begin.zip(end).and_then(|(begin, end)| tail.get(begin..=end)).unwrap_or_default();
+    let marked_end = place.marked_end(text);
+    let mark = Mark::parsed(text).filter(|_| tail.ends_with(&marked_end));
+    Ok(mark.map(|mark| (mark, vec![(0, length - marked_end.len() as u64)])))
+}
+
+fn mark_in_tiff(file: &mut File) -> Option<Found> {
+    file.rewind().ok()?;
+    let mut decoder = Decoder::new(BufReader::new(file)).ok()?;
+    let software = decoder.get_tag_ascii_string(Tag::Software).ok()?;
+    let mark = Mark::parsed(software.get(software.find('{')?..)?.as_bytes())?;
+    let offsets = decoder.get_tag_u64_vec(Tag::StripOffsets).ok()?;
+    let lengths = decoder.get_tag_u64_vec(Tag::StripByteCounts).ok()?;
+    Some((mark, offsets.into_iter().zip(lengths).collect()))
+}
+
+/// A mark in a file of JSON, with what it claims.
+#[derive(Serialize, Deserialize)]
+struct Claiming<T> {
+    #[serde(flatten)]
+    mark: Mark,
+    claims: T,
+}
+
+/// Returns the text of a file of JSON that claims `claims`.
+///
+/// # Panics
+/// When `claims` cannot be written as JSON: a mistake of the caller.
+pub fn claiming(kind: Kind, claims: &impl Serialize) -> String {
+    let claims = serde_json::to_value(claims).expect("claims are plain values");
+    // As they are read back, because a number may lose its last digit on the way.
+    let read: Value = serde_json::from_str(&claims.to_string()).expect("it was written just now");
+    let mark = Mark::new(kind, Checksum::of(read.to_string().as_bytes()));
+    serde_json::to_string(&Claiming { mark, claims }).expect("a mark is plain values") + "\n"
+}
+
+/// The claims in a file that [`claiming`] gave, if its mark is of `kind` (any, for `None`) and whole.
+fn claims_in<T: DeserializeOwned>(file: &Path, kind: Option<Kind>) -> Option<T> {
+    let text = read_text(file, MAX_TABLE_BYTES).ok()?;
+    let Claiming { mark, claims }: Claiming<Value> = serde_json::from_str(&text).ok()?;
+    let is_whole = mark.format == FORMAT && mark.content == Checksum::of(claims.to_string().as_bytes());
+    (is_whole && kind.is_none_or(|kind| mark.kind == kind)).then(|| serde_json::from_value(claims).ok()).flatten()
+}
+
+/// The claims of the mark of `folder`, if it is a folder of this kind and they are as they were written.
+pub fn claims<T: DeserializeOwned>(folder: &Path, kind: Kind) -> Option<T> {
+    claims_in(&folder.join(kind.file()), Some(kind))
+}
+
+/// Entries of a folder and of the folders in it, with the checksums of files.
+type Listing = BTreeMap<String, Option<Checksum>>;
+
+fn list(folder: &Path, below: &str, listing: &mut Listing) -> io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let (name, kind) = (below.to_owned() + &path_text(Path::new(&entry.file_name())), entry.file_type()?);
+        if kind.is_dir() {
+            list(&entry.path(), &format!("{name}/"), listing)?;
+            listing.insert(name, None);
+        } else {
+            // A link or a device is of nobody: no file is as long.
+            let nobodys = Checksum { bytes: u64::MAX, crc32: 0 };
+            let content = if kind.is_file() { Checksum::of_file(&entry.path())? } else { nobodys };
+            listing.insert(name, Some(content));
+        }
+    }
+    Ok(())
+}
+
+/// Writes the mark of a complete folder, which claims all that is in it.
+///
+/// # Errors
+/// The system's error.
+pub fn seal_folder(folder: &Path, kind: Kind) -> io::Result<()> {
+    let mut listing = Listing::new();
+    list(folder, "", &mut listing)?;
+    std::fs::write(folder.join(kind.file()), claiming(kind, &listing))
+}
+
+/// Whether all that is in `folder`, which [`seal_folder`] marked, is as it was then. Missing files do not count.
+///
+/// # Errors
+/// The system's error.
+pub fn is_unchanged(folder: &Path, kind: Kind) -> io::Result<bool> {
+    let Some(claimed) = claims::<Listing>(folder, kind) else { return Ok(false) };
+    let mut listing = Listing::new();
+    list(folder, "", &mut listing)?;
+    listing.remove(kind.file());
+    Ok(listing.iter().all(|(name, content)| claimed.get(name) == Some(content)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_ours_as_long_as_nobody_changes_it() {
+        let home = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| home.path().join(name);
+        std::fs::create_dir(at("deep")).expect("made");
+        for name in ["a.png", "deep/b.png"] {
+            std::fs::write(at(name), name).expect("written");
+        }
+        let is_ours = |kind| is_unchanged(home.path(), kind).expect("it can be read");
+        assert!(!is_ours(Kind::Burst), "it has no mark");
+        seal_folder(home.path(), Kind::Burst).expect("marked");
+        assert!(is_ours(Kind::Burst) && !is_ours(Kind::Trajectory) && has_mark(&at(Kind::Burst.file()), true));
+        for (name, content) in [("a.png", "A.png"), ("deep/c.png", ""), ("notes.txt", "mine")] {
+            let before = std::fs::read(at(name)).ok();
+            std::fs::write(at(name), content).expect("written");
+            assert!(!is_ours(Kind::Burst), "{name}");
+            before
+                .map_or_else(|| std::fs::remove_file(at(name)), |text| std::fs::write(at(name), text))
+                .expect("undone");
+        }
+        std::fs::create_dir(at("empty")).expect("made");
+        assert!(!is_ours(Kind::Burst));
+        std::fs::remove_dir(at("empty")).expect("removed");
+        std::fs::remove_file(at("a.png")).expect("removed");
+        assert!(is_ours(Kind::Burst), "what is gone is lost to nobody");
+        let mark = std::fs::read_to_string(at(Kind::Burst.file())).expect("there");
+        for wrong in [mark.replace("b.png", "a.png"), mark.replace("burstscope", "another"), "{}".into(), "".into()] {
+            std::fs::write(at(Kind::Burst.file()), wrong).expect("written");
+            assert!(!is_ours(Kind::Burst) && !has_mark(&at(Kind::Burst.file()), false));
+        }
+    }
+
+    #[test]
+    fn claims_come_back_with_all_their_digits_or_not_at_all() {
+        let home = tempfile::tempdir().expect("a folder");
+        // Numbers whose last digit a reader of JSON may lose.
+        let numbers: Vec<f64> = (1..200).map(|n| (n as f64).sqrt() * 1e-7).collect();
+        std::fs::write(home.path().join(Kind::Dataset.file()), claiming(Kind::Dataset, &numbers)).expect("written");
+        let read: Vec<f64> = claims(home.path(), Kind::Dataset).expect("whole");
+        assert!(read.iter().zip(&numbers).all(|(a, b)| (a - b).abs() < 1e-20) && read.len() == numbers.len());
+        assert_eq!(claims::<Vec<f64>>(home.path(), Kind::Figures), None);
+        assert_eq!(claims::<String>(home.path(), Kind::Dataset), None);
+    }
+
+    #[test]
+    fn a_mark_is_at_the_end_of_the_file_and_claims_all_before_it() {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("x");
+        let gif = [b"GIF89a\x01\0\x01\0\0\0\0".as_slice(), Place::Gif.end()].concat();
+        let zip = [b"PK\x03\x04, and at the end PK\x05\x06".as_slice(), &[0; 18]].concat();
+        for start in [&gif[..], &zip, b"<svg/>\n", b"levels = 4\n"] {
+            std::fs::write(&path, start).expect("written");
+            assert!(!has_mark(&path, false));
+            let mut file = File::options().read(true).write(true).open(&path).expect("opened");
+            seal(&mut file, Kind::Picture).expect("sealed");
+            assert!(has_mark(&path, true));
+            let whole = std::fs::read(&path).expect("read");
+            let altered = [&whole[..5], b"?", &whole[6..]].concat();
+            for (bytes, is_found) in
+                [(altered, true), ([&whole[..], b" "].concat(), false), (whole[..whole.len() - 1].to_vec(), false)]
+            {
+                std::fs::write(&path, bytes).expect("written");
+                assert_eq!((has_mark(&path, false), has_mark(&path, true)), (is_found, false));
+            }
+        }
+        assert_eq!(sealed("levels = 4\n".into(), Kind::Settings).lines().count(), 2);
+        std::fs::write(&path, sealed("<svg/>\n".into(), Kind::Drawing)).expect("written");
+        assert!(has_mark(&path, true));
+        std::fs::write(&path, b"\x89PNG\r\n\x1a\n cut off").expect("written");
+        let mut file = File::options().read(true).write(true).open(&path).expect("opened");
+        assert!(seal(&mut file, Kind::Picture).is_err());
+        assert!(!has_mark(home.path(), false) && !has_mark(&home.path().join("none"), false));
+    }
+}

@@ -1,0 +1,230 @@
+//! Unfinished work: hidden folders in which files and folders are completed before they take their places.
+//!
+//! A killed run leaves its hidden folder; the next run that writes there removes it. It is known by the mark in a file
+//! in it; a system lock on that file, which ends with its process, shows that it is still in use. Only what the program
+//! puts there is removed.
+
+use super::lock::{HIDDEN_PREFIX, is_lock};
+use super::mark::{Kind, claiming, claims};
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use std::ffi::OsStr;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, Mutex, PoisonError};
+use tempfile::TempDir;
+
+/// Suffix of the names of hidden folders of unfinished work.
+const SUFFIX: &str = ".tmp";
+/// Name of what is being completed.
+const NEW: &str = "new";
+/// Name of what it replaces, in the moment in which that is done.
+const OLD: &str = "old";
+
+/// Hidden folder of unfinished work; removed when it is dropped.
+#[derive(Debug)]
+pub struct Unfinished {
+    /// Locked file with the mark; closed before the folder is removed.
+    _in_use: File,
+    folder: TempDir,
+}
+
+/// Claims of the mark of unfinished work.
+#[derive(Debug, Serialize, Deserialize)]
+struct Making {
+    /// Name of what is made, beside the hidden folder; `None` for a name that is no text.
+    target: Option<String>,
+}
+
+impl Unfinished {
+    /// Makes a hidden folder beside `target`, which is what will be made, after removing those that killed runs have
+    /// left there.
+    ///
+    /// # Errors
+    /// The system's error.
+    pub fn beside(target: &Path) -> io::Result<Self> {
+        let parent = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        remove_abandoned_once(parent);
+        let folder = tempfile::Builder::new().prefix(&format!("{HIDDEN_PREFIX}-")).suffix(SUFFIX).tempdir_in(parent)?;
+        let mut in_use = File::create_new(folder.path().join(Kind::Unfinished.file()))?;
+        // The mark is written when the file is locked. On a file system without locks nothing is removed either.
+        let _ = in_use.lock();
+        let target = target.file_name().and_then(OsStr::to_str).map(str::to_owned);
+        in_use.write_all(claiming(Kind::Unfinished, &Making { target }).as_bytes())?;
+        Ok(Self { _in_use: in_use, folder })
+    }
+
+    /// Path of the file or folder that is to be completed; it does not exist yet.
+    pub fn new_path(&self) -> PathBuf {
+        self.folder.path().join(NEW)
+    }
+
+    /// Puts the complete folder in the place of `target`, and returns true. An existing one is moved away first and
+    /// removed with the hidden folder, if `may_go` then agrees; otherwise it is put back.
+    ///
+    /// # Errors
+    /// The system's error, or that of `may_go`; the existing folder is then in its place.
+    pub fn put_folder(&self, target: &Path, may_go: impl FnOnce(&Path) -> io::Result<bool>) -> io::Result<bool> {
+        let old = self.folder.path().join(OLD);
+        let is_there = target.exists();
+        if is_there {
+            std::fs::rename(target, &old)?;
+        }
+        let may_go = if is_there { may_go(&old) } else { Ok(true) };
+        let put =
+            may_go.and_then(|may| if may { std::fs::rename(self.new_path(), target).map(|()| true) } else { Ok(may) });
+        if is_there && !matches!(put, Ok(true)) {
+            std::fs::rename(&old, target)?;
+        }
+        put
+    }
+}
+
+/// Whether `folder` holds nothing but locks and unfinished work that runs of this program left, or does not exist.
+///
+/// # Errors
+/// A folder that cannot be read, or a path that is no folder.
+pub fn is_free(folder: &Path) -> io::Result<bool> {
+    match std::fs::read_dir(folder) {
+        Ok(entries) => {
+            for entry in entries {
+                let path = entry?.path();
+                if !is_lock(&path) && !is_unfinished(&path) {
+                    return Ok(false);
+                }
+            }
+            Ok(true)
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(true),
+        Err(error) => Err(error),
+    }
+}
+
+/// Whether `folder` is unfinished work, by its name and mark.
+fn is_unfinished(folder: &Path) -> bool {
+    let name = folder.file_name().and_then(OsStr::to_str).unwrap_or_default();
+    let is_folder = || std::fs::symlink_metadata(folder).is_ok_and(|found| found.is_dir());
+    name.starts_with(HIDDEN_PREFIX)
+        && name.ends_with(SUFFIX)
+        && is_folder()
+        && claims::<Making>(folder, Kind::Unfinished).is_some()
+}
+
+/// Removes the unfinished work of killed runs from `parent`, the first time that this process writes there.
+fn remove_abandoned_once(parent: &Path) {
+    static SEEN: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
+    let known = std::path::absolute(parent).unwrap_or_else(|_| parent.to_path_buf());
+    if SEEN.lock().unwrap_or_else(PoisonError::into_inner).insert(known) {
+        remove_abandoned(parent);
+    }
+}
+
+/// Removes the unfinished work of killed runs from `parent`, if it exists. If a run was killed while it put a folder in
+/// the place of another, that other one is put back.
+pub fn remove_abandoned(parent: &Path) {
+    for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
+        let hidden = entry.path();
+        if !is_unfinished(&hidden) {
+            continue;
+        }
+        let in_use = hidden.join(Kind::Unfinished.file());
+        let Ok(lock) = OpenOptions::new().write(true).open(&in_use) else { continue };
+        if lock.try_lock().is_err() {
+            continue;
+        }
+        let (old, claimed) = (hidden.join(OLD), claims::<Making>(&hidden, Kind::Unfinished));
+        if old.exists() {
+            let Some(target) = claimed.and_then(|claimed| claimed.target) else { continue };
+            let target = parent.join(target);
+            let is_put_back = !target.exists() && std::fs::rename(&old, &target).is_ok();
+            // If the new folder has not come into its place, nobody has agreed that the old one may go.
+            if !is_put_back && hidden.join(NEW).exists() {
+                continue;
+            }
+        }
+        // What cannot be removed does no harm.
+        for part in [hidden.join(NEW), old] {
+            let _ = if part.is_dir() { std::fs::remove_dir_all(&part) } else { std::fs::remove_file(&part) };
+        }
+        let _ = std::fs::remove_file(&in_use);
+        let _ = std::fs::remove_dir(&hidden);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Leaves unfinished work as a killed run does, with these parts.
+    fn left(target: &Path, parts: &[&str]) -> PathBuf {
+        let Unfinished { folder, _in_use } = Unfinished::beside(target).expect("made");
+        for part in parts {
+            std::fs::create_dir(folder.path().join(part)).expect("made");
+            std::fs::write(folder.path().join(part).join("truth.json"), part).expect("written");
+        }
+        folder.keep()
+    }
+
+    #[test]
+    fn what_killed_runs_left_is_removed_and_what_is_in_use_or_somebodys_stays() {
+        let home = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| home.path().join(name);
+        let begun = left(&at("a"), &["new"]);
+        let replaced = left(&at("b"), &["new", "old"]);
+        let used = Unfinished::beside(&at("c")).expect("made");
+        let holding = left(&at("d"), &[]);
+        std::fs::write(holding.join("thesis.txt"), "precious").expect("written");
+        std::fs::create_dir(at(".burstscope-own.tmp")).expect("made");
+        std::fs::write(at(".burstscope-own.tmp/in-use"), "mine").expect("written");
+        std::fs::write(at(".burstscope-notes.tmp"), "mine").expect("written");
+        remove_abandoned(home.path());
+        assert!(!begun.exists() && !replaced.exists() && used.folder.path().exists());
+        assert!(at(".burstscope-own.tmp/in-use").exists() && at(".burstscope-notes.tmp").exists());
+        assert_eq!(std::fs::read_to_string(holding.join("thesis.txt")).expect("there"), "precious");
+        assert!(!at("a").exists());
+        assert_eq!(std::fs::read_to_string(at("b/truth.json")).expect("put back"), "old");
+        remove_abandoned(&at("none"));
+    }
+
+    #[test]
+    fn what_runs_have_left_takes_no_place_and_what_others_have_does() {
+        let home = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| home.path().join(name);
+        left(&at("a"), &["new"]);
+        for (name, text) in [(".burstscope-lock", ""), (".burstscope-x.lock", "process 12 on lighthouse\n")] {
+            std::fs::write(at(name), text).expect("written");
+        }
+        assert!(is_free(home.path()).expect("a folder") && is_free(&at("none")).expect("no folder"));
+        for (name, text) in
+            [(".burstscope-lock", "mine"), (".burstscope-x.tmp", "mine"), (".burstscope-y.lock", "my\nnote")]
+        {
+            let before = std::fs::read(at(name)).ok();
+            std::fs::write(at(name), text).expect("written");
+            assert!(!is_free(home.path()).expect("a folder"), "{name}");
+            before
+                .map_or_else(|| std::fs::remove_file(at(name)), |text| std::fs::write(at(name), text))
+                .expect("undone");
+        }
+        assert!(is_free(home.path()).expect("a folder") && is_free(&at(".burstscope-lock")).is_err());
+    }
+
+    #[test]
+    fn a_folder_that_may_not_go_is_put_back() {
+        let home = tempfile::tempdir().expect("a folder");
+        let target = home.path().join("a");
+        std::fs::create_dir(&target).expect("made");
+        std::fs::write(target.join("thesis.txt"), "precious").expect("written");
+        let unfinished = Unfinished::beside(&target).expect("made");
+        std::fs::create_dir(unfinished.new_path()).expect("made");
+        for refused in [Ok(false), Err(io::Error::other("it cannot be read"))] {
+            assert!(
+                !unfinished.put_folder(&target, |_| refused).unwrap_or(false) && target.join("thesis.txt").exists()
+            );
+        }
+        assert!(unfinished.put_folder(&target, |_| Ok(true)).expect("replaced"));
+        assert!(target.exists() && !target.join("thesis.txt").exists());
+        drop(unfinished);
+        assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1);
+    }
+}

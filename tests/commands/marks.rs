@@ -1,0 +1,200 @@
+//! What the program wrote is known by a mark with content, not by the names of files: nothing of others is lost.
+
+use super::support::{contents, names, run_badly, run_well};
+use std::fs;
+use std::path::Path;
+
+/// Makes a chart of four small frames in the folder `home/name`.
+fn chart(home: &Path, name: &str) {
+    let size = ["--width", "96", "--height", "72", "--frames", "4", "--discs", "3", "--radius", "3:6", "--snr", "5"];
+    run_well(home, &[&["synth", "chart", "--quiet", "--out", name][..], &size].concat());
+}
+
+const SEARCH: [&str; 4] = ["--slopes-u", "-1:1:3", "--octaves", "2"];
+
+/// Writes files of somebody else, with these names and contents.
+fn put(home: &Path, files: &[(&str, &str)]) {
+    for (name, text) in files {
+        let path = home.join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        fs::write(path, text).expect("written");
+    }
+}
+
+/// Checks that the command is refused with these words, and changes nothing.
+fn refused(home: &Path, arguments: &[&str], words: &[&str]) {
+    let before = contents(home);
+    let said = run_badly(home, arguments, 1);
+    assert!(words.iter().all(|word| said.contains(word)), "{arguments:?}: {said}");
+    assert!(contents(home) == before, "{arguments:?} changed something");
+}
+
+#[test]
+fn folders_with_the_names_of_synthetic_bursts_are_not_replaced() {
+    let home = tempfile::tempdir().expect("a folder");
+    put(home.path(), &[("mine/frame_000.png", "mine"), ("mine/frame_001.png", "mine"), ("mine/truth.json", "{}")]);
+    let way = ["bursts/burst_000/frame_000.png", "gold/burst_000.png", "poses.txt", "lens.toml", "trajectory.json"];
+    way.iter().for_each(|name| put(home.path(), &[(&format!("way/{name}"), "{}")]));
+    put(home.path(), &[("copies/noise.json", "{\"frames\": [\"a.png\"]}"), ("copies/a.png", "mine")]);
+    chart(home.path(), "ours");
+    for kind in ["chart", "scene"] {
+        refused(home.path(), &["synth", kind, "--out", "mine"], &["did not write there", "mine"]);
+    }
+    refused(home.path(), &["synth", "trajectory", "--out", "way"], &["did not write there", "way"]);
+    refused(home.path(), &["synth", "noisy", "ours", "--out", "copies"], &["did not write there", "copies"]);
+    // Nor is one of ours in which somebody replaced a file, added one, or made a folder, or of another kind.
+    let frame = fs::read(home.path().join("ours/frame_002.png")).expect("a frame");
+    put(home.path(), &[("ours/frame_002.png", "mine")]);
+    refused(home.path(), &["synth", "chart", "--out", "ours"], &["changed since", "ours"]);
+    fs::write(home.path().join("ours/frame_002.png"), frame).expect("put back");
+    put(home.path(), &[("ours/frame_009.png", "mine")]);
+    refused(home.path(), &["synth", "chart", "--out", "ours"], &["changed since", "ours"]);
+    fs::remove_file(home.path().join("ours/frame_009.png")).expect("removed");
+    refused(home.path(), &["synth", "trajectory", "--out", "ours"], &["did not write there", "ours"]);
+    chart(home.path(), "ours");
+}
+
+#[cfg(feature = "colmap")]
+#[test]
+fn a_manifest_makes_no_dataset() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["nights/a", "nights/b"] {
+        chart(home.path(), name);
+    }
+    put(
+        home.path(),
+        &[
+            ("page/manifest.json", r#"{"name": "my page", "version": "1", "settings": {}}"#),
+            ("page/database.db", "mine"),
+            ("page/images/a.png", "mine"),
+            ("page/features/a.png.txt", "1 128\nmine"),
+            ("params/manifest.json", "levels = 4\n"),
+        ],
+    );
+    let colmap = |out: &'static str| [&["colmap", "nights", "--out", out][..], &SEARCH].concat();
+    refused(home.path(), &colmap("page"), &["this folder holds files", "page"]);
+    let over = [&colmap("params")[..], &["--params", "params/manifest.json"]].concat();
+    refused(home.path(), &over, &["this folder holds files", "params"]);
+}
+
+#[cfg(feature = "colmap")]
+#[test]
+fn files_of_others_in_a_dataset_of_ours_stay() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["nights/a", "nights/b"] {
+        chart(home.path(), name);
+    }
+    let at = |name: &str| home.path().join(name);
+    let colmap = [&["colmap", "nights", "--out", "rec"][..], &SEARCH].concat();
+    run_well(home.path(), &colmap);
+    let gray = image::GrayImage::from_pixel(8, 8, image::Luma([9]));
+    gray.save(at("theirs.png")).expect("written");
+    let database = rusqlite::Connection::open(at("theirs.db")).expect("a database");
+    database.execute_batch("CREATE TABLE notes (text TEXT);").expect("made");
+    drop(database);
+    put(home.path(), &[("theirs.txt", "mine"), ("theirs.json", "{\"version\": \"1\"}")]);
+    for (theirs, ours) in [
+        ("theirs.png", "rec/images/a.png"),
+        ("theirs.txt", "rec/features/b.png.txt"),
+        ("theirs.db", "rec/database.db"),
+        ("theirs.json", "rec/records/a.png.json"),
+    ] {
+        let whole = fs::read(at(ours)).expect("there");
+        fs::copy(at(theirs), at(ours)).expect("copied");
+        let said = run_badly(home.path(), &colmap, 1);
+        assert!(said.contains("did not write this file") && said.contains(ours), "{said}");
+        assert!(fs::read(at(ours)).expect("there") == fs::read(at(theirs)).expect("there"), "{ours}");
+        fs::write(at(ours), whole).expect("put back");
+    }
+    // What COLMAP adds to our database makes it nobody else's.
+    let database = rusqlite::Connection::open(at("rec/database.db")).expect("a database");
+    database.execute_batch("CREATE TABLE added (id INTEGER); PRAGMA user_version = 3120;").expect("added");
+    drop(database);
+    run_well(home.path(), &colmap);
+    // The folders of a dataset do not lead out of it.
+    for part in ["images", "features", "records"] {
+        let (inside, outside) = (at(&format!("rec/{part}")), at(&format!("elsewhere {part}")));
+        fs::rename(&inside, &outside).expect("moved");
+        std::os::unix::fs::symlink(&outside, &inside).expect("linked");
+        let other = [&colmap[..], &["--edge-threshold", "5"]].concat();
+        refused(home.path(), &other, &["links are not followed", part]);
+        fs::remove_file(&inside).and_then(|()| fs::rename(&outside, &inside)).expect("put back");
+    }
+    run_well(home.path(), &colmap);
+}
+
+#[test]
+fn records_make_no_folder_of_figures() {
+    let home = tempfile::tempdir().expect("a folder");
+    put(home.path(), &[("mine/records/pieces/a.json", "{}"), ("mine/fig9.svg", "mine"), ("mine/index.html", "mine")]);
+    let figures = |out: &'static str| ["figures", "--out", out, "--quick", "--no-colmap", "--only", "fig9"];
+    refused(home.path(), &figures("mine"), &["this folder holds files", "mine"]);
+    run_well(home.path(), &figures("ours"));
+    put(home.path(), &[("ours/index.html", "<p>mine</p>")]);
+    let said = run_badly(home.path(), &figures("ours"), 1);
+    assert!(said.contains("did not write this file") && said.contains("index.html"), "{said}");
+    assert_eq!(fs::read_to_string(home.path().join("ours/index.html")).expect("there"), "<p>mine</p>");
+    fs::remove_file(home.path().join("ours/index.html")).expect("removed");
+    fs::rename(home.path().join("ours/records"), home.path().join("elsewhere")).expect("moved");
+    std::os::unix::fs::symlink(home.path().join("elsewhere"), home.path().join("ours/records")).expect("linked");
+    refused(home.path(), &figures("ours"), &["links are not followed", "records"]);
+}
+
+/// A TIFF with the name of the program in the field for it.
+fn tiff_of_others(path: &Path) {
+    let mut file = fs::File::create(path).expect("made");
+    let mut encoder = tiff::encoder::TiffEncoder::new(&mut file).expect("a TIFF");
+    let mut page = encoder.new_image::<tiff::encoder::colortype::Gray8>(8, 8).expect("a page");
+    page.encoder().write_tag(tiff::tags::Tag::Software, "Burstscope 0.1.0").expect("written");
+    page.write_data(&[9; 64]).expect("written");
+}
+
+#[test]
+fn files_that_speak_of_the_program_are_not_its_own() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), "a");
+    let at = |name: &str| home.path().join(name);
+    tiff_of_others(&at("x.tiff"));
+    fs::create_dir(at("out")).expect("made");
+    let mut npz = ndarray_npy::NpzWriter::new(fs::File::create(at("out/a.npz")).expect("made"));
+    npz.add_array("features", &ndarray::Array2::<f32>::zeros((3, 11))).expect("written");
+    npz.finish().expect("written");
+    put(
+        home.path(),
+        &[("x.gif", "GIF89a, a film about Burstscope "), ("x.svg", "<svg><!-- Written by Burstscope 0.1.0 --></svg>")],
+    );
+    let detect = [&["detect", "a", "--out", "out", "--format", "npz"][..], &SEARCH].concat();
+    let probe = [&["probe", "a", "--at", "40,40", "--plot", "x.svg"][..], &SEARCH].concat();
+    let commands = [
+        (&["stack", "a", "--slope", "0,0", "--out", "x.tiff"][..], "x.tiff"),
+        (&["film", "a", "--sweep", "frames", "--no-features", "--out", "x.gif"], "x.gif"),
+        (&detect, "out/a.npz"),
+        (&probe, "x.svg"),
+    ];
+    for (command, file) in commands {
+        refused(home.path(), command, &["did not write this file", file, "--force"]);
+        run_well(home.path(), &[command, &["--force"]].concat());
+        run_well(home.path(), command);
+        // As a picture that somebody has drawn over, in a program that keeps comments.
+        let mut bytes = fs::read(at(file)).expect("read");
+        let place = bytes.len() / 3;
+        bytes[place] ^= 1;
+        fs::write(at(file), bytes).expect("written");
+        refused(home.path(), command, &["not as it is now", file]);
+    }
+    assert_eq!(names(&at("out")), ["a.npz"]);
+}
+
+#[test]
+fn the_file_of_a_camera_is_not_written_over() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b"] {
+        chart(home.path(), name);
+    }
+    let camera = "model = \"SIMPLE_PINHOLE\"\nwidth = 96\nheight = 72\nparams = [100.0, 48.0, 36.0]\n";
+    put(home.path(), &[("camera.toml", camera)]);
+    fs::create_dir(home.path().join("out")).expect("made");
+    fs::hard_link(home.path().join("camera.toml"), home.path().join("out/a.csv")).expect("linked");
+    let matching = ["match", "a", "b", "--camera", "camera.toml", "--out", "out", "--force"];
+    refused(home.path(), &[&matching[..], &SEARCH].concat(), &["files that were opened are never written to"]);
+}
