@@ -265,8 +265,8 @@ mod tests {
         write_png(&at("a.png"), Picture::rgb(2, 1, &[9; 6])).expect("written");
         write_tiff(&at("a.tiff"), &Plane::from_fn(400, 300, |u, v| (u * v) as f32)).expect("written");
         for (name, format) in [("a.gif", FilmFormat::Gif), ("a.apng", FilmFormat::Apng)] {
-            let pictures = [image::RgbaImage::new(9, 9), image::RgbaImage::new(9, 9)];
-            write_film(&at(name), format, &pictures, 10, &Monitor::default()).expect("written");
+            let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
+            write_film(&at(name), format, pictures, 10, &Monitor::default()).expect("written");
         }
         let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], shapes: Vec::new() };
         write_drawing_svg(&at("a.svg"), &drawing).expect("written");
@@ -274,7 +274,7 @@ mod tests {
         write_text(&at("b.svg"), Kind::Drawing, sheet::stacked("both", &parts)).expect("written");
         write_text(&at("p.toml"), Kind::Settings, crate::files::written_by() + "levels = 4\n").expect("written");
         let burst = crate::burst::Burst::from_planes("a", vec![Plane::zeros(9, 9)]);
-        let (case, part) = Case::of(&burst, &SearchParams::default(), None, None, "");
+        let (case, part) = Case::of(&burst, &SearchParams::default(), (None, None), "", &Monitor::default()).expect("nobody cancels");
         write_case(&at("a.burstcase"), (&case, &part), &Enclosed::default(), &Monitor::default()).expect("written");
         write_npz(&at("a.npz"), &[], &[]).expect("written");
         write_csv(&at("a.csv"), &[]).expect("written");
