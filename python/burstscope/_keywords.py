@@ -89,10 +89,6 @@ class DetectorKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob. Raise it to let a keypoint remove
         others of more different sizes at its place. [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none. On charts 0.5 removes nearly
-        all keypoints that are no disc; in real scenes it costs right matches. [default: 0]
     coherence : float
         Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
         are too noisy to tell pass; 0 tests none. Raise it against ghosts of other motions, to which only some
@@ -143,7 +139,6 @@ class DetectorKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
     coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
@@ -510,9 +505,6 @@ class EvaluateChartKeywords(TypedDict, total=False):
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none [default: 0]
     coherence : float
         Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
         are too noisy to tell pass; 0 tests none [default: 0]
@@ -575,7 +567,6 @@ class EvaluateChartKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
     coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
@@ -676,9 +667,6 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none [default: 0]
     coherence : float
         Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
         are too noisy to tell pass; 0 tests none [default: 0]
@@ -762,7 +750,6 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
     coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
@@ -864,9 +851,6 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none [default: 0]
     coherence : float
         Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
         are too noisy to tell pass; 0 tests none [default: 0]
@@ -927,7 +911,6 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
     coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
@@ -1020,9 +1003,6 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none [default: 0]
     coherence : float
         Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
         are too noisy to tell pass; 0 tests none [default: 0]
@@ -1080,7 +1060,6 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
     coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
@@ -1201,9 +1180,6 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none [default: 0]
     coherence : float
         Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
         are too noisy to tell pass; 0 tests none [default: 0]
@@ -1292,7 +1268,6 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
     coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float

@@ -30,7 +30,6 @@ pub mod pipeline;
 pub mod refine;
 pub mod scale_space;
 pub mod search;
-pub mod side_lobes;
 pub mod slopes;
 pub mod stack;
 pub mod view;

@@ -127,8 +127,7 @@ impl PaperFigure {
                  the dot what the method finds at its default threshold (noise gate strict)."
             }
             Self::Fig6 => {
-                "What more frames are worth, at one signal-to-noise ratio: above with the defaults, below without side lobes. Bars are \
-                 standard errors."
+                "What more frames are worth, at one signal-to-noise ratio. Bars are standard errors."
             }
             Self::Fig7 => {
                 "A view of the scene of Fig. 1 and the tables: a frame in good light, the gold standard (no noise), a frame in the dark as \

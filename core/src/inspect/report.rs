@@ -21,7 +21,6 @@ pub fn test_name(test: Test) -> &'static str {
         Test::Edge => "no edge, curvature ratio",
         Test::Outside => "inside, samples from the end",
         Test::Duplicate => "distinct, σ from another",
-        Test::SideLobe => "no side lobe, |D|",
         Test::Coherence => "coherence of the frames",
         Test::MaxFeatures => "among the strongest",
     }
@@ -57,9 +56,6 @@ pub fn test_sentence(report: &TestReport) -> String {
         Test::Duplicate | Test::Coherence if not_asked && report.limit.is_some() => {
             "not tested: weaker than the strongest that are kept".to_owned()
         }
-        Test::SideLobe if not_asked => "side lobes are kept".to_owned(),
-        Test::SideLobe if report.value.is_none() => "unknown, because it became no keypoint".to_owned(),
-        Test::SideLobe => format!("|D| is {has}, stronger ones around explain {needs}{by}"),
         Test::Coherence if not_asked && report.value.is_some() => format!("coherence {has}; none is required"),
         Test::Coherence if not_asked => "no coherence is required".to_owned(),
         Test::Coherence if report.outcome == Outcome::Unknown => "unknown, because it became no keypoint".to_owned(),

@@ -20,7 +20,7 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
     let keypoint = judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample));
     let tests = telling.tests(keypoint);
     // Rejections of the search come before decisions over the whole list of keypoints.
-    let later = [Test::Duplicate, Test::SideLobe, Test::Coherence, Test::MaxFeatures].into_iter();
+    let later = [Test::Duplicate, Test::Coherence, Test::MaxFeatures].into_iter();
     let first_failed = judgement
         .rejected_by
         .or_else(|| later.into_iter().find(|test| tests[*test as usize].outcome == Outcome::Fails));
@@ -105,7 +105,6 @@ impl Telling<'_> {
             Test::SlopeExtremum => self.slopes(),
             Test::Refinement | Test::InterpolatedContrast | Test::Edge | Test::Outside => self.fitted(test),
             Test::Duplicate => self.duplicate(keypoint),
-            Test::SideLobe => self.side_lobe(keypoint),
             Test::Coherence => self.coherence(keypoint),
             Test::MaxFeatures => self.cut_off(keypoint),
         }
@@ -303,33 +302,13 @@ impl Telling<'_> {
         Rival { pos_image: [u, v], sigma, slope: keypoint.slope, value: keypoint.value, feature }
     }
 
-    /// Report of the test of side lobes, which keypoints come to that stayed on their blob.
-    fn side_lobe(&self, keypoint: Option<usize>) -> TestReport {
-        let asked = self.trail.params().side_lobes > 0.0 && !self.is_cut(keypoint);
-        let limit = keypoint.filter(|_| asked).and_then(|keypoint| self.trail.side_lobe_limit(keypoint));
-        let value = keypoint.zip(limit).map(|(keypoint, _)| self.trail.keypoints()[keypoint].value.abs());
-        TestReport {
-            test: Test::SideLobe,
-            outcome: match value.zip(limit) {
-                _ if !asked => Outcome::NotAsked,
-                None => Outcome::Unknown,
-                Some((value, limit)) => outcome(value >= limit),
-            },
-            value: value.map(f64::from),
-            limit: limit.map(f64::from),
-            side: Side::AtLeast,
-            unit: "of full scale",
-            rival: None,
-        }
-    }
-
     /// Report of the test of coherence, which only keypoints that stayed come to: they alone have a refined place and
     /// slope.
     fn coherence(&self, keypoint: Option<usize>) -> TestReport {
         let min = self.trail.params().used_coherence();
         let stays = |keypoint: usize| {
             let trail = self.trail;
-            !trail.is_cut(keypoint) && trail.covered_by(keypoint).is_none() && !trail.is_side_lobe(keypoint)
+            !trail.is_cut(keypoint) && trail.covered_by(keypoint).is_none()
         };
         let stayed = keypoint.filter(|keypoint| stays(*keypoint));
         let rejected = stayed.and_then(|keypoint| self.trail.incoherent(keypoint));

@@ -1,5 +1,5 @@
-//! Judgement of what a search left: after a change of thresholds, of the rule for distinct keypoints, of side lobes, of
-//! coherence or of the number of features it gives the bits of a new search.
+//! Judgement of what a search left: after a change of thresholds, of the rule for distinct keypoints, of coherence or of
+//! the number of features it gives the bits of a new search.
 
 use burstscope_core::detector::params::SearchParams;
 use burstscope_core::detector::{
@@ -51,8 +51,6 @@ fn assert_same(judged: &Trail, burst: &Burst, params: &DetectorParams) {
     for index in 0..new.keypoints().len() {
         assert_eq!(judged.is_cut(index), new.is_cut(index));
         assert_eq!(judged.covered_by(index), new.covered_by(index));
-        assert_eq!(judged.side_lobe_limit(index), new.side_lobe_limit(index));
-        assert_eq!(judged.is_side_lobe(index), new.is_side_lobe(index));
         assert_eq!(judged.incoherent(index), new.incoherent(index));
         let keypoint = &new.keypoints()[index];
         let at =
@@ -65,7 +63,7 @@ fn assert_same(judged: &Trail, burst: &Burst, params: &DetectorParams) {
     // Keypoints are counted as a new search counts them, samples that are none as the earlier one did.
     assert_eq!((found.tally.samples, found.tally.kept), (expected.tally.samples, expected.tally.kept));
     assert_eq!(found.tally.samples, found.tally.rejected.iter().sum::<u64>() + found.tally.kept);
-    for test in [Test::Duplicate, Test::SideLobe, Test::Coherence, Test::MaxFeatures] {
+    for test in [Test::Duplicate, Test::Coherence, Test::MaxFeatures] {
         assert_eq!(found.tally.rejected_by(test), expected.tally.rejected_by(test), "{test:?}");
     }
 }
@@ -78,7 +76,6 @@ struct Change {
     edge: f32,
     distinct: Option<f32>,
     distinct_scale: f32,
-    side_lobes: f32,
     coherence: f32,
     max_features: usize,
 }
@@ -91,7 +88,6 @@ impl Change {
             edge_threshold: self.edge,
             distinct: self.distinct.map_or(Distinct::Off, Distinct::Radius),
             distinct_scale: self.distinct_scale,
-            side_lobes: self.side_lobes,
             coherence: self.coherence,
             max_features: self.max_features,
             ..params.clone()
@@ -106,17 +102,15 @@ fn changes() -> impl Strategy<Value = Change> {
         1.5f32..20.0,
         prop_oneof![Just(None), (0.3f32..3.0).prop_map(Some)],
         1.05f32..3.0,
-        prop_oneof![Just(0.0f32), 0.1f32..1.0],
         prop_oneof![Just(0.0f32), 0.2f32..0.9],
         prop_oneof![Just(0usize), 1usize..30, 30usize..300],
     )
-        .prop_map(|(gate, peak, edge, distinct, distinct_scale, side_lobes, coherence, max_features)| Change {
+        .prop_map(|(gate, peak, edge, distinct, distinct_scale, coherence, max_features)| Change {
             gate,
             peak,
             edge,
             distinct,
             distinct_scale,
-            side_lobes,
             coherence,
             max_features,
         })

@@ -45,8 +45,6 @@ pub struct DetectorParams {
     pub distinct: Distinct,
     /// See [`DISTINCT_SCALE`].
     pub distinct_scale: f32,
-    /// See [`SIDE_LOBES`]; 0 tests none.
-    pub side_lobes: f32,
     /// See [`COHERENCE`]; 0 tests none.
     pub coherence: f32,
     /// See [`INTERPOLATION`].
@@ -87,7 +85,6 @@ impl Default for DetectorParams {
             slope_neighbours: SlopeNeighbours::Adjacent,
             distinct: Distinct::default(),
             distinct_scale: 1.75,
-            side_lobes: 0.0,
             coherence: 0.0,
             interpolation: Interpolation::Linear,
             kernel_cut: 4.0,
@@ -320,20 +317,6 @@ param!(
         .used_if(|p| p.method == Method::Buff)
 );
 param!(
-    SIDE_LOBES,
-    DetectorParams,
-    "side-lobes",
-    "Side lobes",
-    "",
-    "side-lobe",
-    "Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these leave at their place, scale and slope, and twice the noise; 0 tests none.",
-    "On charts 0.5 removes nearly all keypoints that are no disc; in real scenes it costs right matches.",
-    Param::<DetectorParams>::new("PART", Stage::Description, |p| Field::F32(&mut p.side_lobes))
-        .within((Included(0.0), Included(4.0)), "give 0 to 4")
-        .dragged(0.005, 2)
-        .zero_is("off")
-);
-param!(
     COHERENCE,
     DetectorParams,
     "coherence",
@@ -468,7 +451,6 @@ pub const ALL: [Param<DetectorParams>; 27] = [
     SLOPE_NEIGHBOURS,
     DISTINCT,
     DISTINCT_SCALE,
-    SIDE_LOBES,
     COHERENCE,
     INTERPOLATION,
     KERNEL_CUT,

@@ -69,7 +69,6 @@ impl DetectorParams {
             edge_threshold: other.edge_threshold,
             distinct: other.distinct,
             distinct_scale: other.distinct_scale,
-            side_lobes: other.side_lobes,
             coherence: other.coherence,
             max_features: other.max_features,
             ..self.clone()
@@ -133,7 +132,7 @@ mod tests {
     #[test]
     fn nonsense_is_named_with_its_remedy() {
         let good = DetectorParams::default;
-        let cases: [(DetectorParams, &str); 11] = [
+        let cases: [(DetectorParams, &str); 10] = [
             (DetectorParams { slopes: SlopeGrid::line(3.0..=-3.0, 7), ..good() }, "slopes-u"),
             (DetectorParams { slopes: SlopeGrid::line(0.0..=0.0, 2), ..good() }, "slopes-u"),
             (DetectorParams { slopes: SlopeGrid::plane(0.0..=1.0, 100, 0.0..=1.0, 100), ..good() }, "slopes-v"),
@@ -143,7 +142,6 @@ mod tests {
             (DetectorParams { peak_threshold: f32::NAN, ..good() }, "peak-threshold"),
             (DetectorParams { edge_threshold: 0.5, ..good() }, "edge-threshold"),
             (DetectorParams { noise_gate: NoiseGate::Factor(-1.0), ..good() }, "noise-gate"),
-            (DetectorParams { side_lobes: -0.1, ..good() }, "side-lobes"),
             (DetectorParams { coherence: 1.5, ..good() }, "coherence"),
         ];
         for (params, name) in cases {

@@ -1,5 +1,5 @@
-//! Choice of features among keypoints: of the keypoints on one blob the strongest, of these no side lobes, of features
-//! only coherent ones, and of these the strongest.
+//! Choice of features among keypoints: of the keypoints on one blob the strongest, of features only coherent ones, and
+//! of these the strongest.
 //!
 //! Only what can be kept is computed. Where the number of features is limited, keypoints are taken from the strongest
 //! to the weakest, as many at a time as features are missing: each is compared with the others on its blob, localised,
@@ -15,7 +15,6 @@ use crate::detector::feature::{Feature, Keypoint, Tally, Test};
 use crate::detector::params::Distinct;
 use crate::detector::pipeline::left::{Known, Left};
 use crate::detector::search::setup::{Inputs, Search};
-use crate::detector::side_lobes;
 use crate::monitor::Cancelled;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -29,8 +28,6 @@ pub(super) enum Verdict {
     Kept,
     /// The stronger keypoint with this index stands for its blob.
     CoveredBy(usize),
-    /// It is a side lobe of stronger keypoints.
-    SideLobe,
     /// Its coherence, which is too low.
     Incoherent(f32),
     /// Its features are not among the strongest that are kept; it may not have been compared with others.
@@ -46,9 +43,6 @@ pub(super) struct Choice {
     pub(super) verdicts: Vec<Verdict>,
     /// Keypoints that are known to stay among those on their blobs.
     pub(super) distinct: Vec<usize>,
-    /// For each keypoint the |D| below which it is a side lobe, NaN for those that another stands for; empty where the
-    /// test is off.
-    pub(super) side_lobes: Vec<f32>,
     /// Time for the comparison of keypoints on one blob, seconds.
     pub(super) distinct_secs: f32,
 }
@@ -60,7 +54,6 @@ impl Choice {
             match verdict {
                 Verdict::Kept => tally.kept += 1,
                 Verdict::CoveredBy(_) => tally.reject(Test::Duplicate, 1),
-                Verdict::SideLobe => tally.reject(Test::SideLobe, 1),
                 Verdict::Incoherent(_) => tally.reject(Test::Coherence, 1),
                 Verdict::Cut => tally.reject(Test::MaxFeatures, 1),
             }
@@ -93,10 +86,8 @@ impl Choosing<'_, '_> {
         let max = if max_features == 0 { usize::MAX } else { max_features };
         let keypoints = self.keypoints;
         let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, &self.search.space)).collect();
-        let started = Instant::now();
         let mut twins = self.rule().map(|rule| Deciding::new(&blobs, rule));
-        let side_lobes = self.side_lobes(twins.as_mut())?;
-        let mut distinct_secs = started.elapsed().as_secs_f32();
+        let mut distinct_secs = 0.0;
         let mut order: Vec<usize> = (0..keypoints.len()).collect();
         let strength = |index: &usize| keypoints[*index].strength();
         if max < keypoints.len() {
@@ -127,9 +118,6 @@ impl Choosing<'_, '_> {
                 for &index in next {
                     match twins.as_ref().and_then(|twins| twins.covered_by(index)) {
                         Some(by) => verdicts[index] = Verdict::CoveredBy(by),
-                        None if side_lobes.get(index).is_some_and(|limit| keypoints[index].value.abs() < *limit) => {
-                            verdicts[index] = Verdict::SideLobe;
-                        }
                         None => distinct.push(index),
                     }
                 }
@@ -148,7 +136,7 @@ impl Choosing<'_, '_> {
         }
         found.iter().for_each(|one| verdicts[one.keypoint] = Verdict::Kept);
         let distinct = twins.map(|twins| twins.stayed().collect()).unwrap_or_default();
-        Ok(Choice { found, verdicts, distinct, side_lobes, distinct_secs })
+        Ok(Choice { found, verdicts, distinct, distinct_secs })
     }
 
     fn rule(&self) -> Option<Rule> {
@@ -156,24 +144,6 @@ impl Choosing<'_, '_> {
             Distinct::Off => None,
             Distinct::Radius(radius) => Some(Rule { radius, scale_ratio: self.search.params.distinct_scale }),
         }
-    }
-
-    /// See [`Choice::side_lobes`]. All keypoints are compared for it, because any of them may be the stronger one.
-    fn side_lobes(&self, mut twins: Option<&mut Deciding<'_>>) -> Result<Vec<f32>, Cancelled> {
-        let part = self.search.params.side_lobes;
-        if part <= 0.0 {
-            return Ok(Vec::new());
-        }
-        let mut stay: Vec<usize> = (0..self.keypoints.len()).collect();
-        if let Some(twins) = &mut twins {
-            self.compare(twins, &stay)?;
-            stay.retain(|&index| twins.covered_by(index).is_none());
-        }
-        let staying: Vec<&Keypoint> = stay.iter().map(|&index| &self.keypoints[index]).collect();
-        let limits = side_lobes::limits(&staying, part, &self.search.times.from_middle(), self.search.monitor)?;
-        let mut of_all = vec![f32::NAN; self.keypoints.len()];
-        stay.into_iter().zip(limits).for_each(|(index, limit)| of_all[index] = limit);
-        Ok(of_all)
     }
 
     /// Decides which of the keypoints `asked` show the blob of a stronger one.

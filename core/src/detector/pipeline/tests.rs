@@ -136,18 +136,16 @@ fn assert_cut_first_is_cut_afterwards(burst: &Burst, params: &DetectorParams, ma
         if cut.is_cut(index) {
             assert!(cut.rank_uncut(index) >= count);
             let fails = all.covered_by(index).map(|_| Test::Duplicate);
-            let fails = fails.or(all.is_side_lobe(index).then_some(Test::SideLobe));
             assert_eq!(cut.fails_uncut(index), fails.or(all.incoherent(index).map(|_| Test::Coherence)));
         } else {
             assert_eq!(cut.covered_by(index), all.covered_by(index));
-            assert_eq!(cut.is_side_lobe(index), all.is_side_lobe(index));
             assert_eq!(cut.incoherent(index), all.incoherent(index));
         }
     }
     // The tally counts each sample once, and those that reach the choice as the search for all does.
     let (before, after) = (expected.tally, found.tally);
     assert_eq!(after.samples, after.rejected.iter().sum::<u64>() + after.kept);
-    let of_choice = [Test::Duplicate, Test::SideLobe, Test::Coherence, Test::MaxFeatures];
+    let of_choice = [Test::Duplicate, Test::Coherence, Test::MaxFeatures];
     for test in Test::ALL.into_iter().filter(|test| !of_choice.contains(test)) {
         assert_eq!(after.rejected_by(test), before.rejected_by(test));
     }
@@ -162,7 +160,6 @@ proptest! {
         grid in grids(),
         joint in any::<bool>(),
         distinct in prop_oneof![Just(None), (0.5f32..3.0).prop_map(Some)],
-        side_lobes in prop_oneof![Just(0.0f32), 0.1f32..0.6],
         coherence in prop_oneof![Just(0.0f32), 0.3f32..0.9],
         max_orientations in 1usize..5,
         max_features in prop_oneof![Just(1usize), 2usize..40, 40usize..400],
@@ -181,7 +178,6 @@ proptest! {
             slopes: grid,
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
             distinct: distinct.map_or(Distinct::Off, Distinct::Radius),
-            side_lobes,
             coherence,
             max_orientations,
             noise_gate: NoiseGate::Factor(3.0),

@@ -41,13 +41,11 @@ pub(super) struct Chosen {
     ranked: Vec<usize>,
     /// Keypoints that are known to stay among those on their blobs.
     distinct: Vec<usize>,
-    /// See [`Choice::side_lobes`].
-    side_lobes: Vec<f32>,
 }
 
 impl From<Choice> for Chosen {
-    fn from(Choice { found, verdicts, distinct, side_lobes, .. }: Choice) -> Self {
-        Self { verdicts, ranked: found.iter().map(|one| one.keypoint).collect(), distinct, side_lobes }
+    fn from(Choice { found, verdicts, distinct, .. }: Choice) -> Self {
+        Self { verdicts, ranked: found.iter().map(|one| one.keypoint).collect(), distinct }
     }
 }
 
@@ -197,7 +195,6 @@ impl Trail {
         match self.uncut().verdicts[index] {
             Verdict::Kept | Verdict::Cut => None,
             Verdict::CoveredBy(_) => Some(Test::Duplicate),
-            Verdict::SideLobe => Some(Test::SideLobe),
             Verdict::Incoherent(_) => Some(Test::Coherence),
         }
     }
@@ -389,17 +386,6 @@ impl Trail {
         base.patch(self.inputs.size_image, columns, rows.clone(), &mut scratch, &mut patch);
         let values = rows.flat_map(|v| patch.row(v).iter().copied());
         Plane::from_vec(region.columns.len(), region.rows.len(), values.collect())
-    }
-
-    /// Whether keypoint `index` is a side lobe of stronger ones.
-    pub fn is_side_lobe(&self, index: usize) -> bool {
-        self.chosen.verdicts[index] == Verdict::SideLobe
-    }
-
-    /// The |D| below which keypoint `index` is a side lobe; `None` where the test is off, and for keypoints that another
-    /// one stands for.
-    pub fn side_lobe_limit(&self, index: usize) -> Option<f32> {
-        self.chosen.side_lobes.get(index).copied().filter(|limit| !limit.is_nan())
     }
 
     /// The coherence of a keypoint that the test of coherence rejects; `None` for others.

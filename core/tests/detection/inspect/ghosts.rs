@@ -133,49 +133,6 @@ fn the_test_of_coherence_removes_ghosts_and_nothing_else_and_the_probe_says_it()
 }
 
 #[test]
-fn the_test_of_side_lobes_keeps_the_blobs_and_the_probe_says_what_would_keep_a_lobe() {
-    let (burst, truth) = crossing();
-    let open = cache(&burst, &params());
-    let strict = DetectorParams { side_lobes: 0.5, ..params() };
-    let tested = cache(&burst, &strict);
-    let (before, after) = (open.detection().tally, tested.detection().tally);
-    assert_eq!((before.rejected_by(Test::SideLobe), before.samples), (0, after.samples));
-    assert!(after.rejected_by(Test::SideLobe) > 10, "{after:?}");
-    assert_eq!(after.rejected_by(Test::SideLobe) + after.kept, before.kept);
-    let finds = |one: &(f32, f32, Slope)| tested.detection().features.iter().any(|f| is_true(f, &[*one]));
-    assert!(truth.iter().all(finds));
-    for threads in [1, 3] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        let again = pool.install(|| detect(&burst, &strict, &Monitor::default())).expect("valid");
-        assert_eq!((&again.features, again.tally), (&tested.detection().features, after));
-    }
-    // Every tenth: its number, and the change that keeps it.
-    let lobes = (0..tested.trail.keypoints().len()).filter(|&index| tested.trail.is_side_lobe(index));
-    for index in lobes.step_by(10) {
-        let keypoint = tested.trail.keypoints()[index];
-        let sample = burstscope_core::detector::Sample {
-            octave: keypoint.octave,
-            level: keypoint.level,
-            slope_index: keypoint.slope_index,
-            x: keypoint.sample[0] as usize,
-            y: keypoint.sample[1] as usize,
-        };
-        let fate = fate_of(&tested.trail, &sample, &Monitor::default()).expect("not cancelled").expect("examined");
-        assert_eq!(fate.first_failed, Some(Test::SideLobe));
-        assert!(fate.verdict.starts_with("a side lobe: |D| is "), "{}", fate.verdict);
-        let remedy = fate.remedy.as_ref().expect("a lower part");
-        assert_eq!(remedy.change.parameter, doc::SIDE_LOBES);
-        let changed = remedy.change.applied(&strict).expect("valid");
-        let kept = cache(&burst, &changed);
-        let again = fate_of(&kept.trail, &sample, &Monitor::default()).expect("not cancelled").expect("examined");
-        assert!(again.is_kept(), "{changed:?} {again:#?}");
-        let without = Outcome::NotAsked;
-        let expected = if changed.side_lobes > 0.0 { Outcome::Passes } else { without };
-        assert_eq!(again.report(Test::SideLobe).outcome, expected);
-    }
-}
-
-#[test]
 fn a_periodic_texture_has_aliases() {
     let example = Example::Aliasing;
     let cache = cache(&example.burst(), &DetectorParams { slopes: slopes_of(example), ..DetectorParams::default() });
