@@ -89,10 +89,6 @@ class DetectorKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob. Raise it to let a keypoint remove
         others of more different sizes at its place. [default: 1.75]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none. Raise it against ghosts of other motions, to which only some
-        frames respond; 0.3 to 0.5 removes most of them. [default: 0]
     interpolation : ['linear', 'nearest', 'truncated']
         How frames are sampled between pixels when they are shifted: linear, nearest or truncated. Linear is the
         most accurate; nearest reproduces the authors' code, and truncated LiFF, which also counts what lies up
@@ -139,7 +135,6 @@ class DetectorKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
     localisation: Literal["continuous", "quadratic"]
@@ -505,9 +500,6 @@ class EvaluateChartKeywords(TypedDict, total=False):
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none [default: 0]
     interpolation : ['linear', 'nearest', 'truncated']
         How frames are sampled between pixels when they are shifted: linear, nearest or truncated [default:
         linear]
@@ -567,7 +559,6 @@ class EvaluateChartKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
     localisation: Literal["continuous", "quadratic"]
@@ -667,9 +658,6 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none [default: 0]
     interpolation : ['linear', 'nearest', 'truncated']
         How frames are sampled between pixels when they are shifted: linear, nearest or truncated [default:
         linear]
@@ -750,7 +738,6 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
     localisation: Literal["continuous", "quadratic"]
@@ -851,9 +838,6 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none [default: 0]
     interpolation : ['linear', 'nearest', 'truncated']
         How frames are sampled between pixels when they are shifted: linear, nearest or truncated [default:
         linear]
@@ -911,7 +895,6 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
     localisation: Literal["continuous", "quadratic"]
@@ -1003,9 +986,6 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none [default: 0]
     interpolation : ['linear', 'nearest', 'truncated']
         How frames are sampled between pixels when they are shifted: linear, nearest or truncated [default:
         linear]
@@ -1060,7 +1040,6 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
     localisation: Literal["continuous", "quadratic"]
@@ -1180,9 +1159,6 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none [default: 0]
     interpolation : ['linear', 'nearest', 'truncated']
         How frames are sampled between pixels when they are shifted: linear, nearest or truncated [default:
         linear]
@@ -1268,7 +1244,6 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    coherence: float
     interpolation: Literal["linear", "nearest", "truncated"]
     kernel_cut: float
     localisation: Literal["continuous", "quadratic"]

@@ -1,11 +1,9 @@
-//! Coherence of a feature: how alike the single frames respond along its motion; and the test that rejects features whose
-//! frames do not.
+//! Coherence of a feature: how alike the single frames respond along its motion.
 //!
 //! A true feature is in every frame: the responses are level. A ghost (a blob of another motion that shows in the stack
 //! of a wrong slope) responds only in the frames in which the true blob crosses its path, so its responses form a bump.
-//! The test compares features as they are reported, at their refined place and slope: at the grid's slope the outermost
-//! frames of a true feature would miss it. It comes after the rule for distinct keypoints, so a ghost that is removed
-//! has removed the weaker keypoints on its blob.
+//! Features are judged as they are reported, at their refined place and slope: at the grid's slope the outermost frames
+//! of a true feature would miss it.
 
 use crate::detector::describe::patch::{FramesOfOctaves, point_response, response_of};
 use crate::detector::feature::Feature;

@@ -85,16 +85,14 @@ pub enum Test {
     Outside,
     /// A stronger keypoint shows this blob.
     Duplicate,
-    /// Single frames respond too differently along its motion.
-    Coherence,
     /// Its features are weaker than the strongest `max_features`. Keypoints weaker than all of these come to this test
-    /// without the two before it.
+    /// without the one before it.
     MaxFeatures,
 }
 
 impl Test {
     /// All tests, in order.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 11] = [
         Self::PeakThreshold,
         Self::NoiseGate,
         Self::SpaceExtremum,
@@ -105,7 +103,6 @@ impl Test {
         Self::Edge,
         Self::Outside,
         Self::Duplicate,
-        Self::Coherence,
         Self::MaxFeatures,
     ];
 
@@ -122,7 +119,6 @@ impl Test {
             Self::Edge => "on an edge",
             Self::Outside => "outside the image or the scales",
             Self::Duplicate => "the same blob as a stronger one",
-            Self::Coherence => "only some frames respond",
             Self::MaxFeatures => "weaker than the strongest kept",
         }
     }

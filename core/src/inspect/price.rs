@@ -67,7 +67,7 @@ pub fn price(
     let params = change.applied(&before)?;
     let now = trail.detection().features.len();
     let own_now = sample.map(|sample| own(trail, &sample, monitor)).transpose()?;
-    if let Some(kept) = kept_of_known(trail, change, &params, monitor)? {
+    if let Some(kept) = kept_of_known(trail, change, &params) {
         let kept_own = sample.map(|sample| kept.iter().filter(|&&rank| is_of(trail, rank, &sample)).count());
         return Ok(Price { now, then: kept.len(), own: own_now.zip(kept_own) });
     }
@@ -81,27 +81,17 @@ pub fn price(
     Ok(Price { now, then: changed.detection().features.len(), own: own_now.zip(own_then) })
 }
 
-/// Ranks of the features that a change keeps, where all of them are known: it only removes features, or only cuts the
-/// list elsewhere.
+/// Ranks of the features that a change keeps, where all of them are known: it only cuts the list elsewhere.
 fn kept_of_known(
     trail: &Trail,
     change: &ParamChange,
     params: &DetectorParams,
-    monitor: &Monitor,
-) -> Result<Option<Vec<usize>>, Cancelled> {
-    let before = trail.params();
-    if change.parameter == doc::MAX_FEATURES {
+) -> Option<Vec<usize>> {
+    (change.parameter == doc::MAX_FEATURES).then(|| {
         let all = trail.ranked();
         let most = if params.max_features == 0 { all } else { params.max_features.min(all) };
-        return Ok(Some((0..most).collect()));
-    }
-    let only_removes = params.used_coherence() >= before.used_coherence() && before.max_features == 0;
-    if change.parameter == doc::COHERENCE && only_removes {
-        let evenness = trail.evenness_of(&trail.detection().features, monitor)?;
-        let stays = |rank: &usize| evenness[*rank].coherence.is_none_or(|c| c >= params.used_coherence());
-        return Ok(Some((0..evenness.len()).filter(stays).collect()));
-    }
-    Ok(None)
+        (0..most).collect()
+    })
 }
 
 /// Whether a feature comes from the keypoint at `sample`.
@@ -169,8 +159,6 @@ mod tests {
             (&params, ParamChange::new(doc::NOISE_GATE, 4.2)),
             (&params, ParamChange::new(doc::MAX_FEATURES, 12)),
             (&params, ParamChange::new(doc::MAX_FEATURES, 0)),
-            (&open, ParamChange::new(doc::COHERENCE, 0.7)),
-            (&params, ParamChange::new(doc::COHERENCE, 0.7)),
             (&open, ParamChange::new(doc::KERNEL_CUT, 2)),
         ] {
             let (of, after) = (cache(before), cache(&change.applied(before).expect("valid")));

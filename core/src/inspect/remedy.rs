@@ -109,9 +109,6 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
                 )
             },
         ),
-        Test::Coherence => {
-            format!("only some frames respond: coherence {} of {}", number(value as f32, 2), number(limit as f32, 2))
-        }
         Test::MaxFeatures => format!("weaker than the strongest {limit} that are kept: it is number {value}"),
     }
 }
@@ -189,10 +186,6 @@ fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, 
         }
         // See `duplicate_remedy`.
         Test::Duplicate => None,
-        Test::Coherence => {
-            let change = ParamChange::new(doc::COHERENCE, rounded_down((1.0 - EASE) * report.value?, 2));
-            Some((instead("a coherence of", &change, params.coherence.to_string()), change))
-        }
         Test::MaxFeatures => {
             let change = ParamChange::new(doc::MAX_FEATURES, report.value? as u64);
             Some((instead("max features", &change, params.max_features.to_string()), change))

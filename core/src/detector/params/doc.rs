@@ -45,8 +45,6 @@ pub struct DetectorParams {
     pub distinct: Distinct,
     /// See [`DISTINCT_SCALE`].
     pub distinct_scale: f32,
-    /// See [`COHERENCE`]; 0 tests none.
-    pub coherence: f32,
     /// See [`INTERPOLATION`].
     pub interpolation: Interpolation,
     /// See [`KERNEL_CUT`].
@@ -85,7 +83,6 @@ impl Default for DetectorParams {
             slope_neighbours: SlopeNeighbours::Adjacent,
             distinct: Distinct::default(),
             distinct_scale: 1.75,
-            coherence: 0.0,
             interpolation: Interpolation::Linear,
             kernel_cut: 4.0,
             localisation: Localisation::Continuous,
@@ -317,21 +314,6 @@ param!(
         .used_if(|p| p.method == Method::Buff)
 );
 param!(
-    COHERENCE,
-    DetectorParams,
-    "coherence",
-    "Coherence",
-    "",
-    "coherence",
-    "Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames are too noisy to tell pass; 0 tests none.",
-    "Raise it against ghosts of other motions, to which only some frames respond; 0.3 to 0.5 removes most of them.",
-    Param::<DetectorParams>::new("MIN", Stage::Description, |p| Field::F32(&mut p.coherence))
-        .within((Included(0.0), Included(1.0)), "give 0 to 1")
-        .dragged(0.005, 2)
-        .zero_is("off")
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
     DESCRIBE_SLOPE,
     DetectorParams,
     "describe-slope",
@@ -451,7 +433,6 @@ pub const ALL: [Param<DetectorParams>; 27] = [
     SLOPE_NEIGHBOURS,
     DISTINCT,
     DISTINCT_SCALE,
-    COHERENCE,
     INTERPOLATION,
     KERNEL_CUT,
     LOCALISATION,

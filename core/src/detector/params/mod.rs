@@ -55,11 +55,6 @@ impl DetectorParams {
         if self.used_slopes().len() == 1 { SlopeExtrema::Each } else { self.slope_extrema }
     }
 
-    /// Min coherence that takes part: a single image has one frame, which agrees with itself.
-    pub fn used_coherence(&self) -> f32 {
-        if self.method == Method::Buff { self.coherence } else { 0.0 }
-    }
-
     /// These parameters with those of `other` that change neither a stack nor a sample of D, only the judgement of what
     /// a search left: see [`Trail::rejudged`](crate::detector::Trail::rejudged).
     pub fn judged_as(&self, other: &Self) -> Self {
@@ -69,7 +64,6 @@ impl DetectorParams {
             edge_threshold: other.edge_threshold,
             distinct: other.distinct,
             distinct_scale: other.distinct_scale,
-            coherence: other.coherence,
             max_features: other.max_features,
             ..self.clone()
         }
@@ -132,7 +126,7 @@ mod tests {
     #[test]
     fn nonsense_is_named_with_its_remedy() {
         let good = DetectorParams::default;
-        let cases: [(DetectorParams, &str); 10] = [
+        let cases: [(DetectorParams, &str); 9] = [
             (DetectorParams { slopes: SlopeGrid::line(3.0..=-3.0, 7), ..good() }, "slopes-u"),
             (DetectorParams { slopes: SlopeGrid::line(0.0..=0.0, 2), ..good() }, "slopes-u"),
             (DetectorParams { slopes: SlopeGrid::plane(0.0..=1.0, 100, 0.0..=1.0, 100), ..good() }, "slopes-v"),
@@ -142,7 +136,6 @@ mod tests {
             (DetectorParams { peak_threshold: f32::NAN, ..good() }, "peak-threshold"),
             (DetectorParams { edge_threshold: 0.5, ..good() }, "edge-threshold"),
             (DetectorParams { noise_gate: NoiseGate::Factor(-1.0), ..good() }, "noise-gate"),
-            (DetectorParams { coherence: 1.5, ..good() }, "coherence"),
         ];
         for (params, name) in cases {
             assert_eq!(params.validate().expect_err(name).parameter, name);

@@ -1,13 +1,10 @@
-//! Choice of features among keypoints: of the keypoints on one blob the strongest, of features only coherent ones, and
-//! of these the strongest.
+//! Choice of features among keypoints: of the keypoints on one blob the strongest, and of their features the strongest.
 //!
 //! Only what can be kept is computed. Where the number of features is limited, keypoints are taken from the strongest
-//! to the weakest, as many at a time as features are missing: each is compared with the others on its blob, localised,
-//! described and tested for its coherence, until there are enough features and the next keypoint is weaker than all of
-//! them. A feature has the strength of its keypoint, so the result is that of describing all keypoints and keeping the
-//! strongest features.
+//! to the weakest, as many at a time as features are missing: each is compared with the others on its blob, localised
+//! and described, until there are enough features and the next keypoint is weaker than all of them. A feature has the
+//! strength of its keypoint, so the result is that of describing all keypoints and keeping the strongest features.
 
-use crate::detector::coherence::Along;
 use crate::detector::describe::Described;
 use crate::detector::describe::patch::{FramesOfOctaves, Motions};
 use crate::detector::distinct::{Blob, Deciding, Rule};
@@ -22,14 +19,12 @@ use std::sync::MutexGuard;
 use std::time::Instant;
 
 /// Fate of a keypoint in the choice.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// It has at least one feature in the result.
     Kept,
     /// The stronger keypoint with this index stands for its blob.
     CoveredBy(usize),
-    /// Its coherence, which is too low.
-    Incoherent(f32),
     /// Its features are not among the strongest that are kept; it may not have been compared with others.
     Cut,
 }
@@ -54,7 +49,6 @@ impl Choice {
             match verdict {
                 Verdict::Kept => tally.kept += 1,
                 Verdict::CoveredBy(_) => tally.reject(Test::Duplicate, 1),
-                Verdict::Incoherent(_) => tally.reject(Test::Coherence, 1),
                 Verdict::Cut => tally.reject(Test::MaxFeatures, 1),
             }
         }
@@ -124,7 +118,7 @@ impl Choosing<'_, '_> {
             }
             // Where there are enough now, later turns are rare and short.
             let until = if left.is_empty() { 1.0 } else { done + 0.8 * (1.0 - done) };
-            self.append(&mut found, (distinct, &mut verdicts), done..until)?;
+            self.append(&mut found, distinct, done..until)?;
             done = until;
             found.par_sort_by(in_order);
             found.truncate(max);
@@ -175,21 +169,19 @@ impl Choosing<'_, '_> {
         twins.decide(asked, are_two, search.monitor)
     }
 
-    /// Appends the features of the keypoints `chosen` that are coherent; the others' fates are written to `verdicts`.
-    /// `part` is the part of the progress that this takes.
+    /// Appends the features of the keypoints `chosen`. `part` is the part of the progress that this takes.
     fn append(
         &self,
         found: &mut Vec<Described>,
-        (mut chosen, verdicts): (Vec<usize>, &mut [Verdict]),
+        mut chosen: Vec<usize>,
         part: Range<f32>,
     ) -> Result<(), Cancelled> {
         let search = self.search;
         chosen.sort_unstable();
-        let mut new: Vec<Described> = Vec::new();
         chosen.retain(|&index| {
             let known = self.known(index);
             let described = known.as_ref().and_then(|known| known.described.as_deref());
-            new.extend(described.into_iter().flatten().map(|one| {
+            found.extend(described.into_iter().flatten().map(|one| {
                 let feature = Feature { snr: self.keypoints[index].snr, ..one.feature };
                 Described { feature, keypoint: index, ..one.clone() }
             }));
@@ -197,48 +189,17 @@ impl Choosing<'_, '_> {
         });
         let keypoints: Vec<Keypoint> = chosen.iter().map(|&index| self.keypoints[index]).collect();
         let (octaves, levels) = (self.inputs.octaves(), (self.left.bases.as_deref(), &self.left.groups[..]));
-        let first = new.len();
-        new.extend(search.describe(&octaves, &keypoints, levels, self.frames, part)?);
-        new[first..].iter_mut().for_each(|one| one.keypoint = chosen[one.keypoint]);
-        for same in new[first..].chunk_by(|a, b| a.keypoint == b.keypoint) {
+        let first = found.len();
+        found.extend(search.describe(&octaves, &keypoints, levels, self.frames, part)?);
+        found[first..].iter_mut().for_each(|one| one.keypoint = chosen[one.keypoint]);
+        for same in found[first..].chunk_by(|a, b| a.keypoint == b.keypoint) {
             if let Some(mut known) = self.known(same[0].keypoint) {
                 known.described = Some(same.into());
             }
         }
-        let min = search.params.used_coherence();
-        if min > 0.0 {
-            self.frames.make(self.keypoints.iter());
-            let along = Along { frames: self.frames, inputs: self.inputs, gate_factor: search.gate_factor };
-            for (index, coherence) in self.incoherent(&along, &new, min)? {
-                verdicts[index] = Verdict::Incoherent(coherence);
-            }
-        }
-        found.extend(new.into_iter().filter(|one| !matches!(verdicts[one.keypoint], Verdict::Incoherent(_))));
         Ok(())
     }
 
-    /// Keypoints of `found` whose coherence is known and below `min`, with their coherence. Features of one keypoint,
-    /// which follow one another, have the same.
-    fn incoherent(&self, along: &Along<'_, '_>, found: &[Described], min: f32) -> Result<Vec<(usize, f32)>, Cancelled> {
-        let of_keypoints: Vec<&Described> =
-            found.chunk_by(|a, b| a.keypoint == b.keypoint).map(|same| &same[0]).collect();
-        let low = |one: &&Described| {
-            let known = self.known(one.keypoint).and_then(|known| known.coherence);
-            let coherence = match known {
-                Some((gate, coherence)) if gate == along.gate_factor => coherence,
-                _ => along.evenness(&one.feature, self.search.monitor)?.coherence,
-            };
-            if let Some(mut known) = self.known(one.keypoint) {
-                known.coherence = Some((along.gate_factor, coherence));
-            }
-            Ok(coherence.filter(|coherence| *coherence < min).map(|coherence| (one.keypoint, coherence)))
-        };
-        let low: Vec<Option<(usize, f32)>> = of_keypoints.par_iter().map(low).collect::<Result<_, Cancelled>>()?;
-        Ok(low.into_iter().flatten().collect())
-    }
-}
-
-impl Choosing<'_, '_> {
     /// Number of keypoint `index` among those that the search left.
     fn number(&self, index: usize) -> usize {
         self.numbers.map_or(index, |numbers| numbers[index] as usize)

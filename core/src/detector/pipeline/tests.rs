@@ -136,16 +136,15 @@ fn assert_cut_first_is_cut_afterwards(burst: &Burst, params: &DetectorParams, ma
         if cut.is_cut(index) {
             assert!(cut.rank_uncut(index) >= count);
             let fails = all.covered_by(index).map(|_| Test::Duplicate);
-            assert_eq!(cut.fails_uncut(index), fails.or(all.incoherent(index).map(|_| Test::Coherence)));
+            assert_eq!(cut.fails_uncut(index), fails);
         } else {
             assert_eq!(cut.covered_by(index), all.covered_by(index));
-            assert_eq!(cut.incoherent(index), all.incoherent(index));
         }
     }
     // The tally counts each sample once, and those that reach the choice as the search for all does.
     let (before, after) = (expected.tally, found.tally);
     assert_eq!(after.samples, after.rejected.iter().sum::<u64>() + after.kept);
-    let of_choice = [Test::Duplicate, Test::Coherence, Test::MaxFeatures];
+    let of_choice = [Test::Duplicate, Test::MaxFeatures];
     for test in Test::ALL.into_iter().filter(|test| !of_choice.contains(test)) {
         assert_eq!(after.rejected_by(test), before.rejected_by(test));
     }
@@ -160,7 +159,6 @@ proptest! {
         grid in grids(),
         joint in any::<bool>(),
         distinct in prop_oneof![Just(None), (0.5f32..3.0).prop_map(Some)],
-        coherence in prop_oneof![Just(0.0f32), 0.3f32..0.9],
         max_orientations in 1usize..5,
         max_features in prop_oneof![Just(1usize), 2usize..40, 40usize..400],
         noiseless in any::<bool>(),
@@ -178,7 +176,6 @@ proptest! {
             slopes: grid,
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
             distinct: distinct.map_or(Distinct::Off, Distinct::Radius),
-            coherence,
             max_orientations,
             noise_gate: NoiseGate::Factor(3.0),
             octaves: 3,
@@ -194,8 +191,8 @@ fn the_strongest_are_the_same_where_thousands_are_cut() {
     let burst = scene(5, (400, 300));
     let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
     let params = DetectorParams { slopes, noise_gate: NoiseGate::Factor(2.5), ..DetectorParams::default() };
-    for (max_features, coherence) in [(20, 0.0), (300, 0.0), (1000, 0.0), (60, 0.5)] {
-        assert_cut_first_is_cut_afterwards(&burst, &DetectorParams { coherence, ..params.clone() }, max_features);
+    for max_features in [20, 300, 1000] {
+        assert_cut_first_is_cut_afterwards(&burst, &params, max_features);
     }
 }
 

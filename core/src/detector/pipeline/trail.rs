@@ -195,7 +195,6 @@ impl Trail {
         match self.uncut().verdicts[index] {
             Verdict::Kept | Verdict::Cut => None,
             Verdict::CoveredBy(_) => Some(Test::Duplicate),
-            Verdict::Incoherent(_) => Some(Test::Coherence),
         }
     }
 
@@ -386,14 +385,6 @@ impl Trail {
         base.patch(self.inputs.size_image, columns, rows.clone(), &mut scratch, &mut patch);
         let values = rows.flat_map(|v| patch.row(v).iter().copied());
         Plane::from_vec(region.columns.len(), region.rows.len(), values.collect())
-    }
-
-    /// The coherence of a keypoint that the test of coherence rejects; `None` for others.
-    pub fn incoherent(&self, keypoint: usize) -> Option<f32> {
-        match self.chosen.verdicts[keypoint] {
-            Verdict::Incoherent(coherence) => Some(coherence),
-            _ => None,
-        }
     }
 
     /// Calls `work` with the source of responses along any motion.

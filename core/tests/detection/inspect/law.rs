@@ -78,11 +78,6 @@ fn assert_law(burst: &Burst, params: &DetectorParams) -> usize {
                     tally.reject(Test::Duplicate, 1);
                     assert_agrees(&fate, Some(Test::Duplicate));
                 }
-                None if trail.incoherent(index).is_some() => {
-                    tally.reject(Test::Coherence, 1);
-                    assert_agrees(&fate, Some(Test::Coherence));
-                    assert!(fate.features.is_empty());
-                }
                 None if trail.is_cut(index) => {
                     tally.reject(Test::MaxFeatures, 1);
                     assert_agrees(&fate, Some(Test::MaxFeatures));
@@ -157,11 +152,10 @@ prop_compose! {
         gate in prop_oneof![Just(NoiseGate::Auto), Just(NoiseGate::Factor(0.0)), Just(NoiseGate::Factor(3.0))],
         peak_threshold in prop_oneof![Just(0.0f32), Just(0.002)],
         max_features in prop_oneof![Just(0usize), Just(6)],
-        coherence in prop_oneof![Just(0.0f32), Just(0.5), Just(0.9)],
         interpolation in prop_oneof![Just(Interpolation::Linear), Just(Interpolation::Nearest), Just(Interpolation::Truncated)],
     ) -> DetectorParams {
         DetectorParams {
-            slopes, octaves, levels, first_octave, distinct, peak_threshold, max_features, coherence, interpolation,
+            slopes, octaves, levels, first_octave, distinct, peak_threshold, max_features, interpolation,
             noise_gate: gate,
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
             slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
