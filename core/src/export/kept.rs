@@ -20,17 +20,14 @@ use std::path::{Path, PathBuf};
 
 /// Folder of records in a folder of results.
 const RECORDS_FOLDER: &str = "records";
-/// Key of an object in which records of earlier programs have what they were made from.
-const NESTED_KEY: &str = "made_from";
 
 /// Program and settings that made a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MadeFrom {
     /// Version of the program.
     version: String,
-    /// Revision of the detector, [`REVISION`]; absent in files of programs that had none.
-    #[serde(default)]
-    detector_revision: Option<u32>,
+    /// Revision of the detector, [`REVISION`].
+    detector_revision: u32,
     /// All settings that affect the result.
     settings: Value,
 }
@@ -39,12 +36,12 @@ impl MadeFrom {
     /// This program with `settings`.
     pub fn new(settings: impl Into<Value>) -> Self {
         let version = env!("CARGO_PKG_VERSION").to_owned();
-        Self { version, detector_revision: Some(REVISION), settings: settings.into() }
+        Self { version, detector_revision: REVISION, settings: settings.into() }
     }
 
     /// Whether this program would make the same bits.
     pub fn is_of_this_program(&self) -> bool {
-        self.version == env!("CARGO_PKG_VERSION") && self.detector_revision == Some(REVISION)
+        self.version == env!("CARGO_PKG_VERSION") && self.detector_revision == REVISION
     }
 
     /// The settings.
@@ -123,19 +120,9 @@ pub(crate) fn may_begin(folder: &Path, mark: &Path) -> bool {
     folder.join(mark).exists() || is_free(folder).unwrap_or(true)
 }
 
-/// Reads a file of JSON that [`write_json`] wrote, in this or an earlier version of the program; `None` for any other.
+/// Reads a file of JSON that [`write_json`] wrote; `None` for any other.
 pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Option<T> {
-    parsed(&read_text(path, MAX_SESSION_BYTES).ok()?)
-}
-
-fn parsed<T: DeserializeOwned>(text: &str) -> Option<T> {
-    let mut value: Value = serde_json::from_str(text).ok()?;
-    if let Some(object) = value.as_object_mut()
-        && let Some(Value::Object(nested)) = object.remove(NESTED_KEY)
-    {
-        object.extend(nested);
-    }
-    serde_json::from_value(value).ok()
+    serde_json::from_str(&read_text(path, MAX_SESSION_BYTES).ok()?).ok()
 }
 
 /// Writes `value` as JSON, completely or not at all.
@@ -211,20 +198,6 @@ mod tests {
     }
 
     #[test]
-    fn records_of_earlier_programs_are_read() {
-        let text = format!(
-            r#"{{"made_from": {{"version": {:?}, "detector_revision": {REVISION}, "settings": "seed 1"}}, "values": [1.5],
-                "content": {{"bytes": 6, "crc32": {}}}}}"#,
-            env!("CARGO_PKG_VERSION"),
-            record().of.content.crc32
-        );
-        let of = Row { values: vec![1.5], ..record().of };
-        assert_eq!(parsed(&text), Some(Record { made_from: MadeFrom::new("seed 1"), of }));
-        let older = r#"{"version": "0.0.1", "settings": {}, "values": [], "content": {"bytes": 0, "crc32": 0}}"#;
-        assert!(parsed::<Record<Row>>(older).is_some_and(|record| !record.made_from.is_of_this_program()));
-    }
-
-    #[test]
     fn files_of_an_interrupted_run_are_no_reason_to_refuse_a_folder() {
         let home = tempfile::tempdir().expect("a folder");
         let mark = Path::new("manifest.json");
@@ -247,9 +220,9 @@ mod tests {
             let end = (place + noise.len()).min(bytes.len());
             if cut { bytes.truncate(place) } else { bytes[place..end].copy_from_slice(&noise[..end - place]) }
             for text in [String::from_utf8_lossy(&bytes).into_owned(), String::from_utf8_lossy(&bytes[place..]).into_owned()] {
-                if let Some(read) = parsed::<Record<Row>>(&text) {
+                if let Ok(read) = serde_json::from_str::<Record<Row>>(&text) {
                     let again = serde_json::to_string(&read).expect("plain values");
-                    prop_assert_eq!(parsed::<Record<Row>>(&again), Some(read));
+                    prop_assert_eq!(serde_json::from_str::<Record<Row>>(&again).ok(), Some(read));
                 }
             }
         }
