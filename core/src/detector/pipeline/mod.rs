@@ -142,8 +142,8 @@ fn chosen(
 
 impl Trail {
     /// Trail of a search of the same burst with `params`, without that search; `None` where it needs one. That is so
-    /// unless the parameters differ only in noise gate, peak threshold, edge threshold, the rule for distinct keypoints,
-    /// coherence and the number of features, and unless the first three are at least as strict as those of the search
+    /// unless the parameters differ only in noise gate, peak threshold, edge threshold, the rule for distinct keypoints
+    /// and the number of features, and unless the first three are at least as strict as those of the search
     /// that this trail goes back to.
     ///
     /// Keypoints, features and descriptors are those of the search to the bit. In the tally, samples that are no
@@ -165,7 +165,9 @@ impl Trail {
         let chosen = chosen(&search, &inputs, (&self.left, Some(&passing)), &frames, times)?;
         drop(frames);
         drop(planes);
-        Ok(Some(Self::new(inputs, self.left.clone(), Some(passing), chosen).ready()))
+        let mut judged = Self::new(inputs, self.left.clone(), Some(passing), chosen).ready();
+        judged.search_secs = self.search_secs;
+        Ok(Some(judged))
     }
 }
 

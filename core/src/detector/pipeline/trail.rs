@@ -67,6 +67,8 @@ pub struct Trail {
     /// σ_D at the place of least noise, by octave, DoG level index and slope.
     pub(super) sigma_d: SigmaD,
     pub(super) detection: Detection,
+    /// See [`Self::search_secs`].
+    pub(super) search_secs: f32,
 }
 
 impl Trail {
@@ -77,7 +79,8 @@ impl Trail {
         (choice, detection): (Choice, Detection),
     ) -> Self {
         let (by_sample, stayed, sigma_d, uncut) = (HashMap::new(), Vec::new(), Vec::new(), OnceLock::new());
-        Self { inputs, left, passing, chosen: choice.into(), uncut, by_sample, stayed, sigma_d, detection }
+        let (chosen, search_secs) = (choice.into(), detection.times.total_secs());
+        Self { inputs, left, passing, chosen, uncut, by_sample, stayed, sigma_d, detection, search_secs }
     }
 
     /// Adds the lookup tables that questions need.
@@ -131,6 +134,11 @@ impl Trail {
     /// Parameters of the detection.
     pub fn params(&self) -> &DetectorParams {
         &self.inputs.params
+    }
+
+    /// Time that the search took that this trail goes back to, with the description of its features, seconds.
+    pub fn search_secs(&self) -> f32 {
+        self.search_secs
     }
 
     /// Parameters of the search that this trail goes back to: those that other parameters must [follow](super::follows)
