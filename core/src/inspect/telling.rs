@@ -197,7 +197,7 @@ impl Telling<'_> {
         let (params, index) = (self.trail.params(), self.sample.level_index());
         let (grid, sign) = (params.used_slopes(), self.judgement.value.signum());
         let joint = params.used_extrema() == SlopeExtrema::Joint;
-        let all = !joint || params.slope_neighbours == SlopeNeighbours::All;
+        let all = !joint || params.rules.slope_neighbours == SlopeNeighbours::All;
         let (i, j) = grid.coordinates(slope_index);
         let compared = |&other: &usize| {
             let (ii, jj) = grid.coordinates(other);

@@ -3,7 +3,7 @@
 
 use burstscope_core::detector::params::SearchParams;
 use burstscope_core::detector::{
-    DetectorParams, Distinct, Localisation, NoiseGate, NoiseModelKind, SlopeChoice, SlopeExtrema, SlopeGrid, Test,
+    DetectorParams, Distinct, NoiseGate, NoiseModelKind, Rules, SlopeChoice, SlopeExtrema, SlopeGrid, Test,
     Trail,
 };
 use burstscope_core::inspect::ProbeCache;
@@ -131,7 +131,7 @@ proptest! {
         let params = DetectorParams {
             slopes: grid,
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
-            localisation: if continuous { Localisation::Continuous } else { Localisation::Quadratic },
+            rules: if continuous { Rules::BURSTSCOPE } else { Rules::VLFEAT },
             noise_model: if white { NoiseModelKind::White } else { NoiseModelKind::Local },
             noise_gate: NoiseGate::Factor(3.0),
             edge_threshold: 20.0,

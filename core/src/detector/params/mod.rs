@@ -8,6 +8,7 @@ mod change;
 mod choices;
 pub mod doc;
 mod record;
+mod rules;
 mod searched;
 pub mod slope_grid;
 mod validate;
@@ -21,6 +22,7 @@ pub use choices::{
 pub use doc::DetectorParams;
 pub(crate) use record::param;
 pub use record::{Bounds, Drag, Field, Param, ParamDoc, Stage, TextValue};
+pub use rules::Rules;
 pub use searched::{AUTO, SearchParams, SlopeChoice};
 pub use slope_grid::MAX_SLOPES;
 pub use validate::ParamError;
@@ -160,7 +162,7 @@ mod tests {
         let error = DetectorParams::from_toml("nonsense = 1").expect_err("no such field");
         let (_, expected) = error.split_once("expected one of").expect("the names of the fields");
         let fields: Vec<&str> = expected.split('`').skip(1).step_by(2).collect();
-        assert!(fields.len() > 20 && fields.contains(&"frames"), "{error}");
+        assert!(fields.len() > 15 && fields.contains(&"frames"), "{error}");
         for field in fields.iter().filter(|field| **field != "slopes") {
             assert!(doc::ALL.iter().any(|d| d.name.replace('-', "_") == *field), "{field} has no record");
         }

@@ -148,7 +148,7 @@ impl Choosing<'_, '_> {
             times: search.times,
             size_image: search.size_image,
             space: &search.space,
-            interpolation: search.params.interpolation,
+            interpolation: search.params.rules.interpolation,
         };
         let compare = |a: usize, b: usize| motions.are_two(&self.keypoints[a], &self.keypoints[b]);
         let are_two = |a: usize, b: usize| {

@@ -180,7 +180,7 @@ impl Search<'_> {
             times: self.times,
             size_image: self.size_image,
             space: &self.space,
-            interpolation: self.params.interpolation,
+            interpolation: self.params.rules.interpolation,
             monitor: self.monitor,
         }
     }
@@ -274,7 +274,7 @@ impl Search<'_> {
     fn describes_own_slopes(&self, octave: i32) -> bool {
         let step = [self.grid.u.step(), self.grid.v.step()].into_iter().fold(0.0, f32::max);
         let outermost_px = step * 0.5 * (self.times.frame_count as f32 - 1.0);
-        self.params.describe_slope == DescribeSlope::Refined
+        self.params.rules.describe_slope == DescribeSlope::Refined
             && describe::misaligned(outermost_px, self.space.sigma_image(octave, 0.0) as f32)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::detector::memory::estimate;
-use crate::detector::params::{Distinct, Localisation, Method, NoiseGate, SlopeExtrema, SlopeNeighbours};
+use crate::detector::params::{Distinct, Localisation, Method, NoiseGate, Rules, SlopeExtrema, SlopeNeighbours};
 use crate::detector::{Slope, SlopeGrid, Test};
 use crate::plane::tile::Region;
 use crate::synth::{SceneParams, synth_scene};
@@ -106,8 +106,11 @@ proptest! {
         let params = DetectorParams {
             slopes: grid,
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
-            slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
-            localisation: if continuous { Localisation::Continuous } else { Localisation::Quadratic },
+            rules: Rules {
+                slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
+                localisation: if continuous { Localisation::Continuous } else { Localisation::Quadratic },
+                ..Rules::default()
+            },
             distinct: if distinct { DetectorParams::default().distinct } else { Distinct::Off },
             first_octave,
             octaves: 3,
@@ -259,7 +262,7 @@ fn a_search_that_does_not_fit_is_refused_before_it_starts() {
     let params = DetectorParams {
         slopes: SlopeGrid::line(-1.0..=1.0, 5),
         slope_extrema: SlopeExtrema::Joint,
-        slope_neighbours: SlopeNeighbours::All,
+        rules: Rules::BUFF,
         ..DetectorParams::default()
     };
     // With several threads the plan would first reduce their number.
@@ -268,6 +271,6 @@ fn a_search_that_does_not_fit_is_refused_before_it_starts() {
         let whole = estimate(&params, burst.len(), burst.size());
         assert!(search_within(&burst, &params, Some(whole)).is_ok());
         let refused = search_within(&burst, &params, Some(whole - 1)).expect_err("a byte too much");
-        assert!(refused.to_string().contains("adjacent"), "{refused}");
+        assert!(refused.to_string().contains("other rules"), "{refused}");
     });
 }

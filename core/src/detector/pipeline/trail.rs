@@ -259,7 +259,7 @@ impl Trail {
         let planes = self.inputs.planes();
         let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
         let Inputs { times, size_image, space, params, .. } = &self.inputs;
-        let interpolation = params.interpolation;
+        let interpolation = params.rules.interpolation;
         work(&Motions { frames: &frames, times, size_image: *size_image, space, interpolation })
     }
 
@@ -383,7 +383,7 @@ impl Trail {
     pub fn stack_part(&self, region: &Region, slope: Slope, chosen: &[usize]) -> Plane {
         let planes = self.inputs.planes();
         let frames = OctaveFrames::new(&planes, &self.inputs.times, 0, false);
-        let offsets = frames.offsets(slope, self.inputs.params.interpolation);
+        let offsets = frames.offsets(slope, self.inputs.params.rules.interpolation);
         let chosen_offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
         let chosen: Vec<&Plane> = chosen.iter().map(|&index| planes[index]).collect();
         let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());

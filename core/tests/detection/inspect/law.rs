@@ -4,7 +4,7 @@
 use super::probing::{cache, slopes_of};
 use burstscope_core::detector::feature::Keypoint;
 use burstscope_core::detector::{
-    DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Sample, SlopeExtrema, SlopeGrid,
+    DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample, SlopeExtrema, SlopeGrid,
     SlopeNeighbours, Tally, Test, Trail,
 };
 use burstscope_core::inspect::changes::{Spot, compare};
@@ -155,11 +155,15 @@ prop_compose! {
         interpolation in prop_oneof![Just(Interpolation::Linear), Just(Interpolation::Nearest), Just(Interpolation::Truncated)],
     ) -> DetectorParams {
         DetectorParams {
-            slopes, octaves, levels, first_octave, distinct, peak_threshold, max_features, interpolation,
+            slopes, octaves, levels, first_octave, distinct, peak_threshold, max_features,
             noise_gate: gate,
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
-            slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
-            localisation: if quadratic { Localisation::Quadratic } else { Localisation::Continuous },
+            rules: Rules {
+                slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
+                localisation: if quadratic { Localisation::Quadratic } else { Localisation::Continuous },
+                interpolation,
+                ..Rules::default()
+            },
             noise_model: if local { NoiseModelKind::Local } else { NoiseModelKind::White },
             ..DetectorParams::default()
         }
