@@ -40,9 +40,8 @@ impl FromStr for Sweep {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let bad = || {
-            format!("'{text}' is no sweep; give slope-u=MIN:MAX:COUNT, slope-v=MIN:MAX:COUNT, scale, or frames")
-        };
+        let bad =
+            || format!("'{text}' is no sweep; give slope-u=MIN:MAX:COUNT, slope-v=MIN:MAX:COUNT, scale, or frames");
         match text {
             "scale" => return Ok(Self::Scale),
             "frames" => return Ok(Self::Frames),
@@ -242,7 +241,9 @@ impl Film {
         let params = self.params_of(step);
         let (plane, per_pixel) = match step.scale {
             None => (stack_view(burst, &params, step.slope, monitor)?, 1.0),
-            Some((octave, level)) => (dog_view(burst, &params, step.slope, octave, level, monitor)?, 2f32.powi(-octave)),
+            Some((octave, level)) => {
+                (dog_view(burst, &params, step.slope, octave, level, monitor)?, 2f32.powi(-octave))
+            }
         };
         let (shrink, (width, height)) = (self.shrink(), burst.size());
         let at = |x: usize, n: usize| ((x as f32 * shrink as f32 * per_pixel) as usize).min(n - 1);
@@ -463,12 +464,7 @@ mod tests {
     #[test]
     fn every_sweep_has_its_steps_in_pictures_of_one_size() {
         // Three octaves of five levels.
-        let counts = [
-            ("slope-u=-2:2:5", 5),
-            ("slope-v=0:1:2", 2),
-            ("frames", 4),
-            ("scale", 15),
-        ];
+        let counts = [("slope-u=-2:2:5", 5), ("slope-v=0:1:2", 2), ("frames", 4), ("scale", 15)];
         for (text, count) in counts {
             let film = film(text.parse().expect(text));
             let pictures = film.pictures(&digest, &Monitor::default()).expect("made");
@@ -533,7 +529,8 @@ mod tests {
     #[test]
     fn sweeps_are_read_as_they_are_typed_and_others_are_refused() {
         assert_eq!("slope-u=-3:3:7".parse(), Ok(Sweep::SlopeU(-3.0, 3.0, 7)));
-        for bad in ["", "slope-u", "slope-u=1:2", "slope-u=a:b:c", "slope-u=0:inf:3", "slope-w=1:2:3", "slope-u=0:1:0"] {
+        for bad in ["", "slope-u", "slope-u=1:2", "slope-u=a:b:c", "slope-u=0:inf:3", "slope-w=1:2:3", "slope-u=0:1:0"]
+        {
             assert!(bad.parse::<Sweep>().is_err_and(|why| why.contains("give")), "{bad}");
         }
         assert!("slope-v=0:1:9999".parse::<Sweep>().is_err_and(|why| why.contains("give 1 to 1000")));

@@ -381,8 +381,7 @@ mod tests {
     #[test]
     fn what_does_not_fit_even_so_is_refused_with_the_number_and_the_way_out() {
         let refused = |params: &DetectorParams, budget| plan(params, Some(budget)).expect_err("too much").to_string();
-        let all =
-            DetectorParams { slope_extrema: SlopeExtrema::Joint, rules: Rules::BUFF, ..plane() };
+        let all = DetectorParams { slope_extrema: SlopeExtrema::Joint, rules: Rules::BUFF, ..plane() };
         let error = refused(&all, 1_000_000_000);
         assert!(error.contains("memory: ") && error.contains("2401 slopes at once"), "{error}");
         assert!(error.contains("1.0 GB") && error.contains("other rules than buff"), "{error}");

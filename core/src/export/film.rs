@@ -22,12 +22,7 @@ const GIF_SPEED: i32 = 10;
 ///
 /// # Errors
 /// Pictures of no size, of several sizes or too large for the format, and errors of `out`.
-pub fn encode_film(
-    out: &mut dyn Write,
-    pictures: &[RgbaImage],
-    per_second: u16,
-    monitor: &Monitor,
-) -> io::Result<()> {
+pub fn encode_film(out: &mut dyn Write, pictures: &[RgbaImage], per_second: u16, monitor: &Monitor) -> io::Result<()> {
     let Some((width, height)) = pictures.first().map(RgbaImage::dimensions) else {
         return Err(io::Error::other("a film has at least one picture"));
     };
@@ -68,12 +63,7 @@ pub fn estimated_film_bytes(pictures: [&RgbaImage; 2], count: usize) -> u64 {
 ///
 /// # Errors
 /// As [`encode_film`], and when the file cannot be written; an older one is then unchanged.
-pub fn write_film(
-    path: &Path,
-    pictures: &[RgbaImage],
-    per_second: u16,
-    monitor: &Monitor,
-) -> Result<(), ExportError> {
+pub fn write_film(path: &Path, pictures: &[RgbaImage], per_second: u16, monitor: &Monitor) -> Result<(), ExportError> {
     write_whole(path, |mut out| encode_film(&mut out, pictures, per_second, monitor))
 }
 

@@ -210,7 +210,10 @@ fn any_number_of_threads_gives_the_same_bits() {
         plane_grid(),
         DetectorParams { first_octave: -1, max_orientations: 4, ..plane_grid() },
         joint(plane_grid()),
-        DetectorParams { rules: Rules { slope_neighbours: SlopeNeighbours::All, ..Rules::default() }, ..joint(plane_grid()) },
+        DetectorParams {
+            rules: Rules { slope_neighbours: SlopeNeighbours::All, ..Rules::default() },
+            ..joint(plane_grid())
+        },
     ] {
         let with = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");

@@ -3,8 +3,7 @@
 
 use burstscope_core::detector::params::SearchParams;
 use burstscope_core::detector::{
-    DetectorParams, Distinct, NoiseGate, NoiseModelKind, Rules, SlopeChoice, SlopeExtrema, SlopeGrid, Test,
-    Trail,
+    DetectorParams, Distinct, NoiseGate, NoiseModelKind, Rules, SlopeChoice, SlopeExtrema, SlopeGrid, Test, Trail,
 };
 use burstscope_core::inspect::ProbeCache;
 use burstscope_core::synth::{SceneParams, synth_scene};

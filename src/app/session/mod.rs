@@ -363,7 +363,14 @@ mod tests {
 
     #[test]
     fn what_is_not_a_session_is_said() {
-        for text in ["", "hello", "version = 3", "version = 2\nburst = \"demo\"", "peak_threshold = 0.1", "version = 99\nburst = \"demo\""] {
+        for text in [
+            "",
+            "hello",
+            "version = 3",
+            "version = 2\nburst = \"demo\"",
+            "peak_threshold = 0.1",
+            "version = 99\nburst = \"demo\"",
+        ] {
             let error = Session::from_toml(text).expect_err(text);
             assert!(error.contains("session"), "{error}");
         }
@@ -383,7 +390,8 @@ mod tests {
             let of_one_kind = error.contains("wanted exactly 1 element");
             assert!(error.contains("misspelt") || (of_one_kind && error.contains(table)), "{table}: {error}");
             of_one_kinds += usize::from(of_one_kind);
-            for (version, which) in [("version 4", "a newer Burstscope"), ("version 2", "the Burstscope that wrote it")] {
+            for (version, which) in [("version 4", "a newer Burstscope"), ("version 2", "the Burstscope that wrote it")]
+            {
                 let other = misspelt.replacen("version = 3", &version.replace(' ', " = "), 1);
                 let error = Session::from_toml(&other).expect_err(table);
                 assert!(error.contains(version) && error.ends_with(which), "{table}: {error}");

@@ -170,12 +170,7 @@ impl Choosing<'_, '_> {
     }
 
     /// Appends the features of the keypoints `chosen`. `part` is the part of the progress that this takes.
-    fn append(
-        &self,
-        found: &mut Vec<Described>,
-        mut chosen: Vec<usize>,
-        part: Range<f32>,
-    ) -> Result<(), Cancelled> {
+    fn append(&self, found: &mut Vec<Described>, mut chosen: Vec<usize>, part: Range<f32>) -> Result<(), Cancelled> {
         let search = self.search;
         chosen.sort_unstable();
         chosen.retain(|&index| {

@@ -4,8 +4,8 @@
 use super::probing::{cache, slopes_of};
 use burstscope_core::detector::feature::Keypoint;
 use burstscope_core::detector::{
-    DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample, SlopeExtrema, SlopeGrid,
-    SlopeNeighbours, Tally, Test, Trail,
+    DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample, SlopeExtrema,
+    SlopeGrid, SlopeNeighbours, Tally, Test, Trail,
 };
 use burstscope_core::inspect::changes::{Spot, compare};
 use burstscope_core::inspect::telling::fate;
