@@ -4,7 +4,7 @@
 
 use super::dialogs::Question;
 use super::session::Session;
-use crate::app::figure::{drawing_of, rasterise};
+use crate::app::figure::{drawing_of, film_of, rasterise};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
 use crate::app::pane::KindOfPicture;
@@ -21,7 +21,7 @@ use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::{curves_csv, curves_svg};
 use crate::export::case::{Case, Enclosed, write_case};
-use crate::export::film::write_film;
+use crate::export::film::FilmFormat;
 use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
 use crate::monitor::Monitor;
@@ -69,7 +69,7 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
                 ExportKind::Svg | ExportKind::FigurePng => "figure",
                 ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                 ExportKind::Case => "case",
-                ExportKind::FilmGif => "film",
+                ExportKind::FilmGif | ExportKind::FilmApng => "film",
                 ExportKind::Tiff | ExportKind::Png => KindOfPicture::of_content(content, of_cursor).file_name,
             };
             format!("{stem}-{what}.{}", kind.extension())
@@ -231,7 +231,11 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         Purpose::Export(ExportKind::CurvesCsv) => Ok(text_work(curves_csv(&shown_plots(&model.lab)))),
         Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(curves_svg(&shown_plots(&model.lab)))),
         Purpose::Export(ExportKind::Case) => case_work(model),
-        Purpose::Export(ExportKind::FilmGif) => film_work(model),
+        Purpose::Export(kind @ (ExportKind::FilmGif | ExportKind::FilmApng)) => {
+            let (film, rate) = film_of(model, widgets)?;
+            let format = if kind == ExportKind::FilmGif { FilmFormat::Gif } else { FilmFormat::Apng };
+            Ok(Box::new(move |path| film.write(path, format, rate)))
+        }
         Purpose::Export(kind @ (ExportKind::Svg | ExportKind::FigurePng)) => figure_work(model, widgets, kind),
         Purpose::Export(kind) => picture_work(model, kind),
         _ => Err("nothing is written for this".to_owned()),
@@ -240,16 +244,6 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
 
 fn text_work(text: String) -> Work {
     Box::new(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string()))
-}
-
-fn film_work(model: &Model) -> Result<Work, String> {
-    let film = model.film_to_export().ok_or("there is no burst; open one first")?;
-    let rate = model.film.rate;
-    Ok(Box::new(move |path| {
-        let monitor = Monitor::default();
-        let pictures = film.pictures(&rasterise, &monitor).map_err(|e| e.to_string())?;
-        write_film(path, &pictures, rate, &monitor).map_err(|e| e.to_string())
-    }))
 }
 
 /// Writes the open burst with the search, the place that is probed in it, the session, and its truth.

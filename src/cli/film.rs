@@ -8,8 +8,8 @@ use super::probe::parse_place;
 use crate::app::figure::rasterise;
 use crate::baseline::search;
 use crate::detector::scale_space::searched_octaves;
-use crate::detector::{Method, Slope};
-use crate::export::film::{estimated_film_bytes, is_film, write_film};
+use crate::detector::{Method, SearchParams, Slope, SlopeChoice};
+use crate::export::film::{FilmFormat, estimated_film_bytes, write_film};
 use crate::files::path_text;
 use crate::requests::{BurstSource, Film, FilmError, FilmPlace, OpenBurst, Sweep};
 use clap::Args;
@@ -29,7 +29,9 @@ pub struct FilmArgs {
     #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// What changes from picture to picture: slope-u=MIN:MAX:COUNT or slope-v=MIN:MAX:COUNT in pixels per frame; scale,
-    /// the DoG of every octave and level; or frames, added one by one.
+    /// the DoG of every octave and level; frames, added one by one; flip=A,B, two pictures in turn: frame (the middle
+    /// one, with the features of SIFT), merged (with those of the merge), or a way of 'stack --combine', each of these
+    /// @U:V for a slope of its own.
     #[arg(long, value_name = "WHAT", value_parser = <Sweep as std::str::FromStr>::from_str)]
     pub sweep: Sweep,
     /// The place whose D is drawn over the steps, in pixels at mid-burst: column and row [default: that of the
@@ -52,7 +54,7 @@ pub struct FilmArgs {
     /// Longest side of the pictures, pixels; larger ones are made smaller by a whole number.
     #[arg(long, value_name = "PX", default_value_t = 640, value_parser = clap::value_parser!(u32).range(16..=8192))]
     pub max_side: u32,
-    /// The file to write: .gif.
+    /// The file to write: .gif, or .apng or .png for an animated PNG.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     #[allow(missing_docs)]
@@ -66,15 +68,20 @@ pub struct FilmArgs {
 const FILM_HELP: &str = "\
 Examples:
   burstscope film night/ --sweep slope-u=-3:3:49 --out sweep.gif
-  burstscope film night/ --sweep frames --slope -2.1,0 --at 412,230 --out frames.gif
+  burstscope film night/ --sweep frames --slope -2.1,0 --at 412,230 --out frames.apng
+  burstscope film night/ --sweep flip=mean@1.2:0,median@1.2:0 --rate 2 --out some.gif
+  burstscope film night/ --sweep flip=merged,mean --slope 1.2,0 --rate 2 --out methods.gif
 
 JSON (--json): {\"version\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\", \"bytes\"}";
 
 pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
-    if !is_film(&args.out) {
-        return Err(Failure::usage(format!("--out: films are GIF; name the file .gif: {}", args.out.display())));
-    }
+    let format = FilmFormat::of(&args.out).ok_or_else(|| {
+        Failure::usage(format!(
+            "--out: films are GIF or animated PNG; name the file .gif or .apng: {}",
+            args.out.display()
+        ))
+    })?;
     let console = Console::new(&args.run.output)?;
     let input = resolve_one(&args.inputs, "film")?;
     let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
@@ -89,18 +96,15 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         params: params.detector.clone(),
         sweep: args.sweep,
         slope: args.slope,
-        detection: None,
+        detections: Vec::new(),
         place: args.at.map(|at| FilmPlace { at, scale: args.scale }),
         max_side_px: args.max_side as usize,
     };
     if !args.no_features {
-        let mut params = params;
-        params.detector.method = Method::Buff;
-        let searched = search(&film.burst.burst, &params, &console.monitor.part(0.1, 0.3))?;
-        (film.params, film.detection) = (searched.params, Some(Arc::new(searched.detection)));
+        find_features(&mut film, params, &console)?;
     }
     check_place(&film)?;
-    let features = film.detection.as_ref().map_or(0, |detection| detection.features.len());
+    let features: usize = film.detections.iter().map(|(_, detection)| detection.features.len()).sum();
     let failed = |error: FilmError| match error {
         FilmError::Picture(error) => error.into(),
         FilmError::Drawing(why) => Failure::Failed(anyhow::Error::msg(why)),
@@ -108,7 +112,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let count = film.steps().len();
     let [first, middle] = film.samples(&rasterise, &console.monitor.part(0.4, 0.1)).map_err(failed)?;
     let (width, height) = first.dimensions();
-    let estimated = estimated_film_bytes([&first, &middle], count);
+    let estimated = estimated_film_bytes(format, [&first, &middle], count);
     let megabytes = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
     console.say(&format!(
         "{count} pictures of {width}×{height}, {} a second, about {}\n",
@@ -117,7 +121,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     ))?;
     let pictures = film.pictures(&rasterise, &console.monitor.part(0.5, 0.3)).map_err(failed)?;
     rules.check(&args.out)?;
-    write_film(&args.out, &pictures, args.rate, &console.monitor.part(0.8, 0.2))?;
+    write_film(&args.out, format, &pictures, args.rate, &console.monitor.part(0.8, 0.2))?;
     console.monitor.check()?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
     console.say(&format!("wrote {}, {}\n", args.out.display(), megabytes(bytes)))?;
@@ -133,6 +137,23 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         "estimated_bytes": estimated,
         "bytes": bytes,
     }))
+}
+
+/// Finds the features of each method whose pictures are shown.
+fn find_features(film: &mut Film, mut params: SearchParams, console: &Console) -> Result<(), Failure> {
+    let methods = film.methods();
+    for (index, method) in methods.iter().copied().enumerate() {
+        let share = 0.3 / methods.len() as f32;
+        params.detector.method = method;
+        let monitor = console.monitor.part(0.1 + share * index as f32, share);
+        let searched = search(&film.burst.burst, &params, &monitor)?;
+        if method == Method::Buff {
+            film.params = searched.params;
+            (params.detector, params.slopes) = (film.params.clone(), SlopeChoice::Given);
+        }
+        film.detections.push((method, Arc::new(searched.detection)));
+    }
+    Ok(())
 }
 
 /// Checks that the place whose response is drawn lies in the picture, and its scale in the search.

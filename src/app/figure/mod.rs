@@ -5,7 +5,7 @@
 mod film;
 mod raster;
 
-pub use film::FilmDialog;
+pub use film::{FilmDialog, film_of};
 pub use raster::rasterise;
 
 use crate::app::actions::{ActionId, Queue};

@@ -124,6 +124,8 @@ pub enum ExportKind {
     Case,
     /// A sweep over the slopes as a GIF.
     FilmGif,
+    /// A sweep over the slopes as an animated PNG.
+    FilmApng,
 }
 
 impl ExportKind {
@@ -138,6 +140,7 @@ impl ExportKind {
             Self::Svg | Self::CurvesSvg => "svg",
             Self::Case => CASE_EXTENSION,
             Self::FilmGif => "gif",
+            Self::FilmApng => "apng",
         }
     }
 
@@ -158,6 +161,7 @@ impl ExportKind {
             Self::CurvesSvg => "Export curves as SVG",
             Self::Case => "Save case",
             Self::FilmGif => "Export film as GIF",
+            Self::FilmApng => "Export film as animated PNG",
         }
     }
 }
