@@ -48,13 +48,11 @@ fn thresholds(criterion: &mut Criterion) {
         let cache = ProbeCache::new(&burst, &params.clone().into(), &never).expect("valid parameters");
         let gate = cache.detection().noise_gate_factor;
         type Change = fn(&mut DetectorParams, f32, f32);
-        let changes: [(&str, Change); 7] = [
+        let changes: [(&str, Change); 5] = [
             ("noise gate", |params, gate, part| params.noise_gate = NoiseGate::Factor(gate * (1.0 + 0.2 * part))),
             ("peak threshold", |params, _, part| params.peak_threshold = 0.001 * part),
             ("edge threshold", |params, _, part| params.edge_threshold *= 1.0 - 0.2 * part),
             ("distinct", |params, _, part| params.distinct = Distinct::Radius(1.0 + part)),
-            ("side lobes", |params, _, part| params.side_lobes = 0.1 + 0.5 * part),
-            ("coherence", |params, _, part| params.coherence = 0.1 + 0.5 * part),
             ("max features", |params, _, part| params.max_features = 500 + (2500.0 * part) as usize),
         ];
         for (what, change) in changes {

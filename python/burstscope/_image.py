@@ -141,7 +141,7 @@ def stack(
     progress : callable, False or None
         See `burstscope.detect`.
     **keywords
-        ``frames``, ``interpolation`` and ``method`` count; see `burstscope.detect`.
+        ``frames``, ``rules`` and ``method`` count; see `burstscope.detect`.
 
     Returns
     -------

@@ -78,10 +78,6 @@ class DetectorKeywords(TypedDict, total=False):
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too. Each finds more in noise and leaves it to distinct keypoints
         to choose the slope; joint is the rule of the paper and of LiFF. [default: each]
-    slope_neighbours : ['adjacent', 'all']
-        The slopes that a joint extremum must beat: adjacent ones of the grid, or all. All keeps at most one
-        slope per place and scale and needs more memory; adjacent lets two motions share a place. [default:
-        adjacent]
     distinct : Union[float, ['off']]
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all. Unit: σ. Raise it to thin out keypoints that share a blob, which make
@@ -89,26 +85,11 @@ class DetectorKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob. Raise it to let a keypoint remove
         others of more different sizes at its place. [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none. On charts 0.5 removes nearly
-        all keypoints that are no disc; in real scenes it costs right matches. [default: 0]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none. Raise it against ghosts of other motions, to which only some
-        frames respond; 0.3 to 0.5 removes most of them. [default: 0]
-    interpolation : ['linear', 'nearest', 'truncated']
-        How frames are sampled between pixels when they are shifted: linear, nearest or truncated. Linear is the
-        most accurate; nearest reproduces the authors' code, and truncated LiFF, which also counts what lies up
-        to 1.5 px before the first column and row. [default: linear]
-    kernel_cut : float
-        Where the kernel of each blur from level to level ends, in its standard deviations. Unit: σ. 4 is exact
-        to a thousandth; what a level sums up ends at 4.5 of its own in any case. 2 reproduces the authors'
-        code, which misses some sizes of blobs by it. [default: 4]
-    localisation : ['continuous', 'quadratic']
-        How the place, scale and slope between the samples are found: continuous or quadratic. Continuous is
-        several times as exact, and coarse octaves keep their features when the burst is cropped or moved by a
-        pixel; quadratic reproduces VLFeat and LiFF. [default: continuous]
+    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
+        places are found between samples, the slopes that a joint extremum must beat, and the slope of
+        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
+        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all. Unit: features. Lower it to keep only the most reliable. [default: 0]
@@ -116,10 +97,6 @@ class DetectorKeywords(TypedDict, total=False):
         How many orientations a keypoint may have, 1 to 4; each becomes a feature of its own. Unit: per
         keypoint. Raise it to match ambiguous places under rotation (VLFeat and LiFF use 4), for more features
         at one place. [default: 2]
-    describe_slope : ['refined', 'grid']
-        The slope at which orientation and descriptor are taken: refined, the feature's own, or grid, the
-        nearest one that was searched. Refined keeps features between two slopes of the grid sharp, so that they
-        match; grid is what the published codes do. [default: refined]
     describe_scales : int
         How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75.
         Pooled descriptors match more in the dark; 1 is what SIFT and the published codes do. [default: 2]
@@ -140,17 +117,11 @@ class DetectorKeywords(TypedDict, total=False):
     flicker: Literal["auto", "off"]
     edge_threshold: float
     slope_extrema: Literal["each", "joint"]
-    slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
-    coherence: float
-    interpolation: Literal["linear", "nearest", "truncated"]
-    kernel_cut: float
-    localisation: Literal["continuous", "quadratic"]
+    rules: Literal["burstscope", "buff", "liff", "vlfeat"]
     max_features: int
     max_orientations: int
-    describe_slope: Literal["refined", "grid"]
     describe_scales: int
 
 
@@ -504,35 +475,21 @@ class EvaluateChartKeywords(TypedDict, total=False):
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
-    slope_neighbours : ['adjacent', 'all']
-        The slopes that a joint extremum must beat: adjacent ones of the grid, or all [default: adjacent]
     distinct : Union[float, ['off']]
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none [default: 0]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none [default: 0]
-    interpolation : ['linear', 'nearest', 'truncated']
-        How frames are sampled between pixels when they are shifted: linear, nearest or truncated [default:
-        linear]
-    kernel_cut : float
-        Where the kernel of each blur from level to level ends, in its standard deviations [default: 4]
-    localisation : ['continuous', 'quadratic']
-        How the place, scale and slope between the samples are found: continuous or quadratic [default:
-        continuous]
+    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
+        places are found between samples, the slopes that a joint extremum must beat, and the slope of
+        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
+        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
     max_orientations : int
         How many orientations a keypoint may have, 1 to 4; each becomes a feature of its own [default: 2]
-    describe_slope : ['refined', 'grid']
-        The slope at which orientation and descriptor are taken: refined, the feature's own, or grid, the
-        nearest one that was searched [default: refined]
     describe_scales : int
         How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75
         [default: 2]
@@ -573,17 +530,11 @@ class EvaluateChartKeywords(TypedDict, total=False):
     flicker: Literal["auto", "off"]
     edge_threshold: float
     slope_extrema: Literal["each", "joint"]
-    slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
-    coherence: float
-    interpolation: Literal["linear", "nearest", "truncated"]
-    kernel_cut: float
-    localisation: Literal["continuous", "quadratic"]
+    rules: Literal["burstscope", "buff", "liff", "vlfeat"]
     max_features: int
     max_orientations: int
-    describe_slope: Literal["refined", "grid"]
     describe_scales: int
     threads: Union[str, float]
     memory: str
@@ -670,35 +621,21 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
-    slope_neighbours : ['adjacent', 'all']
-        The slopes that a joint extremum must beat: adjacent ones of the grid, or all [default: adjacent]
     distinct : Union[float, ['off']]
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none [default: 0]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none [default: 0]
-    interpolation : ['linear', 'nearest', 'truncated']
-        How frames are sampled between pixels when they are shifted: linear, nearest or truncated [default:
-        linear]
-    kernel_cut : float
-        Where the kernel of each blur from level to level ends, in its standard deviations [default: 4]
-    localisation : ['continuous', 'quadratic']
-        How the place, scale and slope between the samples are found: continuous or quadratic [default:
-        continuous]
+    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
+        places are found between samples, the slopes that a joint extremum must beat, and the slope of
+        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
+        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
     max_orientations : int
         How many orientations a keypoint may have, 1 to 4; each becomes a feature of its own [default: 2]
-    describe_slope : ['refined', 'grid']
-        The slope at which orientation and descriptor are taken: refined, the feature's own, or grid, the
-        nearest one that was searched [default: refined]
     describe_scales : int
         How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75
         [default: 2]
@@ -760,17 +697,11 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     flicker: Literal["auto", "off"]
     edge_threshold: float
     slope_extrema: Literal["each", "joint"]
-    slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
-    coherence: float
-    interpolation: Literal["linear", "nearest", "truncated"]
-    kernel_cut: float
-    localisation: Literal["continuous", "quadratic"]
+    rules: Literal["burstscope", "buff", "liff", "vlfeat"]
     max_features: int
     max_orientations: int
-    describe_slope: Literal["refined", "grid"]
     describe_scales: int
     bias: Path
     flat: Path
@@ -858,35 +789,21 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
-    slope_neighbours : ['adjacent', 'all']
-        The slopes that a joint extremum must beat: adjacent ones of the grid, or all [default: adjacent]
     distinct : Union[float, ['off']]
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none [default: 0]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none [default: 0]
-    interpolation : ['linear', 'nearest', 'truncated']
-        How frames are sampled between pixels when they are shifted: linear, nearest or truncated [default:
-        linear]
-    kernel_cut : float
-        Where the kernel of each blur from level to level ends, in its standard deviations [default: 4]
-    localisation : ['continuous', 'quadratic']
-        How the place, scale and slope between the samples are found: continuous or quadratic [default:
-        continuous]
+    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
+        places are found between samples, the slopes that a joint extremum must beat, and the slope of
+        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
+        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
     max_orientations : int
         How many orientations a keypoint may have, 1 to 4; each becomes a feature of its own [default: 2]
-    describe_slope : ['refined', 'grid']
-        The slope at which orientation and descriptor are taken: refined, the feature's own, or grid, the
-        nearest one that was searched [default: refined]
     describe_scales : int
         How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75
         [default: 2]
@@ -925,17 +842,11 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     flicker: Literal["auto", "off"]
     edge_threshold: float
     slope_extrema: Literal["each", "joint"]
-    slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
-    coherence: float
-    interpolation: Literal["linear", "nearest", "truncated"]
-    kernel_cut: float
-    localisation: Literal["continuous", "quadratic"]
+    rules: Literal["burstscope", "buff", "liff", "vlfeat"]
     max_features: int
     max_orientations: int
-    describe_slope: Literal["refined", "grid"]
     describe_scales: int
     threads: Union[str, float]
     memory: str
@@ -1014,35 +925,21 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
-    slope_neighbours : ['adjacent', 'all']
-        The slopes that a joint extremum must beat: adjacent ones of the grid, or all [default: adjacent]
     distinct : Union[float, ['off']]
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none [default: 0]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none [default: 0]
-    interpolation : ['linear', 'nearest', 'truncated']
-        How frames are sampled between pixels when they are shifted: linear, nearest or truncated [default:
-        linear]
-    kernel_cut : float
-        Where the kernel of each blur from level to level ends, in its standard deviations [default: 4]
-    localisation : ['continuous', 'quadratic']
-        How the place, scale and slope between the samples are found: continuous or quadratic [default:
-        continuous]
+    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
+        places are found between samples, the slopes that a joint extremum must beat, and the slope of
+        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
+        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
     max_orientations : int
         How many orientations a keypoint may have, 1 to 4; each becomes a feature of its own [default: 2]
-    describe_slope : ['refined', 'grid']
-        The slope at which orientation and descriptor are taken: refined, the feature's own, or grid, the
-        nearest one that was searched [default: refined]
     describe_scales : int
         How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75
         [default: 2]
@@ -1078,17 +975,11 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     flicker: Literal["auto", "off"]
     edge_threshold: float
     slope_extrema: Literal["each", "joint"]
-    slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
-    coherence: float
-    interpolation: Literal["linear", "nearest", "truncated"]
-    kernel_cut: float
-    localisation: Literal["continuous", "quadratic"]
+    rules: Literal["burstscope", "buff", "liff", "vlfeat"]
     max_features: int
     max_orientations: int
-    describe_slope: Literal["refined", "grid"]
     describe_scales: int
     threads: Union[str, float]
     memory: str
@@ -1195,35 +1086,21 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
-    slope_neighbours : ['adjacent', 'all']
-        The slopes that a joint extremum must beat: adjacent ones of the grid, or all [default: adjacent]
     distinct : Union[float, ['off']]
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    side_lobes : float
-        Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these
-        leave at their place, scale and slope, and twice the noise; 0 tests none [default: 0]
-    coherence : float
-        Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames
-        are too noisy to tell pass; 0 tests none [default: 0]
-    interpolation : ['linear', 'nearest', 'truncated']
-        How frames are sampled between pixels when they are shifted: linear, nearest or truncated [default:
-        linear]
-    kernel_cut : float
-        Where the kernel of each blur from level to level ends, in its standard deviations [default: 4]
-    localisation : ['continuous', 'quadratic']
-        How the place, scale and slope between the samples are found: continuous or quadratic [default:
-        continuous]
+    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
+        places are found between samples, the slopes that a joint extremum must beat, and the slope of
+        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
+        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
     max_orientations : int
         How many orientations a keypoint may have, 1 to 4; each becomes a feature of its own [default: 2]
-    describe_slope : ['refined', 'grid']
-        The slope at which orientation and descriptor are taken: refined, the feature's own, or grid, the
-        nearest one that was searched [default: refined]
     describe_scales : int
         How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75
         [default: 2]
@@ -1290,17 +1167,11 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     flicker: Literal["auto", "off"]
     edge_threshold: float
     slope_extrema: Literal["each", "joint"]
-    slope_neighbours: Literal["adjacent", "all"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
-    side_lobes: float
-    coherence: float
-    interpolation: Literal["linear", "nearest", "truncated"]
-    kernel_cut: float
-    localisation: Literal["continuous", "quadratic"]
+    rules: Literal["burstscope", "buff", "liff", "vlfeat"]
     max_features: int
     max_orientations: int
-    describe_slope: Literal["refined", "grid"]
     describe_scales: int
     bias: Path
     flat: Path

@@ -82,7 +82,8 @@ impl Request for DetectRequest {
         // As `params`, of the burst itself.
         let searched = DetectorParams { frames: params.frames, ..cache.trail.searched_with().clone() };
         let (finding, detection) = (cache.finding.clone(), Arc::new(detection));
-        Ok(Detected { burst: burst.id, asked, params, searched, finding, detection })
+        let search_secs = cache.trail.search_secs();
+        Ok(Detected { burst: burst.id, asked, params, searched, search_secs, finding, detection })
     }
 }
 
@@ -98,6 +99,8 @@ pub struct Detected {
     /// Parameters of the search that left what the features were judged from: `params`, or less strict ones. Those that
     /// [follow](crate::detector::follows) from them need no other search.
     pub searched: DetectorParams,
+    /// Time that that search took, seconds.
+    pub search_secs: f32,
     /// Result of the search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
     /// The features.
@@ -144,9 +147,9 @@ impl Request for CompareRequest {
             Self::Detect(DetectRequest { burst, params }) => {
                 let searched = baseline::search(&burst.burst, &params, work.monitor)?;
                 let Searched { detection, params: used, finding, .. } = searched;
-                let (detection, searched) = (Arc::new(detection), used.clone());
-                let (burst, asked, params) = (burst.id, params, used);
-                Ok(Compared::Detected(Detected { burst, asked, params, searched, finding, detection }))
+                let (searched, search_secs) = (used.clone(), detection.times.total_secs());
+                let (burst, asked, params, detection) = (burst.id, params, used, Arc::new(detection));
+                Ok(Compared::Detected(Detected { burst, asked, params, searched, search_secs, finding, detection }))
             }
         }
     }

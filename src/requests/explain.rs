@@ -6,8 +6,9 @@ use super::error::JobError;
 use super::open::BurstId;
 use super::request::{Kept, Request, Urgency, Work};
 use super::trail::{DetectionSource, trail_and_rest};
-use crate::detector::Test;
+use crate::detector::{ParamChange, Test};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions, survey};
+use crate::inspect::price::{Price, price_at_once};
 use crate::inspect::probe::Wanted;
 use crate::inspect::spectrum::{Spectrum, spectrum};
 use crate::inspect::unmatched::{ComparedPair, Losses, Lost, NearestOfBoth};
@@ -211,7 +212,14 @@ impl Request for ProbeRequest {
         };
         let options = ProbeOptions { wanted, near_sigma: self.near_sigma, ..ProbeOptions::default() };
         let probe = probe(cache, place, &options, monitor)?;
-        Ok(Probed { request: self, probe: Arc::new(probe) })
+        let fate = probe.subject_fate();
+        let remedy = fate.and_then(|fate| fate.remedy.as_ref()).map(|remedy| &remedy.change);
+        let mut prices = Vec::new();
+        for change in remedy.into_iter().chain(probe.suspicions.iter().filter_map(|one| one.change.as_ref())) {
+            let price = price_at_once(&cache.trail, change, fate.map(|fate| fate.of_sample()), monitor)?;
+            prices.extend(price.map(|price| (change.clone(), price)));
+        }
+        Ok(Probed { request: self, probe: Arc::new(probe), prices })
     }
 }
 
@@ -222,6 +230,8 @@ pub struct Probed {
     pub request: ProbeRequest,
     /// Result for the place.
     pub probe: Arc<Probe>,
+    /// Prices of the changes that it proposes, as far as no search is needed to tell them.
+    pub prices: Vec<(ParamChange, Price)>,
 }
 
 /// The candidate with the largest |D| over its noise, of those at a maximum of their own; in a burst without noise with

@@ -318,10 +318,10 @@ fn a_search_beyond_the_memory_is_done_in_groups_of_slopes_or_refused_with_the_nu
     let home = tempfile::tempdir().expect("a folder");
     chart(home.path(), os("a"));
     let search = ["detect", "a", "--out", "found", "--slopes-u", "-2:2:64", "--slopes-v", "-2:2:64"];
-    let all = ["--slope-extrema", "joint", "--slope-neighbours", "all", "--memory"];
+    let all = ["--slope-extrema", "joint", "--rules", "buff", "--memory"];
     let words = run_badly(home.path(), &[&search[..], &all, &["30M"]].concat(), 1);
     assert!(words.contains("--memory: this search of 4096 slopes") && words.contains("30 MB may be used"), "{words}");
-    assert!(words.contains("slope-neighbours adjacent"), "{words}");
+    assert!(words.contains("other rules than buff"), "{words}");
     assert!(!home.path().join("found").exists());
     let few = ["detect", "a", "--out", "few", "--slopes-u", "-1:1:3", "--memory", "50%"];
     run_well(home.path(), &few);

@@ -89,22 +89,6 @@ fn the_price_of_an_option_is_what_it_then_gives() {
 }
 
 #[test]
-fn the_test_of_coherence_is_an_option_and_counted() {
-    let home = tempfile::tempdir().expect("a folder");
-    let found = |more: &[&str]| {
-        let line = ["detect", "demo", "--slopes-u", "-3:3:13", "--out", "found", "--force", "--json"];
-        json(home.path(), &[&line[..], more].concat())["bursts"][0].clone()
-    };
-    let (open, tested) = (found(&[]), found(&["--coherence", "0.5"]));
-    let count = |burst: &Value, test: &str| burst["tally"]["rejected"][test].as_u64().unwrap_or_default();
-    assert_eq!(count(&open, "coherence"), 0);
-    assert!(count(&tested, "coherence") > 0, "{}", tested["tally"]);
-    assert!(tested["features"].as_u64() < open["features"].as_u64());
-    let error = run_badly(home.path(), &["detect", "demo", "--coherence", "2", "--out", "found"], 2);
-    assert!(error.contains("give 0 to 1"), "{error}");
-}
-
-#[test]
 fn slopes_tells_what_is_there_and_what_to_change() {
     let home = tempfile::tempdir().expect("a folder");
     // The sign moves by −2.1 px/frame, the lanterns by 1.6: a range of ±1 holds neither.

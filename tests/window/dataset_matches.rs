@@ -141,7 +141,7 @@ fn trajectory_matrix() {
     }
     for state in &mut open.states {
         if let burstscope::app::project::datasets::BurstState::Done(finished) = state {
-            finished.seconds = Some(0.3);
+            finished.seconds = 0.3;
             finished.features *= 9;
         }
     }

@@ -172,16 +172,4 @@ fn the_comparison_is_kept_in_a_session() {
     let [before, after] = [&window, &other].map(|window| window.app().model.panes.arrangement().clone());
     assert_eq!((after.panes().len(), &after), (3, &before));
     assert!(other.harness.query_by_role_and_label(Role::Slider, "Wipe line").is_some());
-    // Older sessions, without panes of methods, named the two methods in one place.
-    let old = "version = 2\nburst = \"demo\"\ndetected = true\nworkspace = \"methods\"\n[methods]\n\
-               methods = [\"sift\", \"merge\", \"buff1d\"]\nlayout = \"wipe\"\ntwo = [\"merge\", \"buff1d\"]\nwipe = 0.25\n";
-    std::fs::write(&file, old).unwrap();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
-    let panes = &other.app().model.panes;
-    let [left, right] = panes.shown()[..] else { panic!("two in one place") };
-    let of = |id| panes.get(id).unwrap().method;
-    assert_eq!([left, right].map(of), [Some(Contender::Merge), Some(Contender::Buff1d)]);
-    assert_eq!(panes.over(left), Some(Over::Wipe { other: right, at: 0.25 }));
 }

@@ -422,19 +422,4 @@ fn a_session_keeps_how_two_bursts_are_arranged() {
     let panes = &other.app().model.panes;
     assert_eq!((panes.arrangement(), panes.focus()), (&arrangement, window.app().model.panes.focus()));
     assert!(panes.get(panes.focus()).unwrap().shows(ViewKind::Dog));
-    // A session from before two bursts had panes of their own.
-    let text = std::fs::read_to_string(&file).unwrap();
-    let mut old: toml::Table = text.parse().unwrap();
-    old.remove("pair_panes");
-    old.remove("methods_panes");
-    old.insert("version".into(), 2.into());
-    let pair = old["pair"].as_table_mut().unwrap();
-    pair["active"] = "b".into();
-    pair["links"]["cursor"] = false.into();
-    std::fs::write(&file, old.to_string()).unwrap();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
-    let model = &other.app().model;
-    assert_eq!((model.workspace, model.active_side(), model.pair_links().cursor), (Workspace::Pair, Side::B, false));
 }

@@ -127,7 +127,7 @@ fn filmstrip() {
     // Times, and the place of this test's files, differ from run to run.
     for state in &mut dataset.states {
         if let BurstState::Done(finished) = state {
-            finished.seconds = Some(0.3);
+            finished.seconds = 0.3;
         }
     }
     dataset.folder = Some("/data/film-burstscope-5".into());

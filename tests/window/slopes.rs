@@ -69,7 +69,7 @@ fn presets_give_ranges_and_reset_all_finds_them() {
 }
 
 #[test]
-fn sessions_keep_the_switch_and_older_ones_their_ranges() {
+fn sessions_keep_the_switch_and_given_ranges() {
     let mut window = Start::automatic().open();
     let model = &window.app().model;
     let session = Session::of(model).unwrap();
@@ -78,9 +78,9 @@ fn sessions_keep_the_switch_and_older_ones_their_ranges() {
     let mut restored = Start::without_auto_detect().open();
     Session::from_toml(&text).unwrap().apply(&mut restored.app_mut().model);
     assert!(restored.app().model.slopes.is_auto());
-    // A session from before slopes were found.
-    let older = "version = 1\nburst = \"demo\"\n[params.slopes.u]\nmin = -1.0\nmax = 1.0\ncount = 5\n";
-    Session::from_toml(older).unwrap().apply(&mut window.app_mut().model);
+    // A session with given slopes.
+    let given = "version = 3\nburst = \"demo\"\n[params.slopes.u]\nmin = -1.0\nmax = 1.0\ncount = 5\n";
+    Session::from_toml(given).unwrap().apply(&mut window.app_mut().model);
     window.settle();
     assert_eq!(window.app().model.slopes, SlopeChoice::Given);
     assert_eq!(grid(&window).u, SlopeAxis::new(-1.0..=1.0, 5));

@@ -7,7 +7,7 @@ use super::picture::{ImageKind, write_picture};
 use super::stamp::{Comparison, FileStamp};
 use super::{CameraChoice, DatasetError};
 use crate::baseline::{Searched, check_memory, search};
-use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions, RawColour, files_at};
+use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions, files_at};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{
     ColmapKeypoint, ExportError, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records,
@@ -38,9 +38,8 @@ pub struct BurstFeatures {
     pub resumed: bool,
     /// Result of finding the burst's slopes, if they were to be found and this run found them.
     pub slopes: Option<SlopeFinding>,
-    /// Time taken to open the burst and find its features, seconds; `None` if an earlier version of the program did not
-    /// record it.
-    pub seconds: Option<f64>,
+    /// Time taken to open the burst and find its features, seconds.
+    pub seconds: f64,
 }
 
 impl BurstFeatures {
@@ -55,9 +54,8 @@ impl BurstFeatures {
 pub struct FinishedBurst {
     /// Number of features.
     pub features: usize,
-    /// Time taken to open the burst and find its features, seconds; `None` if an earlier version of the program did not
-    /// record it.
-    pub seconds: Option<f64>,
+    /// Time taken to open the burst and find its features, seconds.
+    pub seconds: f64,
 }
 
 /// Parameters of finding features, and the kind of picture stored for each burst.
@@ -133,22 +131,11 @@ impl FeatureStore {
         settings.insert(DETECTOR_KEY.to_owned(), Value::String(job.detector.to_toml()));
         settings.insert("bias".to_owned(), json!(contents(&job.open.bias)?));
         settings.insert("full_scale".to_owned(), json!(job.open.full_scale));
-        // Only set options are named, so that folders of earlier programs remain valid.
-        if job.open.flat.is_some() {
-            settings.insert("flat".to_owned(), json!(contents(&job.open.flat)?));
-        }
-        if job.open.black_level.is_some() {
-            settings.insert("black_level".to_owned(), json!(job.open.black_level));
-        }
-        if job.open.raw_colour != RawColour::default() {
-            settings.insert("raw_colour".to_owned(), json!(job.open.raw_colour));
-        }
-        if job.open.linearise {
-            settings.insert("linearise".to_owned(), json!(true));
-        }
-        if job.open.accept_damaged {
-            settings.insert("accept_damaged".to_owned(), json!(true));
-        }
+        settings.insert("flat".to_owned(), json!(contents(&job.open.flat)?));
+        settings.insert("black_level".to_owned(), json!(job.open.black_level));
+        settings.insert("raw_colour".to_owned(), json!(job.open.raw_colour));
+        settings.insert("linearise".to_owned(), json!(job.open.linearise));
+        settings.insert("accept_damaged".to_owned(), json!(job.open.accept_damaged));
         check_folder(folder, &[IMAGES_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])?;
         let made_with = MadeFrom::new(Value::Object(settings));
         let (comparison, rules) = (Comparison::default(), OutputRules::default());
@@ -326,7 +313,7 @@ impl FeatureStore {
             features: found.keypoints.len(),
             content,
             picture: self.job.images,
-            picture_content: Some(picture_content),
+            picture_content,
             seconds: found.seconds,
         };
         let record = Record { made_from: self.made_with.clone(), of };
@@ -345,10 +332,7 @@ impl FeatureStore {
     ) -> Result<(), DatasetError> {
         let image_name = image_name(source);
         let picture_file = self.picture_file(&image_name);
-        let is_whole = match of.picture_content {
-            Some(content) => content.is_of(&picture_file),
-            None => std::fs::metadata(&picture_file).is_ok_and(|file| file.is_file() && file.len() > 0),
-        };
+        let is_whole = of.picture_content.is_of(&picture_file);
         let stamps = FileStamp::with_times_of(&of.files, files)?;
         let picture_content = if is_whole && of.picture == self.job.images {
             if stamps == of.files {
@@ -359,7 +343,7 @@ impl FeatureStore {
         } else {
             let burst = self.burst(source, monitor)?;
             self.begin_writing()?;
-            Some(self.write_picture_of(&image_name, &burst, monitor)?)
+            self.write_picture_of(&image_name, &burst, monitor)?
         };
         let of = KeptBurst { files: stamps, picture: self.job.images, picture_content, ..of };
         Ok(self.records().write(&image_name, &Record { made_from, of })?)
@@ -412,7 +396,7 @@ impl FeatureStore {
             descriptors: detection.descriptors,
             resumed: false,
             slopes: finding,
-            seconds: Some(started.elapsed().as_secs_f64()),
+            seconds: started.elapsed().as_secs_f64(),
         };
         Ok((found, burst))
     }

@@ -34,11 +34,10 @@ pub(super) struct KeptBurst {
     pub content: Checksum,
     /// Kind of the picture that was written.
     pub picture: ImageKind,
-    /// Checksum of the picture; absent in records of earlier programs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub picture_content: Option<Checksum>,
+    /// Checksum of the picture.
+    pub picture_content: Checksum,
     /// Time taken to open the burst and find its features, seconds.
-    pub seconds: Option<f64>,
+    pub seconds: f64,
 }
 
 /// Reason why the features of a burst are found again although stored features exist.
@@ -185,8 +184,8 @@ mod tests {
             features: 3,
             content: Checksum::of(b"3 128\n"),
             picture: ImageKind::Middle,
-            picture_content: Some(Checksum::of(b"PNG")),
-            seconds: Some(0.25),
+            picture_content: Checksum::of(b"PNG"),
+            seconds: 0.25,
         };
         let record = Record { made_from: MadeFrom::new(json!({ DETECTOR_KEY: "levels = 4" })), of };
         let records = Records::of(home.path());

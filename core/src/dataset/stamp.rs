@@ -36,10 +36,10 @@ pub(super) struct FileStamp {
     /// Time when it was written, nanoseconds since 1970; 0 where the system does not tell.
     modified_ns: u64,
     /// Time when the system last changed anything about it, nanoseconds since 1970; absent where the system does not
-    /// tell, and in records of earlier programs.
+    /// tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     changed_ns: Option<u64>,
-    /// Checksum of the content; absent in records of earlier programs.
+    /// Checksum of the content; absent in stamps that are only compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     crc32: Option<u32>,
 }
@@ -74,11 +74,10 @@ impl FileStamp {
 
     /// Whether the times of these stamps agree, so that no checksum is needed.
     fn has_times_of(&self, now: &Self) -> bool {
-        self.modified_ns == now.modified_ns && (self.changed_ns.is_none() || self.changed_ns == now.changed_ns)
+        (self.modified_ns, self.changed_ns) == (now.modified_ns, now.changed_ns)
     }
 
-    /// Whether `files` are those of the stamps `kept`, with unchanged content. Records of earlier programs without
-    /// checksums are accepted by their other values, but not with [`Comparison::Content`].
+    /// Whether `files` are those of the stamps `kept`, with unchanged content.
     ///
     /// # Errors
     /// A file that cannot be read, or cancellation.
@@ -98,10 +97,7 @@ impl FileStamp {
             let agrees = match (kept.has_times_of(now), comparison) {
                 (true, Comparison::Times | Comparison::Glance) => true,
                 (false, Comparison::Glance) => false,
-                (_, Comparison::Times | Comparison::Content) => match kept.crc32 {
-                    Some(crc32) => checksum(path, monitor)? == crc32,
-                    None => false,
-                },
+                (_, Comparison::Times | Comparison::Content) => Some(checksum(path, monitor)?) == kept.crc32,
             };
             if !agrees {
                 return Ok(false);
@@ -203,26 +199,6 @@ mod tests {
         std::fs::write(&path, "longer").expect("written");
         assert!(ALL.iter().all(|comparison| !agree(&kept, &files, *comparison)));
         assert!(ALL.iter().all(|comparison| !agree(&kept, &[], *comparison)));
-    }
-
-    #[test]
-    fn stamps_of_earlier_programs_are_believed_on_what_they_hold() {
-        let home = tempfile::tempdir().expect("a folder");
-        let path = home.path().join("a.png");
-        let files = [path.clone()];
-        std::fs::write(&path, "one").expect("written");
-        let now = stamps(&files);
-        let text = format!(
-            r#"[{{"path":{:?},"bytes":3,"modified_ns":{}}}]"#,
-            path.to_str().expect("text"),
-            now[0].modified_ns
-        );
-        let old: Vec<FileStamp> = serde_json::from_str(&text).expect("as they were written");
-        assert!(agree(&old, &files, Comparison::Times) && agree(&old, &files, Comparison::Glance));
-        assert!(!agree(&old, &files, Comparison::Content), "it has no checksum to be held to");
-        let modified = std::fs::metadata(&path).and_then(|file| file.modified()).expect("a time");
-        set_modified(&path, modified - std::time::Duration::from_secs(1));
-        assert!(!agree(&old, &files, Comparison::Times));
     }
 
     #[test]

@@ -85,7 +85,6 @@ fn usual_share(test: Test) -> Option<f64> {
         Test::InterpolatedContrast | Test::Outside => Some(0.99),
         Test::Edge => Some(0.93),
         Test::Duplicate => Some(0.45),
-        Test::SideLobe | Test::Coherence => Some(0.9),
     }
 }
 
@@ -168,8 +167,6 @@ fn remedy(test: Test, params: &DetectorParams) -> Option<(Param<DetectorParams>,
         Test::Edge => Some((doc::EDGE_THRESHOLD, (1.5 * params.edge_threshold).to_string())),
         Test::Outside => (params.first_octave > -1).then(|| (doc::FIRST_OCTAVE, (params.first_octave - 1).to_string())),
         Test::Duplicate => Some((doc::DISTINCT, "off".to_owned())),
-        Test::SideLobe => Some((doc::SIDE_LOBES, "0".to_owned())),
-        Test::Coherence => Some((doc::COHERENCE, "0".to_owned())),
         Test::SpaceExtremum | Test::MaxFeatures => None,
     }
 }

@@ -1,11 +1,9 @@
-//! Coherence of a feature: how alike the single frames respond along its motion; and the test that rejects features whose
-//! frames do not.
+//! Coherence of a feature: how alike the single frames respond along its motion.
 //!
 //! A true feature is in every frame: the responses are level. A ghost (a blob of another motion that shows in the stack
 //! of a wrong slope) responds only in the frames in which the true blob crosses its path, so its responses form a bump.
-//! The test compares features as they are reported, at their refined place and slope: at the grid's slope the outermost
-//! frames of a true feature would miss it. It comes after the rule for distinct keypoints, so a ghost that is removed
-//! has removed the weaker keypoints on its blob.
+//! Features are judged as they are reported, at their refined place and slope: at the grid's slope the outermost frames
+//! of a true feature would miss it.
 
 use crate::detector::describe::patch::{FramesOfOctaves, point_response, response_of};
 use crate::detector::feature::Feature;
@@ -55,7 +53,7 @@ impl Along<'_, '_> {
     ) -> Vec<f32> {
         let Inputs { space, params, size_image, .. } = self.inputs;
         let frames = self.frames.of(octave);
-        point_response(frames, (space, octave, levels), *size_image, (place, slope), params.interpolation, chosen)
+        point_response(frames, (space, octave, levels), *size_image, (place, slope), params.rules.interpolation, chosen)
     }
 
     /// The response of each frame at the scale (octave, DoG level), along the motion through `place` (input pixels, at
@@ -78,7 +76,7 @@ impl Along<'_, '_> {
         let (octave, level) = scale;
         let Inputs { space, params, noise, .. } = self.inputs;
         let frames = self.frames.of(octave);
-        let (planes, in_octave) = (frames.planes(), frames.offsets(slope, params.interpolation));
+        let (planes, in_octave) = (frames.planes(), frames.offsets(slope, params.rules.interpolation));
         let factor = noise.place_factor(octave, &offsets, floor_pixel((place[0], place[1]), *size), *size);
         let response = |(index, &t): (usize, &usize)| {
             monitor.check()?;
@@ -115,7 +113,7 @@ impl Along<'_, '_> {
 /// Offsets at which the frames that took part are read at `slope`.
 pub(in crate::detector) fn offsets(inputs: &Inputs, slope: Slope) -> Vec<FrameOffset> {
     let times = &inputs.times;
-    times.of(frame_offsets(times.frame_count, slope, inputs.params.interpolation))
+    times.of(frame_offsets(times.frame_count, slope, inputs.params.rules.interpolation))
 }
 
 /// Pixel in whose columns and rows `place` lies, inside an image of `size`.

@@ -85,18 +85,14 @@ pub enum Test {
     Outside,
     /// A stronger keypoint shows this blob.
     Duplicate,
-    /// Stronger keypoints around explain it: see [`crate::detector::side_lobes`].
-    SideLobe,
-    /// Single frames respond too differently along its motion.
-    Coherence,
     /// Its features are weaker than the strongest `max_features`. Keypoints weaker than all of these come to this test
-    /// without the three before it.
+    /// without the one before it.
     MaxFeatures,
 }
 
 impl Test {
     /// All tests, in order.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 11] = [
         Self::PeakThreshold,
         Self::NoiseGate,
         Self::SpaceExtremum,
@@ -107,8 +103,6 @@ impl Test {
         Self::Edge,
         Self::Outside,
         Self::Duplicate,
-        Self::SideLobe,
-        Self::Coherence,
         Self::MaxFeatures,
     ];
 
@@ -125,8 +119,6 @@ impl Test {
             Self::Edge => "on an edge",
             Self::Outside => "outside the image or the scales",
             Self::Duplicate => "the same blob as a stronger one",
-            Self::SideLobe => "a side lobe of stronger ones",
-            Self::Coherence => "only some frames respond",
             Self::MaxFeatures => "weaker than the strongest kept",
         }
     }

@@ -265,7 +265,7 @@ fn refusal(
         count => format!("{count} slopes fit, and a larger first octave takes less"),
     };
     let way_out = match OtherSlopes::of(params).reach(&grid) {
-        None => format!("slope-neighbours adjacent needs only some slopes at once; {less}"),
+        None => format!("other rules than buff need only some slopes at once; {less}"),
         Some(_) if fitting > 0 && grid.is_plane() => format!("rows of fewer slopes take less; {less}"),
         Some(_) => less,
     };
@@ -295,7 +295,7 @@ fn said(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::{SlopeExtrema, SlopeGrid, SlopeNeighbours};
+    use crate::detector::{Rules, SlopeExtrema, SlopeGrid};
 
     #[test]
     fn the_estimate_grows_with_slopes_and_the_first_octave() {
@@ -381,11 +381,10 @@ mod tests {
     #[test]
     fn what_does_not_fit_even_so_is_refused_with_the_number_and_the_way_out() {
         let refused = |params: &DetectorParams, budget| plan(params, Some(budget)).expect_err("too much").to_string();
-        let all =
-            DetectorParams { slope_extrema: SlopeExtrema::Joint, slope_neighbours: SlopeNeighbours::All, ..plane() };
+        let all = DetectorParams { slope_extrema: SlopeExtrema::Joint, rules: Rules::BUFF, ..plane() };
         let error = refused(&all, 1_000_000_000);
         assert!(error.contains("memory: ") && error.contains("2401 slopes at once"), "{error}");
-        assert!(error.contains("1.0 GB") && error.contains("slope-neighbours adjacent"), "{error}");
+        assert!(error.contains("1.0 GB") && error.contains("other rules than buff"), "{error}");
         let fitting = error.split(' ').rev().skip_while(|word| *word != "slopes").nth(1);
         let fitting: usize = fitting.and_then(|n| n.parse().ok()).expect("a number");
         assert!((200..400).contains(&fitting), "{error}");

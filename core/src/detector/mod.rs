@@ -30,7 +30,6 @@ pub mod pipeline;
 pub mod refine;
 pub mod scale_space;
 pub mod search;
-pub mod side_lobes;
 pub mod slopes;
 pub mod stack;
 pub mod view;
@@ -41,7 +40,8 @@ pub use feature::{Descriptor, DetectError, Detection, Feature, REVISION, StageTi
 pub use params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use params::{
     DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
-    NoiseModelKind, Param, ParamChange, ParamDoc, ParamError, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
+    NoiseModelKind, Param, ParamChange, ParamDoc, ParamError, Rules, SearchParams, SlopeChoice, SlopeExtrema,
+    SlopeNeighbours,
 };
 pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, follows};
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

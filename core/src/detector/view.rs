@@ -27,7 +27,7 @@ use std::ops::Range;
 pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let used = params.used_frames(burst.len());
     let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
-    motion_stack(&frames, slope, params.interpolation, monitor)
+    motion_stack(&frames, slope, params.rules.interpolation, monitor)
 }
 
 /// Combination of the shifted frames at any `slope`, as [`stack_view`] shows their mean.
@@ -43,7 +43,7 @@ pub fn combined_view(
 ) -> Result<Plane, Cancelled> {
     let used = params.used_frames(burst.len());
     let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
-    combined_stack(&frames, slope, params.interpolation, combine, monitor)
+    combined_stack(&frames, slope, params.rules.interpolation, combine, monitor)
 }
 
 /// DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel (i,
@@ -66,7 +66,7 @@ pub fn dog_view(
     let octaves = check_level(params, burst.size(), octave, level)?;
     let used = params.used_frames(burst.len());
     let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
-    let offsets = frame_offsets(frames.len(), slope, params.interpolation);
+    let offsets = frame_offsets(frames.len(), slope, params.rules.interpolation);
     let space = ScaleSpace::of(params);
     let stack = SlopeStack { frames: &frames, offsets: &offsets, space: &space, size_image: burst.size() };
     let size = octave_size(burst.size(), octave);
@@ -167,7 +167,7 @@ pub fn coverage_view(
 /// Offsets of the frames that take part at `slope`.
 fn offsets_of(inputs: &Inputs, slope: Slope) -> Vec<FrameOffset> {
     let times = &inputs.times;
-    times.of(frame_offsets(times.frame_count, slope, inputs.params.interpolation))
+    times.of(frame_offsets(times.frame_count, slope, inputs.params.rules.interpolation))
 }
 
 /// Plane of `size` with the value of `at` at each (column, row); rows in parallel.

@@ -139,10 +139,8 @@ const LEFT: f64 = 70.0;
 
 /// Discs found and false features over the number of frames, as an SVG document.
 pub fn frames_svg(report: &FramesReport) -> String {
-    let side_lobes = report.setup.detector.side_lobes;
-    let without = if side_lobes > 0.0 { format!("; without side lobes ({side_lobes})") } else { String::new() };
     let caption = format!(
-        "SNR {}, {}; {} discs of {}×{} pixels, moving in {}{without}",
+        "SNR {}, {}; {} discs of {}×{} pixels, moving in {}",
         report.snr,
         if report.setup.seeds == 1 {
             "one chart each".to_owned()

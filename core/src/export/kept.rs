@@ -27,9 +27,8 @@ pub(crate) const RECORDS_FOLDER: &str = "records";
 pub(crate) struct MadeFrom {
     /// Version of the program.
     version: String,
-    /// Revision of the detector, [`REVISION`]; absent in files of programs that had none.
-    #[serde(default)]
-    detector_revision: Option<u32>,
+    /// Revision of the detector, [`REVISION`].
+    detector_revision: u32,
     /// All settings that affect the result.
     settings: Value,
 }
@@ -38,12 +37,12 @@ impl MadeFrom {
     /// This program with `settings`.
     pub fn new(settings: impl Into<Value>) -> Self {
         let version = env!("CARGO_PKG_VERSION").to_owned();
-        Self { version, detector_revision: Some(REVISION), settings: settings.into() }
+        Self { version, detector_revision: REVISION, settings: settings.into() }
     }
 
     /// Whether this program would make the same bits.
     pub fn is_of_this_program(&self) -> bool {
-        self.version == env!("CARGO_PKG_VERSION") && self.detector_revision == Some(REVISION)
+        self.version == env!("CARGO_PKG_VERSION") && self.detector_revision == REVISION
     }
 
     /// The settings.

@@ -89,59 +89,45 @@ fn counts(report: &ChartReport) -> String {
     )
 }
 
-/// Part of the spread below which keypoints are left out of Fig. 6 as side lobes: no disc is lost for it.
-const SIDE_LOBES: f32 = 0.5;
-
-/// Discs found over the number of frames, with all keypoints and without side lobes.
+/// Discs found over the number of frames.
 #[derive(Debug)]
 pub(super) struct FramesFigure {
-    studies: [FramesStudy; 2],
+    study: FramesStudy,
 }
 
 impl FramesFigure {
     pub fn new(size: FigureSize) -> Self {
-        let charts = study(size, vec![size.pick(0.35, 0.6)]);
         let methods =
             [BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d, BurstMethod::Buff2d].to_vec();
         let frame_counts = size.pick(crate::evaluate::frames::FRAME_COUNTS.to_vec(), vec![2, 5, 10]);
-        let study = |side_lobes| {
-            let detector = DetectorParams { side_lobes, ..charts.detector.clone() };
-            let charts = ChartStudy { methods: methods.clone(), detector, ..charts.clone() };
-            FramesStudy { charts, frame_counts: frame_counts.clone() }
-        };
-        Self { studies: [study(0.0), study(SIDE_LOBES)] }
+        let charts = ChartStudy { methods, ..study(size, vec![size.pick(0.35, 0.6)]) };
+        Self { study: FramesStudy { charts, frame_counts } }
     }
 }
 
 impl MakeFigure for FramesFigure {
     fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
         let mut csv = String::from(
-            "side_lobes,frames,method,discs_found,discs_found_error,default_discs_found,default_discs_found_error,default_false,default_false_error\n",
+            "frames,method,discs_found,discs_found_error,default_discs_found,default_discs_found_error,default_false,default_false_error\n",
         );
-        let mut drawn = Vec::with_capacity(self.studies.len());
-        for (index, study) in self.studies.iter().enumerate() {
-            let report = study.run(&monitor.part(0.5 * index as f32, 0.5))?;
-            for (row, method) in report.rows.iter().flat_map(|row| row.methods.iter().map(move |method| (row, method)))
-            {
-                let pair = |mean: Mean| {
-                    let error = mean.standard_error.map_or(String::new(), |error| format!("{error:.4}"));
-                    format!("{:.4},{error}", mean.mean)
-                };
-                // Writing into a string cannot fail.
-                let _ = writeln!(
-                    csv,
-                    "{},{},{},{},{},{}",
-                    study.charts.detector.side_lobes,
-                    row.frames,
-                    method.method.name(),
-                    pair(method.true_positives),
-                    pair(method.default_true_positives),
-                    pair(method.default_false_features)
-                );
-            }
-            drawn.push(frames_svg(&report));
+        let report = self.study.run(monitor)?;
+        for (row, method) in report.rows.iter().flat_map(|row| row.methods.iter().map(move |method| (row, method))) {
+            let pair = |mean: Mean| {
+                let error = mean.standard_error.map_or(String::new(), |error| format!("{error:.4}"));
+                format!("{:.4},{error}", mean.mean)
+            };
+            // Writing into a string cannot fail.
+            let _ = writeln!(
+                csv,
+                "{},{},{},{},{}",
+                row.frames,
+                method.method.name(),
+                pair(method.true_positives),
+                pair(method.default_true_positives),
+                pair(method.default_false_features)
+            );
         }
-        Ok(Made { svg: stacked("The number of frames of a burst", &drawn), csv, notes: Vec::new() })
+        Ok(Made { svg: stacked("The number of frames of a burst", &[frames_svg(&report)]), csv, notes: Vec::new() })
     }
 }
 

@@ -126,10 +126,7 @@ impl PaperFigure {
                 "Discs found against false features as the threshold falls. The grey line is where a tenth of the detections is false, \
                  the dot what the method finds at its default threshold (noise gate strict)."
             }
-            Self::Fig6 => {
-                "What more frames are worth, at one signal-to-noise ratio: above with the defaults, below without side lobes. Bars are \
-                 standard errors."
-            }
+            Self::Fig6 => "What more frames are worth, at one signal-to-noise ratio. Bars are standard errors.",
             Self::Fig7 => {
                 "A view of the scene of Fig. 1 and the tables: a frame in good light, the gold standard (no noise), a frame in the dark as \
                  it is recorded, and the same with its contrast stretched."

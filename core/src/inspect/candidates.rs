@@ -171,8 +171,6 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
                 let keypoint = keypoint?;
                 match trail.covered_by(keypoint) {
                     Some(_) => Some(Test::Duplicate),
-                    None if trail.is_side_lobe(keypoint) => Some(Test::SideLobe),
-                    None if trail.incoherent(keypoint).is_some() => Some(Test::Coherence),
                     None if trail.is_cut(keypoint) => Some(Test::MaxFeatures),
                     None => None,
                 }

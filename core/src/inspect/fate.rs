@@ -166,8 +166,6 @@ pub fn parameter_of(test: Test) -> Option<Param<DetectorParams>> {
         Test::SlopeExtremum => Some(doc::SLOPE_EXTREMA),
         Test::Edge => Some(doc::EDGE_THRESHOLD),
         Test::Duplicate => Some(doc::DISTINCT),
-        Test::SideLobe => Some(doc::SIDE_LOBES),
-        Test::Coherence => Some(doc::COHERENCE),
         Test::MaxFeatures => Some(doc::MAX_FEATURES),
         Test::SpaceExtremum | Test::ScaleExtremum | Test::Refinement | Test::Outside => None,
     }

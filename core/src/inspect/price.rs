@@ -1,15 +1,13 @@
 //! Price of a change of one setting, before it is made: the number of features with it, whether the candidate in
 //! question is then kept, and the time of the search.
 //!
-//! Numbers are counted, never estimated: from the data of the detection where that suffices, otherwise by a search with
-//! the changed setting.
+//! Numbers are counted, never estimated: from what the search left where that suffices, otherwise by a search with the
+//! changed setting. Where nobody asked for that search, only its time is told.
 
 use super::ProbeCache;
-use super::probe::fate_of;
 use super::words::counted;
 use crate::burst::Burst;
 use crate::detector::advice::grouped;
-use crate::detector::params::doc;
 use crate::detector::scale_space::{octave_size, searched_octaves};
 use crate::detector::{DetectError, DetectorParams, ParamChange, Sample, SearchParams, Trail};
 use crate::monitor::{Cancelled, Monitor};
@@ -51,8 +49,23 @@ impl Price {
     }
 }
 
-/// Computes the price of `change` to the detection of `cache` in `burst`, the burst as it was opened. `sample` is the
-/// candidate in question.
+/// Price of `change` to the detection of `trail`, from what its search left; `None` where only another search can tell:
+/// see [`Trail::rejudged`]. `sample` is the candidate in question.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn price_at_once(
+    trail: &Trail,
+    change: &ParamChange,
+    sample: Option<Sample>,
+    monitor: &Monitor,
+) -> Result<Option<Price>, Cancelled> {
+    let Ok(params) = change.applied(trail.params()) else { return Ok(None) };
+    Ok(trail.rejudged(&params, monitor)?.map(|changed| between(trail, &changed, sample)))
+}
+
+/// Price of `change` to the detection of `cache` in `burst`, the burst as it was opened; with a search where it takes
+/// one. `sample` is the candidate in question.
 ///
 /// # Errors
 /// [`DetectError::Param`] for a change that makes no sense, [`DetectError::Cancelled`] once `monitor` was cancelled.
@@ -63,61 +76,26 @@ pub fn price(
     sample: Option<Sample>,
     monitor: &Monitor,
 ) -> Result<Price, DetectError> {
-    let (trail, before) = (&cache.trail, cache.made_with());
-    let params = change.applied(&before)?;
-    let now = trail.detection().features.len();
-    let own_now = sample.map(|sample| own(trail, &sample, monitor)).transpose()?;
-    if let Some(kept) = kept_of_known(trail, change, &params, monitor)? {
-        let kept_own = sample.map(|sample| kept.iter().filter(|&&rank| is_of(trail, rank, &sample)).count());
-        return Ok(Price { now, then: kept.len(), own: own_now.zip(kept_own) });
+    if let Some(price) = price_at_once(&cache.trail, change, sample, monitor)? {
+        return Ok(price);
     }
-    let changed = ProbeCache::new(burst, &SearchParams::from(params.clone()), monitor)?;
-    // On another grid of slopes, or another octave grid, the sample is another one.
-    let same_samples = changed.params().used_slopes() == trail.params().used_slopes();
-    let own_then = match sample.filter(|_| same_samples) {
-        Some(sample) => Some(own(&changed.trail, &sample, monitor)?),
-        None => None,
-    };
-    Ok(Price { now, then: changed.detection().features.len(), own: own_now.zip(own_then) })
+    let params = change.applied(&cache.made_with())?;
+    let changed = ProbeCache::new(burst, &SearchParams::from(params), monitor)?;
+    // On another grid of slopes the sample is another one.
+    let same_samples = changed.params().used_slopes() == cache.params().used_slopes();
+    Ok(between(&cache.trail, &changed.trail, sample.filter(|_| same_samples)))
 }
 
-/// Ranks of the features that a change keeps, where all of them are known: it only removes features, or only cuts the
-/// list elsewhere.
-fn kept_of_known(
-    trail: &Trail,
-    change: &ParamChange,
-    params: &DetectorParams,
-    monitor: &Monitor,
-) -> Result<Option<Vec<usize>>, Cancelled> {
-    let before = trail.params();
-    if change.parameter == doc::MAX_FEATURES {
-        let all = trail.ranked();
-        let most = if params.max_features == 0 { all } else { params.max_features.min(all) };
-        return Ok(Some((0..most).collect()));
-    }
-    let only_removes = params.used_coherence() >= before.used_coherence() && before.max_features == 0;
-    if change.parameter == doc::COHERENCE && only_removes {
-        let evenness = trail.evenness_of(&trail.detection().features, monitor)?;
-        let stays = |rank: &usize| evenness[*rank].coherence.is_none_or(|c| c >= params.used_coherence());
-        return Ok(Some((0..evenness.len()).filter(stays).collect()));
-    }
-    Ok(None)
-}
-
-/// Whether a feature comes from the keypoint at `sample`.
-fn is_of(trail: &Trail, rank: usize, sample: &Sample) -> bool {
-    let at = [sample.x as u32, sample.y as u32];
-    trail.keypoint_at(sample.octave, sample.level, sample.slope_index, at) == Some(trail.keypoint_of_feature(rank))
+fn between(before: &Trail, after: &Trail, sample: Option<Sample>) -> Price {
+    let [now, then] = [before, after].map(|trail| trail.detection().features.len());
+    Price { now, then, own: sample.map(|sample| (own(before, &sample), own(after, &sample))) }
 }
 
 /// Number of features that a sample became.
-fn own(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<usize, Cancelled> {
-    let has_scale =
-        trail.octaves().contains(&sample.octave) && (0..trail.space().levels as i32).contains(&sample.level);
-    if !has_scale {
-        return Ok(0);
-    }
-    Ok(fate_of(trail, sample, monitor)?.map_or(0, |fate| fate.features.len()))
+fn own(trail: &Trail, sample: &Sample) -> usize {
+    let at = [sample.x as u32, sample.y as u32];
+    let keypoint = trail.keypoint_at(sample.octave, sample.level, sample.slope_index, at);
+    keypoint.map_or(0, |keypoint| trail.ranks_of(keypoint).count())
 }
 
 /// The factor by which `then` takes longer to search frames of `size` (columns, rows) than `now`: the ratio of the
@@ -137,6 +115,7 @@ pub fn time_factor(now: &DetectorParams, then: &DetectorParams, size: (usize, us
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detector::params::doc;
     use crate::detector::{NoiseGate, SlopeGrid};
     use crate::synth::{ChartParams, synth_chart};
 
@@ -165,23 +144,31 @@ mod tests {
             ProbeCache::new(&burst, &SearchParams::from(params.clone()), &Monitor::default()).expect("valid")
         };
         let open = DetectorParams { max_features: 0, ..params.clone() };
-        for (before, change) in [
-            (&params, ParamChange::new(doc::NOISE_GATE, 4.2)),
-            (&params, ParamChange::new(doc::MAX_FEATURES, 12)),
-            (&params, ParamChange::new(doc::MAX_FEATURES, 0)),
-            (&open, ParamChange::new(doc::COHERENCE, 0.7)),
-            (&params, ParamChange::new(doc::COHERENCE, 0.7)),
-            (&open, ParamChange::new(doc::KERNEL_CUT, 2)),
+        for (before, change, is_at_once) in [
+            (&params, ParamChange::new(doc::NOISE_GATE, 4.2), false),
+            (&params, ParamChange::new(doc::NOISE_GATE, 7), true),
+            (&params, ParamChange::new(doc::MAX_FEATURES, 12), true),
+            (&params, ParamChange::new(doc::MAX_FEATURES, 0), true),
+            (&open, ParamChange::new(doc::DISTINCT, 3), true),
+            (&open, ParamChange::new(doc::LEVELS, 3), false),
         ] {
             let (of, after) = (cache(before), cache(&change.applied(before).expect("valid")));
             let keypoint = of.trail.keypoints()[of.trail.keypoint_of_feature(0)];
-            let [x, y] = keypoint.sample.map(|at| at as usize);
+            let keypoint_sample = keypoint.sample;
+            let [x, y] = keypoint_sample.map(|at| at as usize);
             let (octave, level, slope_index) = (keypoint.octave, keypoint.level, keypoint.slope_index);
             let sample = Sample { octave, level, slope_index, x, y };
             let found = price(&of, &burst, &change, Some(sample), &Monitor::default()).expect("valid");
+            let at_once = price_at_once(&of.trail, &change, Some(sample), &Monitor::default()).expect("not cancelled");
+            assert_eq!(at_once, is_at_once.then_some(found), "{change:?}");
             let count = |cache: &ProbeCache| cache.detection().features.len();
             assert_eq!((found.now, found.then), (count(&of), count(&after)), "{change:?}");
-            let own_then = (0..found.then).filter(|&rank| is_of(&after.trail, rank, &sample)).count();
+            let of_sample = |rank: &usize| {
+                let keypoint = after.trail.keypoints()[after.trail.keypoint_of_feature(*rank)];
+                (keypoint.octave, keypoint.level, keypoint.slope_index, keypoint.sample)
+                    == (octave, level, slope_index, keypoint_sample)
+            };
+            let own_then = (0..found.then).filter(of_sample).count();
             assert_eq!(found.own.map(|own| own.1), Some(own_then), "{change:?}");
         }
     }

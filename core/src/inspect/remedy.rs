@@ -7,7 +7,6 @@
 use super::fate::{Fate, Remedy, apart_sigmas};
 use super::words::{number, rounded_down, rounded_up, slope_text};
 use crate::detector::params::doc;
-use crate::detector::side_lobes::passing_part;
 use crate::detector::{Distinct, Judgement, NoiseGate, ParamChange, Slope, SlopeAxis, SlopeGrid, Test, Trail};
 
 /// Margin by which a limit is changed further, so that the value passes although the search computes in single
@@ -110,14 +109,6 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
                 )
             },
         ),
-        Test::SideLobe => format!(
-            "a side lobe: |D| is {}, and stronger keypoints around explain {}",
-            scientific(value),
-            scientific(limit)
-        ),
-        Test::Coherence => {
-            format!("only some frames respond: coherence {} of {}", number(value as f32, 2), number(limit as f32, 2))
-        }
         Test::MaxFeatures => format!("weaker than the strongest {limit} that are kept: it is number {value}"),
     }
 }
@@ -195,16 +186,6 @@ fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, 
         }
         // See `duplicate_remedy`.
         Test::Duplicate => None,
-        Test::SideLobe => {
-            let (index, limit) = (fate.keypoint?, report.limit? as f32);
-            let part = passing_part(&trail.keypoints()[index], limit, params.side_lobes);
-            let change = ParamChange::new(doc::SIDE_LOBES, rounded_down((1.0 - EASE) * f64::from(part.max(0.0)), 2));
-            Some((instead("side lobes of", &change, params.side_lobes.to_string()), change))
-        }
-        Test::Coherence => {
-            let change = ParamChange::new(doc::COHERENCE, rounded_down((1.0 - EASE) * report.value?, 2));
-            Some((instead("a coherence of", &change, params.coherence.to_string()), change))
-        }
         Test::MaxFeatures => {
             let change = ParamChange::new(doc::MAX_FEATURES, report.value? as u64);
             Some((instead("max features", &change, params.max_features.to_string()), change))

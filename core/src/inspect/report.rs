@@ -21,8 +21,6 @@ pub fn test_name(test: Test) -> &'static str {
         Test::Edge => "no edge, curvature ratio",
         Test::Outside => "inside, samples from the end",
         Test::Duplicate => "distinct, σ from another",
-        Test::SideLobe => "no side lobe, |D|",
-        Test::Coherence => "coherence of the frames",
         Test::MaxFeatures => "among the strongest",
     }
 }
@@ -54,17 +52,9 @@ pub fn test_sentence(report: &TestReport) -> String {
     };
     match report.test {
         Test::MaxFeatures if not_asked => "the number of features is not limited".to_owned(),
-        Test::Duplicate | Test::Coherence if not_asked && report.limit.is_some() => {
+        Test::Duplicate if not_asked && report.limit.is_some() => {
             "not tested: weaker than the strongest that are kept".to_owned()
         }
-        Test::SideLobe if not_asked => "side lobes are kept".to_owned(),
-        Test::SideLobe if report.value.is_none() => "unknown, because it became no keypoint".to_owned(),
-        Test::SideLobe => format!("|D| is {has}, stronger ones around explain {needs}{by}"),
-        Test::Coherence if not_asked && report.value.is_some() => format!("coherence {has}; none is required"),
-        Test::Coherence if not_asked => "no coherence is required".to_owned(),
-        Test::Coherence if report.outcome == Outcome::Unknown => "unknown, because it became no keypoint".to_owned(),
-        Test::Coherence if report.value.is_none() => "single frames are too noisy to tell".to_owned(),
-        Test::Coherence => format!("coherence {has}, {needs} is required{by}"),
         Test::MaxFeatures if report.value.is_none() => "it became no keypoint".to_owned(),
         Test::MaxFeatures => format!("number {has} by strength; {needs} are kept"),
         _ if report.outcome == Outcome::Unknown => "unknown, because the fit did not settle".to_owned(),

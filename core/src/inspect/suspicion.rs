@@ -87,8 +87,7 @@ pub fn suspicions(
     for suspicion in &mut found {
         suspicion.change = match suspicion.kind {
             Kind::Duplicate => suspicion.other.and_then(|other| wider_distinct(trail, index, other)),
-            Kind::Ghost => evenness.coherence.and_then(|coherence| higher_coherence(trail, coherence)),
-            Kind::AtLimit | Kind::Alias => None,
+            Kind::Ghost | Kind::AtLimit | Kind::Alias => None,
         };
     }
     found.extend(at_limit(trail, fate, &trail.detection().features[index]));
@@ -133,13 +132,6 @@ fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChan
         () if by_ratio() => Some(ParamChange::new(doc::DISTINCT_SCALE, ratio)),
         () => None,
     }
-}
-
-/// The change after which a feature of this coherence is rejected: the next tenth above it.
-fn higher_coherence(trail: &Trail, coherence: f32) -> Option<ParamChange> {
-    let min = (10.0 * coherence).floor() + 1.0;
-    (min <= 10.0 && 0.1 * min > trail.params().used_coherence())
-        .then(|| ParamChange::new(doc::COHERENCE, rounded_up(0.1 * f64::from(min) - 1e-6, 2)))
 }
 
 /// Distance, in input pixels, of the paths of two features in each frame that took part.

@@ -12,7 +12,6 @@ use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::extrema::scale_ease;
 use crate::detector::search::{ascends, first_gate_part};
 use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, SlopeExtrema, SlopeNeighbours, Test, Trail};
-use crate::monitor::Monitor;
 
 /// The fate of a judged sample; `around` holds it.
 pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &Judgement) -> Fate {
@@ -20,7 +19,7 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
     let keypoint = judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample));
     let tests = telling.tests(keypoint);
     // Rejections of the search come before decisions over the whole list of keypoints.
-    let later = [Test::Duplicate, Test::SideLobe, Test::Coherence, Test::MaxFeatures].into_iter();
+    let later = [Test::Duplicate, Test::MaxFeatures].into_iter();
     let first_failed = judgement
         .rejected_by
         .or_else(|| later.into_iter().find(|test| tests[*test as usize].outcome == Outcome::Fails));
@@ -105,8 +104,6 @@ impl Telling<'_> {
             Test::SlopeExtremum => self.slopes(),
             Test::Refinement | Test::InterpolatedContrast | Test::Edge | Test::Outside => self.fitted(test),
             Test::Duplicate => self.duplicate(keypoint),
-            Test::SideLobe => self.side_lobe(keypoint),
-            Test::Coherence => self.coherence(keypoint),
             Test::MaxFeatures => self.cut_off(keypoint),
         }
     }
@@ -200,7 +197,7 @@ impl Telling<'_> {
         let (params, index) = (self.trail.params(), self.sample.level_index());
         let (grid, sign) = (params.used_slopes(), self.judgement.value.signum());
         let joint = params.used_extrema() == SlopeExtrema::Joint;
-        let all = !joint || params.slope_neighbours == SlopeNeighbours::All;
+        let all = !joint || params.rules.slope_neighbours == SlopeNeighbours::All;
         let (i, j) = grid.coordinates(slope_index);
         let compared = |&other: &usize| {
             let (ii, jj) = grid.coordinates(other);
@@ -301,57 +298,6 @@ impl Telling<'_> {
         let (u, v, sigma) = keypoint.in_image();
         let feature = self.trail.ranks_of(index).find(|rank| *rank < count(self.trail));
         Rival { pos_image: [u, v], sigma, slope: keypoint.slope, value: keypoint.value, feature }
-    }
-
-    /// Report of the test of side lobes, which keypoints come to that stayed on their blob.
-    fn side_lobe(&self, keypoint: Option<usize>) -> TestReport {
-        let asked = self.trail.params().side_lobes > 0.0 && !self.is_cut(keypoint);
-        let limit = keypoint.filter(|_| asked).and_then(|keypoint| self.trail.side_lobe_limit(keypoint));
-        let value = keypoint.zip(limit).map(|(keypoint, _)| self.trail.keypoints()[keypoint].value.abs());
-        TestReport {
-            test: Test::SideLobe,
-            outcome: match value.zip(limit) {
-                _ if !asked => Outcome::NotAsked,
-                None => Outcome::Unknown,
-                Some((value, limit)) => outcome(value >= limit),
-            },
-            value: value.map(f64::from),
-            limit: limit.map(f64::from),
-            side: Side::AtLeast,
-            unit: "of full scale",
-            rival: None,
-        }
-    }
-
-    /// Report of the test of coherence, which only keypoints that stayed come to: they alone have a refined place and
-    /// slope.
-    fn coherence(&self, keypoint: Option<usize>) -> TestReport {
-        let min = self.trail.params().used_coherence();
-        let stays = |keypoint: usize| {
-            let trail = self.trail;
-            !trail.is_cut(keypoint) && trail.covered_by(keypoint).is_none() && !trail.is_side_lobe(keypoint)
-        };
-        let stayed = keypoint.filter(|keypoint| stays(*keypoint));
-        let rejected = stayed.and_then(|keypoint| self.trail.incoherent(keypoint));
-        let of_feature = || {
-            let rank = self.trail.ranks_of(stayed?).next()?;
-            let feature = self.trail.detection().features.get(rank)?;
-            let evenness = self.trail.evenness_of(std::slice::from_ref(feature), &Monitor::default());
-            evenness.expect("nobody cancels it")[0].coherence
-        };
-        TestReport {
-            test: Test::Coherence,
-            outcome: match () {
-                () if min <= 0.0 || self.is_cut(keypoint) => Outcome::NotAsked,
-                () if stayed.is_none() => Outcome::Unknown,
-                () => outcome(rejected.is_none()),
-            },
-            value: rejected.or_else(of_feature).map(f64::from),
-            limit: (min > 0.0).then_some(f64::from(min)),
-            side: Side::AtLeast,
-            unit: doc::COHERENCE.unit,
-            rival: None,
-        }
     }
 
     /// Whether it is a keypoint that is cut before it is compared with others.

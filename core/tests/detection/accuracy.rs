@@ -4,7 +4,7 @@
 //! True slopes are drawn from a continuum and the grid has steps of 0.5 px/frame, so accuracy finer than the step comes
 //! from the refinement. Discs reach half a pixel per frame beyond the grid; those must be marked.
 
-use burstscope_core::detector::{Localisation, Method};
+use burstscope_core::detector::{Localisation, Method, Rules};
 use burstscope_core::evaluate::accuracy::{AccuracyReport, AccuracyStudy};
 use burstscope_core::evaluate::statistics::Errors;
 use burstscope_core::synth::{ChartParams, Motion, synth_chart};
@@ -190,7 +190,8 @@ fn blobs_on_the_border_are_described_wherever_they_are_placed() {
     let frame = Plane::from_fn(160, 120, |u, v| (0.2 + 0.5 * disc(u as f64, v as f64)) as f32);
     let burst = Burst::from_planes("border", vec![frame]);
     for localisation in [Localisation::Continuous, Localisation::Quadratic] {
-        let params = DetectorParams { method: Method::Sift, localisation, ..DetectorParams::default() };
+        let rules = Rules { localisation, ..Rules::default() };
+        let params = DetectorParams { method: Method::Sift, rules, ..DetectorParams::default() };
         let features = found(&burst, &params);
         // Beyond the border the filter sees the border's own value; a position may be slightly outside.
         let outside = |f: &&Feature| !(-0.5..=159.5).contains(&f.u) || !(-0.5..=119.5).contains(&f.v);

@@ -6,7 +6,7 @@
 
 use burstscope_core::detector::view::{dog_view, stack_view};
 use burstscope_core::detector::{
-    DetectError, Distinct, Interpolation, Method, NoiseGate, NoiseModelKind, Slope, SlopeExtrema, SlopeNeighbours,
+    DetectError, Distinct, Method, NoiseGate, NoiseModelKind, Rules, Slope, SlopeExtrema, SlopeNeighbours,
 };
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{SceneParams, synth_scene};
@@ -210,7 +210,10 @@ fn any_number_of_threads_gives_the_same_bits() {
         plane_grid(),
         DetectorParams { first_octave: -1, max_orientations: 4, ..plane_grid() },
         joint(plane_grid()),
-        DetectorParams { slope_neighbours: SlopeNeighbours::All, ..joint(plane_grid()) },
+        DetectorParams {
+            rules: Rules { slope_neighbours: SlopeNeighbours::All, ..Rules::default() },
+            ..joint(plane_grid())
+        },
     ] {
         let with = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
@@ -265,7 +268,7 @@ fn one_frame_is_sift() {
 fn stacking_and_filtering_commute() {
     // Away from borders the DoG of the stack is the stack of the frames' DoGs.
     let burst = two_slopes(5, 5);
-    let params = DetectorParams { interpolation: Interpolation::Linear, ..plane_grid() };
+    let params = plane_grid();
     let slope = Slope::new(0.7, -0.4);
     let monitor = Monitor::default();
     let stacked_first = dog_view(&burst, &params, slope, 0, 1, &monitor).expect("valid");

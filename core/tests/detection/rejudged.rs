@@ -1,10 +1,9 @@
-//! Judgement of what a search left: after a change of thresholds, of the rule for distinct keypoints, of side lobes, of
-//! coherence or of the number of features it gives the bits of a new search.
+//! Judgement of what a search left: after a change of thresholds, of the rule for distinct keypoints or of the number
+//! of features it gives the bits of a new search.
 
 use burstscope_core::detector::params::SearchParams;
 use burstscope_core::detector::{
-    DetectorParams, Distinct, Localisation, NoiseGate, NoiseModelKind, SlopeChoice, SlopeExtrema, SlopeGrid, Test,
-    Trail,
+    DetectorParams, Distinct, NoiseGate, NoiseModelKind, Rules, SlopeChoice, SlopeExtrema, SlopeGrid, Test, Trail,
 };
 use burstscope_core::inspect::ProbeCache;
 use burstscope_core::synth::{SceneParams, synth_scene};
@@ -51,9 +50,6 @@ fn assert_same(judged: &Trail, burst: &Burst, params: &DetectorParams) {
     for index in 0..new.keypoints().len() {
         assert_eq!(judged.is_cut(index), new.is_cut(index));
         assert_eq!(judged.covered_by(index), new.covered_by(index));
-        assert_eq!(judged.side_lobe_limit(index), new.side_lobe_limit(index));
-        assert_eq!(judged.is_side_lobe(index), new.is_side_lobe(index));
-        assert_eq!(judged.incoherent(index), new.incoherent(index));
         let keypoint = &new.keypoints()[index];
         let at =
             |trail: &Trail| trail.keypoint_at(keypoint.octave, keypoint.level, keypoint.slope_index, keypoint.sample);
@@ -65,7 +61,7 @@ fn assert_same(judged: &Trail, burst: &Burst, params: &DetectorParams) {
     // Keypoints are counted as a new search counts them, samples that are none as the earlier one did.
     assert_eq!((found.tally.samples, found.tally.kept), (expected.tally.samples, expected.tally.kept));
     assert_eq!(found.tally.samples, found.tally.rejected.iter().sum::<u64>() + found.tally.kept);
-    for test in [Test::Duplicate, Test::SideLobe, Test::Coherence, Test::MaxFeatures] {
+    for test in [Test::Duplicate, Test::MaxFeatures] {
         assert_eq!(found.tally.rejected_by(test), expected.tally.rejected_by(test), "{test:?}");
     }
 }
@@ -78,8 +74,6 @@ struct Change {
     edge: f32,
     distinct: Option<f32>,
     distinct_scale: f32,
-    side_lobes: f32,
-    coherence: f32,
     max_features: usize,
 }
 
@@ -91,8 +85,6 @@ impl Change {
             edge_threshold: self.edge,
             distinct: self.distinct.map_or(Distinct::Off, Distinct::Radius),
             distinct_scale: self.distinct_scale,
-            side_lobes: self.side_lobes,
-            coherence: self.coherence,
             max_features: self.max_features,
             ..params.clone()
         }
@@ -106,18 +98,14 @@ fn changes() -> impl Strategy<Value = Change> {
         1.5f32..20.0,
         prop_oneof![Just(None), (0.3f32..3.0).prop_map(Some)],
         1.05f32..3.0,
-        prop_oneof![Just(0.0f32), 0.1f32..1.0],
-        prop_oneof![Just(0.0f32), 0.2f32..0.9],
         prop_oneof![Just(0usize), 1usize..30, 30usize..300],
     )
-        .prop_map(|(gate, peak, edge, distinct, distinct_scale, side_lobes, coherence, max_features)| Change {
+        .prop_map(|(gate, peak, edge, distinct, distinct_scale, max_features)| Change {
             gate,
             peak,
             edge,
             distinct,
             distinct_scale,
-            side_lobes,
-            coherence,
             max_features,
         })
 }
@@ -142,7 +130,7 @@ proptest! {
         let params = DetectorParams {
             slopes: grid,
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
-            localisation: if continuous { Localisation::Continuous } else { Localisation::Quadratic },
+            rules: if continuous { Rules::BURSTSCOPE } else { Rules::VLFEAT },
             noise_model: if white { NoiseModelKind::White } else { NoiseModelKind::Local },
             noise_gate: NoiseGate::Factor(3.0),
             edge_threshold: 20.0,
@@ -217,6 +205,6 @@ fn a_cancelled_judgement_has_no_result() {
         searched(&burst, &DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() });
     let monitor = Monitor::default();
     monitor.cancel();
-    let changed = DetectorParams { distinct: Distinct::Radius(0.4), coherence: 0.1, ..first.params().clone() };
+    let changed = DetectorParams { distinct: Distinct::Radius(0.4), ..first.params().clone() };
     assert!(first.trail.rejudged(&changed, &monitor).is_err());
 }

@@ -201,8 +201,7 @@ pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.horizontal_wrapped(|ui| {
             ui.add(Label::new(text).wrap()).on_hover_text(advice.parameter.help());
             let change = ParamChange { parameter: advice.parameter, value: advice.value.clone() };
-            let price = model.price_of(Side::A, &change, None).text();
-            if !price.is_empty() {
+            if let Some(price) = model.price_text(Side::A, &change) {
                 ui.weak(format!("({price})"));
             }
             if model.features().is_empty() && model.workspace == Workspace::Inspect {

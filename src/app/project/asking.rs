@@ -11,13 +11,13 @@ use crate::requests::Urgency;
 impl Model {
     /// Requests of all parts to the engine, except those for panes' pictures and datasets' thumbnails.
     pub fn wants(&self) -> Vec<&dyn Want> {
-        let Self { slots, pair, compare, explained, coherence, probe, prices, datasets, trajectories, lab, .. } = self;
+        let Self { slots, pair, compare, explained, coherence, probe, datasets, trajectories, lab, .. } = self;
         let opening: [&dyn Want; 2] = slots.both().map(|slot| &slot.opening as _);
         let detecting: [&dyn Want; 2] = slots.both().map(|slot| &slot.detecting as _);
         let against: [&dyn Want; 2] = slots.both().map(|slot| &slot.against.wanted as _);
         let gold: [&dyn Want; 2] = compare.opening_gold.both().map(|gold| gold as _);
         let coherences: [&dyn Want; 2] = coherence.wanted.both().map(|wanted| wanted as _);
-        let others: [&dyn Want; 16] = [
+        let others: [&dyn Want; 15] = [
             &self.wanted_patch,
             &self.figures,
             &pair.matching,
@@ -29,7 +29,6 @@ impl Model {
             &explained.asked_candidates,
             &probe.wanted_trail,
             &probe.wanted_answer,
-            &prices.wanted,
             &datasets.wanted,
             &trajectories.reading,
             &lab.wanted,
@@ -61,7 +60,6 @@ impl Model {
                 let wanted = &self.coherence.wanted[side];
                 self.missing_coherence(side).is_none_or(|missing| wanted.has_failed(&missing))
             })
-            && self.missing_price().is_none()
             && self.missing_slopes().is_none_or(|missing| self.explained.asked_slopes.has_failed(&missing))
             && self.missing_candidates().is_none_or(|missing| self.explained.asked_candidates.has_failed(&missing))
     }
@@ -81,7 +79,6 @@ impl Model {
         self.take_compared();
         self.take_explanations();
         self.take_coherences();
-        self.take_prices();
         self.take_comparisons();
         self.take_losses();
         self.take_studies();
@@ -109,7 +106,6 @@ impl Model {
         self.ask_for_explanations(engine);
         self.ask_for_comparisons(engine);
         self.ask_for_coherences(engine);
-        self.ask_for_prices(engine);
         self.ask_for_losses(engine);
         self.ask_for_chart(engine);
     }

@@ -129,7 +129,7 @@ impl Ranges {
 }
 
 /// Features that are drawn over a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FeaturesShown {
     /// Those that move by the picture's slope. All, over a picture that belongs to no slope.
@@ -170,30 +170,6 @@ impl FeaturesShown {
             Self::All => Self::None,
             Self::None => Self::ThisSlope,
         }
-    }
-}
-
-impl<'de> Deserialize<'de> for FeaturesShown {
-    /// Reads a choice, or the switch of older sessions: features over the picture or none.
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        enum Word {
-            ThisSlope,
-            All,
-            None,
-        }
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Saved {
-            Before(bool),
-            Now(Word),
-        }
-        Ok(match Saved::deserialize(deserializer)? {
-            Saved::Before(false) | Saved::Now(Word::None) => Self::None,
-            Saved::Before(true) | Saved::Now(Word::All) => Self::All,
-            Saved::Now(Word::ThisSlope) => Self::ThisSlope,
-        })
     }
 }
 

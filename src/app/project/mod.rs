@@ -23,7 +23,6 @@ pub mod pair;
 pub mod panels;
 pub mod panes;
 mod pictures;
-pub mod prices;
 pub mod probe;
 pub mod set_up;
 pub mod side;
@@ -151,8 +150,6 @@ pub struct Model {
     pub explained: ExplainedState,
     /// Coherences of the features: how evenly the frames contribute to each.
     pub coherence: CoherenceState,
-    /// Prices of the changes on offer.
-    pub prices: prices::Prices,
     /// The place that is probed.
     pub probe: ProbeModel,
     /// Whether a lesson is open; everything here then belongs to it.

@@ -13,7 +13,7 @@ pub const MIN_WIDTH_WITH_LEFT: f32 = 1100.0;
 const MIN_WIDTH_WITH_BOTH: f32 = 900.0;
 
 /// Whether a panel is shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Visibility {
     /// Where there is room and something to show in it.
@@ -39,30 +39,6 @@ impl Visibility {
 impl From<bool> for Visibility {
     fn from(is_open: bool) -> Self {
         if is_open { Self::Open } else { Self::Closed }
-    }
-}
-
-impl<'de> Deserialize<'de> for Visibility {
-    /// Reads a choice. In settings of before every panel was open unless it was closed by hand.
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        enum Word {
-            Auto,
-            Open,
-            Closed,
-        }
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Saved {
-            Before(bool),
-            Now(Word),
-        }
-        Ok(match Saved::deserialize(deserializer)? {
-            Saved::Before(false) | Saved::Now(Word::Closed) => Self::Closed,
-            Saved::Before(true) | Saved::Now(Word::Auto) => Self::Auto,
-            Saved::Now(Word::Open) => Self::Open,
-        })
     }
 }
 

@@ -11,6 +11,7 @@ use crate::app::project::workspace::Workspace;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope, SlopeChoice, SlopeGrid};
 use crate::engine::{Engine, Wanted};
+use crate::inspect::price::time_factor;
 use crate::inspect::probe::Wanted as Subject;
 use crate::inspect::remedy::nearest_slope;
 use crate::requests::{
@@ -331,6 +332,24 @@ impl Model {
         self.probe.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != asked())
     }
 
+    /// Effect of a change that is offered for the burst of `side`, as a sentence without a full stop: its price, if the
+    /// answer of the probe has it, or the time that the search with it takes. `None` for a change that cannot be made.
+    pub fn price_text(&self, side: Side, change: &ParamChange) -> Option<String> {
+        let answer = self.probe.answer.as_ref().filter(|_| self.probe.side == side && !self.probe_is_stale());
+        let known = answer.and_then(|answer| answer.prices.iter().find(|(of, _)| of == change));
+        if let Some((_, price)) = known {
+            let sentence = price.sentence();
+            return Some(sentence[..1].to_uppercase() + &sentence[1..]);
+        }
+        let (found, burst) = (self.found_of(side)?, self.burst_of(side)?);
+        let changed = change.applied(&found.params).ok()?;
+        let secs = found.search_secs * time_factor(&found.searched, &changed, burst.burst.size());
+        Some(match secs {
+            ..1.0 => "Takes a new search, less than a second".to_owned(),
+            _ => format!("Takes a new search, about {secs:.0} s"),
+        })
+    }
+
     /// Applies a change that the answer proposes, as the parameter's row in the panel does; a message gives the change
     /// or the error.
     pub fn apply_change(&mut self, change: &ParamChange) {
@@ -383,6 +402,7 @@ impl Model {
 mod tests {
     use super::*;
     use crate::app::project::tests::Bench;
+    use crate::detector::NoiseGate;
     use crate::detector::params::doc;
     use crate::inspect::{ProbeOptions, probe};
     use crate::monitor::Monitor;
@@ -472,6 +492,37 @@ mod tests {
         assert_eq!(model.probe.answer.as_ref().expect("answered").probe.fates, expected.fates);
         bench.model.probe_feature(Side::A, 0);
         assert_eq!(bench.model.probe.near_sigma, None, "a feature has its own scale");
+    }
+
+    #[test]
+    fn the_price_of_a_change_is_what_it_gives_or_the_time_of_the_search_that_it_takes() {
+        let mut bench = Bench::with_two_charts();
+        bench.model.open_workspace(Workspace::Inspect);
+        bench.settle();
+        // The search left what a stricter gate rejects.
+        bench.model.params.noise_gate = NoiseGate::Factor(300.0);
+        bench.settle();
+        bench.model.ask_probe(Side::A, ProbeQuestion::Strongest);
+        bench.settle();
+        let answer = bench.model.probe.answer.clone().expect("answered");
+        let fate = answer.probe.subject_fate().expect("a candidate").clone();
+        assert!(!fate.is_kept(), "the gate rejects all");
+        let change = fate.remedy.as_ref().expect("it has one").change.clone();
+        let [(of, price)] = &answer.prices[..] else { panic!("not counted: {:?}", answer.prices) };
+        assert_eq!((of, price.now), (&change, bench.model.features().len()));
+        assert!(price.own.is_some_and(|(now, then)| now == 0 && then > 0), "{price:?}");
+        assert!(bench.model.price_text(Side::A, &change).is_some_and(|text| text.starts_with("Keeps this one, and ")));
+        bench.model.apply_change(&change);
+        bench.settle();
+        assert_eq!(bench.model.features().len(), price.then);
+        // Twice the slopes.
+        bench.model.slots.a.found.as_mut().expect("found").search_secs = 4.0;
+        let slopes = bench.model.found_of(Side::A).expect("found").params.slopes.u;
+        let twice = ParamChange::new(doc::SLOPES_U, slopes.with_more(0, slopes.count));
+        let text = bench.model.price_text(Side::A, &twice);
+        assert_eq!(text.as_deref(), Some("Takes a new search, about 8 s"));
+        let wrong = ParamChange::new(doc::LEVELS, -1);
+        assert_eq!(bench.model.price_text(Side::A, &wrong), None);
     }
 
     #[test]

@@ -300,6 +300,8 @@ pub struct FoundFeatures {
     pub params: DetectorParams,
     /// Parameters of the search that they were judged from: see [`Detected::searched`].
     pub searched: DetectorParams,
+    /// Time that that search took, seconds.
+    pub search_secs: f32,
     /// The search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
     /// The features, descriptors and the tally.
@@ -315,10 +317,10 @@ pub struct FoundFeatures {
 impl FoundFeatures {
     /// Combines the engine's answer for `burst`, after `elapsed`, with advice.
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
-        let Detected { asked, params, searched, finding, detection, .. } = detected;
+        let Detected { asked, params, searched, search_secs, finding, detection, .. } = detected;
         let advice = explain(&detection, &params, burst.burst.size());
         let judgement = judgement(&detection, &params, finding.as_ref(), burst.burst.len());
-        Self { asked, params, searched, finding, detection, elapsed, advice, judgement }
+        Self { asked, params, searched, search_secs, finding, detection, elapsed, advice, judgement }
     }
 }
 

@@ -101,7 +101,8 @@ pub(crate) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec
     };
     let asked = params.clone().into();
     let (params, searched) = (params.clone(), params.clone());
-    Detected { burst: burst.id, asked, params, searched, finding: None, detection: Arc::new(detection) }
+    let (search_secs, detection) = (0.1, Arc::new(detection));
+    Detected { burst: burst.id, asked, params, searched, search_secs, finding: None, detection }
 }
 
 fn with_features() -> Model {

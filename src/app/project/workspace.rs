@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 pub enum Workspace {
     /// One burst, its pictures and features.
     #[default]
-    #[serde(alias = "burst")]
     Inspect,
     /// Two bursts side by side, and the matches between them.
     Pair,

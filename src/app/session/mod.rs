@@ -30,15 +30,13 @@ use crate::inspect::recover::RecoverStudy;
 use crate::inspect::set_up::SetUp;
 use crate::matching::params::doc;
 use crate::requests::BurstSource;
-use saved::{
-    MethodsBefore, absolute, absolute_calibration, gold_source, saved_against, saved_dataset, saved_trajectories,
-};
+use saved::{absolute, absolute_calibration, gold_source, saved_against, saved_dataset, saved_trajectories};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 use std::path::Path;
 
-/// The version that this program writes; it reads this and older ones.
+/// The version that this program writes and reads.
 const VERSION: u32 = 3;
 
 /// Contents of a session file. A missing field has its default.
@@ -64,7 +62,7 @@ pub struct Session {
     /// Whether features were found, and are to be found again.
     #[serde(default)]
     pub detected: bool,
-    /// The detector's parameters, and how the slopes are chosen; in older files they are given.
+    /// The detector's parameters, and how the slopes are chosen.
     #[serde(default)]
     pub params: SearchParams,
     /// Cursor of A's own pane.
@@ -73,18 +71,15 @@ pub struct Session {
     /// Pan and zoom of that pane.
     #[serde(default)]
     pub view: View,
-    /// The panes of *Inspect*, since version 2.
+    /// The panes of *Inspect*.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub panes: Option<SavedPanes>,
-    /// The panes of *Two bursts*, since version 3.
+    /// The panes of *Two bursts*.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pair_panes: Option<SavedPanes>,
-    /// The panes of *Methods*, since version 3.
+    /// The panes of *Methods*.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub methods_panes: Option<SavedPanes>,
-    /// Arrangement of the methods in sessions before version 3.
-    #[serde(skip)]
-    methods_before: Option<MethodsBefore>,
     /// Ranges, maps and overlay.
     #[serde(default)]
     pub look: Look,
@@ -110,7 +105,7 @@ pub struct Session {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trajectories: Option<SavedTrajectories>,
     /// The workspace that was open.
-    #[serde(default, alias = "room")]
+    #[serde(default)]
     pub workspace: Workspace,
     /// The second burst and the matches.
     #[serde(default)]
@@ -145,7 +140,6 @@ impl Session {
             panes,
             pair_panes,
             methods_panes,
-            methods_before: None,
             look: model.look.clone(),
             filter: model.filter,
             order: model.order,
@@ -203,29 +197,28 @@ impl Session {
     /// Reads a session file's text.
     ///
     /// # Errors
-    /// When the text is no session file (with the TOML reader's message and place), has keys that no session of this
-    /// version has, or is of a newer version.
+    /// When the text is no session file (with the TOML reader's message and place), has unknown keys, or is of another
+    /// version.
     pub fn from_toml(text: &str) -> Result<Self, String> {
-        // The version is checked first: the other contents of a newer file are unknown here.
+        // The version is checked first: the other contents of another version are unknown here.
         #[derive(Deserialize)]
         struct Head {
             version: u32,
         }
         if let Ok(Head { version }) = toml::from_str(text)
-            && version > VERSION
+            && version != VERSION
         {
+            let which = if version > VERSION { "a newer Burstscope" } else { "the Burstscope that wrote it" };
             return Err(format!(
-                "the session file has version {version}, this program reads up to {VERSION}; open it with a newer Burstscope"
+                "the session file has version {version}, this program reads {VERSION}; open it with {which}"
             ));
         }
         let (mut session, unknown) =
             read_noting_unknown_keys::<Self>(text).map_err(|error| format!("this is not a session file: {error}"))?;
-        // Keys of older versions may have been removed since; in a file of this version an unknown key is a mistake.
-        if session.version == VERSION && !unknown.is_empty() {
+        if !unknown.is_empty() {
             return Err(format!("the session file has unknown keys: {}; remove or correct them", unknown.join(", ")));
         }
         session.check().map_err(|error| format!("the session file cannot be used: {error}"))?;
-        session.methods_before = (session.version < 3).then(|| MethodsBefore::from_toml(text));
         session.look.ranges = session.look.ranges.sanitised();
         if let Some(look) = &mut session.pair.look {
             look.ranges = look.ranges.sanitised();
@@ -278,9 +271,6 @@ impl Session {
         }
         self.workspaces().apply(&mut model.panes);
         model.reselect = self.selection;
-        if let Some(before) = &self.methods_before {
-            before.apply(model, self.pair.burst.is_some());
-        }
         model.keep_methods_arranged();
         model.restore_probe(Side::A, self.probe);
         model.restore_against(Side::A, self.against.clone());
@@ -359,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn with_what_features_were_compared_comes_back_and_older_sessions_have_none() {
+    fn with_what_features_were_compared_comes_back() {
         let model = model();
         let mut session = Session::of(&model).expect("a burst is open");
         assert!(session.against.is_none() && !session.to_toml().contains("[against"));
@@ -380,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_probed_and_compared_in_b_comes_back_with_b_and_older_sessions_have_nothing() {
+    fn what_is_probed_and_compared_in_b_comes_back_with_b() {
         let mut model = model();
         let second = || {
             let burst = Burst::from_planes("second", vec![Plane::zeros(80, 48), Plane::zeros(80, 48)]);
@@ -404,7 +394,7 @@ mod tests {
         let file = restored.slots.b.against.file.as_ref().expect("it was opened").path.clone();
         assert!(file.is_absolute() && file.ends_with("theirs.csv"));
         assert_eq!(Session::of(&restored).expect("a burst is open").pair, session.pair);
-        // A session of before says nothing of B's probe, and takes it away.
+        // The session of before says nothing of B's probe, and takes it away.
         before.pair.apply(&mut restored);
         assert!(!restored.probe.is_on() && restored.saved_against(Side::B).is_none());
     }
@@ -416,15 +406,22 @@ mod tests {
 
     #[test]
     fn what_is_not_a_session_is_said() {
-        for text in ["", "hello", "version = 1", "peak_threshold = 0.1", "version = 99\nburst = \"demo\""] {
+        for text in [
+            "",
+            "hello",
+            "version = 3",
+            "version = 2\nburst = \"demo\"",
+            "peak_threshold = 0.1",
+            "version = 99\nburst = \"demo\"",
+        ] {
             let error = Session::from_toml(text).expect_err(text);
             assert!(error.contains("session"), "{error}");
         }
-        assert!(Session::from_toml("version = 1\nburst = \"demo\"").is_ok());
+        assert!(Session::from_toml("version = 3\nburst = \"demo\"").is_ok());
     }
 
     #[test]
-    fn unknown_keys_are_named_wherever_they_are_and_older_files_may_have_them() {
+    fn unknown_keys_are_named_wherever_they_are() {
         let text = Session::of(&model()).expect("a burst is open").to_toml();
         let tables: Vec<&str> = text.lines().filter(|line| line.starts_with('[')).collect();
         assert!(tables.len() > 20, "{tables:?}");
@@ -436,15 +433,17 @@ mod tests {
             let of_one_kind = error.contains("wanted exactly 1 element");
             assert!(error.contains("misspelt") || (of_one_kind && error.contains(table)), "{table}: {error}");
             of_one_kinds += usize::from(of_one_kind);
-            let newer = misspelt.replacen("version = 3", "version = 4", 1);
-            let error = Session::from_toml(&newer).expect_err(table);
-            assert!(error.contains("version 4") && error.contains("newer"), "{table}: {error}");
+            for (version, which) in [("version 4", "a newer Burstscope"), ("version 2", "the Burstscope that wrote it")]
+            {
+                let other = misspelt.replacen("version = 3", &version.replace(' ', " = "), 1);
+                let error = Session::from_toml(&other).expect_err(table);
+                assert!(error.contains(version) && error.ends_with(which), "{table}: {error}");
+            }
         }
         assert!(of_one_kinds < 10, "{of_one_kinds}");
         let misspelt = text.replacen("[pair.links]", "[pair.links]\nmisspelt = 1", 1);
         let error = Session::from_toml(&misspelt).expect_err("unknown");
         assert!(error.contains("pair.links.misspelt"), "{error}");
-        assert!(Session::from_toml(&misspelt.replacen("version = 3", "version = 2", 1)).is_ok());
         // Within a value of an enum.
         let inner = "version = 3\nburst = { dark_copy = { of = \"demo\", noise = 0.1, seed = 3 } }";
         let error = Session::from_toml(inner).expect_err("unknown");

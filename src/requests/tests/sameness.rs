@@ -2,7 +2,7 @@
 
 use super::{detected, empty, open, params, source};
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, FrameRange, Interpolation, Method, NoiseGate, Slope};
+use crate::detector::{DetectorParams, FrameRange, Method, NoiseGate, Rules, Slope};
 use crate::inspect::candidates::SurveyOptions;
 use crate::inspect::probe::Wanted;
 use crate::matching::MatchParams;
@@ -42,11 +42,7 @@ fn a_picture_is_decided_by_the_parameters_that_it_is_made_with_and_by_no_others(
             [false, false, false, false, true, true, true],
         ),
         ("levels", DetectorParams { levels: 3, ..params() }, [false, false, true, false, true, true, true]),
-        (
-            "interpolation",
-            DetectorParams { interpolation: Interpolation::Nearest, ..params() },
-            [false, true, true, false, true, true, true],
-        ),
+        ("rules", DetectorParams { rules: Rules::LIFF, ..params() }, [false, true, true, false, true, true, true]),
         (
             "frames",
             DetectorParams { frames: Some(FrameRange { start: 0, end: 2 }), ..params() },

@@ -77,7 +77,7 @@ fn counts() -> Vec<Count> {
             sources.iter().flat_map(late_subjects).collect(),
         ),
         Count::of("files above 600 lines", 0, which(&sources, |source| lines(source) > 600)),
-        Count { bound: Some(500), ..Count::told("source files", sources.len()) },
+        Count { bound: Some(495), ..Count::told("source files", sources.len()) },
         Count::told("source files under 80 lines", which(&sources, |source| lines(source) < 80).len()),
         Count::told("lines of source, tests beside the code included", sources.iter().map(lines).sum()),
     ]

@@ -112,7 +112,8 @@ impl Describing<'_> {
         let off = Slope::new(keypoint.slope.u - grid.u, keypoint.slope.v - grid.v);
         let outermost_px = off.magnitude() * 0.5 * (self.offsets[keypoint.slope_index].len() as f32 - 1.0);
         let sigma_px = keypoint.sigma_octave * octave_pixel(self.octave);
-        misaligned(outermost_px, sigma_px).then(|| (frames, frames.offsets(keypoint.slope, self.params.interpolation)))
+        misaligned(outermost_px, sigma_px)
+            .then(|| (frames, frames.offsets(keypoint.slope, self.params.rules.interpolation)))
     }
 
     /// Appends the features of one keypoint, one for each of its orientations. `kernels` lead to the levels, `planes`

@@ -115,7 +115,7 @@ impl Neighbours for Around3x3<'_, '_> {
 
 /// Distance, in running slope indices, from a keypoint's slope to the farthest one that its localisation uses.
 pub(in crate::detector) fn slopes_around(params: &DetectorParams, grid: &SlopeGrid) -> usize {
-    match params.localisation {
+    match params.rules.localisation {
         Localisation::Quadratic => 0,
         Localisation::Continuous => grid.neighbour_distance(),
     }
@@ -125,7 +125,7 @@ impl Describing<'_> {
     /// The keypoint with refined place, slope and scale, or unchanged where the parameters ask for the quadratic fit
     /// alone or the refinement fails. `raw` holds the pixels around it.
     pub(super) fn located(&self, keypoint: &Keypoint, raw: &Patch, from: f64, scratch: &mut LocateScratch) -> Keypoint {
-        if self.params.localisation == Localisation::Quadratic {
+        if self.params.rules.localisation == Localisation::Quadratic {
             return *keypoint;
         }
         let sigma = f64::from(keypoint.sigma_octave);

@@ -40,15 +40,6 @@ pub(crate) use words;
 
 words!(Method, (Buff, "buff", "BuFF"), (Sift, "sift", "SIFT"), (Merge, "merge", "Merge + SIFT"));
 words!(SlopeExtrema, (Each, "each", "Each"), (Joint, "joint", "Joint"));
-words!(DescribeSlope, (Refined, "refined", "Refined"), (Grid, "grid", "Grid"));
-words!(SlopeNeighbours, (Adjacent, "adjacent", "Adjacent"), (All, "all", "All"));
-words!(
-    Interpolation,
-    (Linear, "linear", "Linear"),
-    (Nearest, "nearest", "Nearest"),
-    (Truncated, "truncated", "Truncated")
-);
-words!(Localisation, (Continuous, "continuous", "Continuous"), (Quadratic, "quadratic", "Quadratic"));
 words!(NoiseModelKind, (Local, "local", "Local"), (White, "white", "White"));
 words!(Flicker, (Auto, "auto", "Auto"), (Off, "off", "Off"));
 
@@ -85,8 +76,7 @@ pub enum SlopeExtrema {
 }
 
 /// Slope at which a feature's orientation and descriptor are computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DescribeSlope {
     /// The feature's own slope, between those of the grid.
     #[default]
@@ -162,8 +152,7 @@ enum NumberOrWord {
 }
 
 /// Slopes with which a candidate is compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SlopeNeighbours {
     /// The neighbouring slopes of the grid: 2 on a line (as LiFF does), 8 in a plane.
     #[default]
@@ -173,8 +162,7 @@ pub enum SlopeNeighbours {
 }
 
 /// Sampling of frames between pixels when they are shifted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Interpolation {
     /// Bilinear.
     #[default]
@@ -187,8 +175,7 @@ pub enum Interpolation {
 }
 
 /// Method for the place, scale and slope of an extremum between the samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Localisation {
     /// Compactly supported kernels on the pixels, continuous in place (see [`crate::detector::localise`]).
     #[default]

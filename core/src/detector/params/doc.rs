@@ -5,10 +5,7 @@
 
 use super::record::{Field, Param, ParamDoc, Stage, param};
 use super::slope_grid::SlopeGrid;
-use super::{
-    DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
-    SlopeExtrema, SlopeNeighbours,
-};
+use super::{Distinct, Flicker, FrameRange, Method, NoiseGate, NoiseModelKind, Rules, SlopeExtrema};
 use serde::{Deserialize, Serialize};
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
@@ -39,28 +36,16 @@ pub struct DetectorParams {
     pub edge_threshold: f32,
     /// See [`SLOPE_EXTREMA`].
     pub slope_extrema: SlopeExtrema,
-    /// See [`SLOPE_NEIGHBOURS`].
-    pub slope_neighbours: SlopeNeighbours,
     /// See [`DISTINCT`].
     pub distinct: Distinct,
     /// See [`DISTINCT_SCALE`].
     pub distinct_scale: f32,
-    /// See [`SIDE_LOBES`]; 0 tests none.
-    pub side_lobes: f32,
-    /// See [`COHERENCE`]; 0 tests none.
-    pub coherence: f32,
-    /// See [`INTERPOLATION`].
-    pub interpolation: Interpolation,
-    /// See [`KERNEL_CUT`].
-    pub kernel_cut: f32,
-    /// See [`LOCALISATION`].
-    pub localisation: Localisation,
+    /// See [`RULES`].
+    pub rules: Rules,
     /// See [`MAX_FEATURES`]; 0 keeps all.
     pub max_features: usize,
     /// See [`MAX_ORIENTATIONS`].
     pub max_orientations: usize,
-    /// See [`DESCRIBE_SLOPE`].
-    pub describe_slope: DescribeSlope,
     /// See [`DESCRIBE_SCALES`].
     pub describe_scales: u32,
     /// See [`SLOPES_U`], [`SLOPES_V`] and [`SLOPE_DIRECTION`].
@@ -84,17 +69,11 @@ impl Default for DetectorParams {
             flicker: Flicker::Auto,
             edge_threshold: 12.0,
             slope_extrema: SlopeExtrema::Each,
-            slope_neighbours: SlopeNeighbours::Adjacent,
             distinct: Distinct::default(),
             distinct_scale: 1.75,
-            side_lobes: 0.0,
-            coherence: 0.0,
-            interpolation: Interpolation::Linear,
-            kernel_cut: 4.0,
-            localisation: Localisation::Continuous,
+            rules: Rules::BURSTSCOPE,
             max_features: 0,
             max_orientations: 2,
-            describe_slope: DescribeSlope::Refined,
             // Two scales gave 1.15 to 1.5 times the inliers of one in the dark, a third one 1.0 to 1.1 times as many
             // again (docs/MEASUREMENTS.md).
             describe_scales: 2,
@@ -320,47 +299,6 @@ param!(
         .used_if(|p| p.method == Method::Buff)
 );
 param!(
-    SIDE_LOBES,
-    DetectorParams,
-    "side-lobes",
-    "Side lobes",
-    "",
-    "side-lobe",
-    "Removes keypoints that stronger ones around explain: those whose |D| is below this part of what these leave at their place, scale and slope, and twice the noise; 0 tests none.",
-    "On charts 0.5 removes nearly all keypoints that are no disc; in real scenes it costs right matches.",
-    Param::<DetectorParams>::new("PART", Stage::Description, |p| Field::F32(&mut p.side_lobes))
-        .within((Included(0.0), Included(4.0)), "give 0 to 4")
-        .dragged(0.005, 2)
-        .zero_is("off")
-);
-param!(
-    COHERENCE,
-    DetectorParams,
-    "coherence",
-    "Coherence",
-    "",
-    "coherence",
-    "Min coherence of a feature, 0 to 1: how alike its frames respond along its motion. Features whose frames are too noisy to tell pass; 0 tests none.",
-    "Raise it against ghosts of other motions, to which only some frames respond; 0.3 to 0.5 removes most of them.",
-    Param::<DetectorParams>::new("MIN", Stage::Description, |p| Field::F32(&mut p.coherence))
-        .within((Included(0.0), Included(1.0)), "give 0 to 1")
-        .dragged(0.005, 2)
-        .zero_is("off")
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
-    DESCRIBE_SLOPE,
-    DetectorParams,
-    "describe-slope",
-    "Describe slope",
-    "",
-    "descriptor",
-    "The slope at which orientation and descriptor are taken: refined, the feature's own, or grid, the nearest one that was searched.",
-    "Refined keeps features between two slopes of the grid sharp, so that they match; grid is what the published codes do.",
-    Param::<DetectorParams>::new("WHICH", Stage::Description, |p| Field::Word(&mut p.describe_slope))
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
     DESCRIBE_SCALES,
     DetectorParams,
     "describe-scales",
@@ -374,52 +312,15 @@ param!(
         .dragged(0.02, 0)
 );
 param!(
-    SLOPE_NEIGHBOURS,
+    RULES,
     DetectorParams,
-    "slope-neighbours",
-    "Slope neighbours",
+    "rules",
+    "Rules",
     "",
-    "joint-extremum",
-    "The slopes that a joint extremum must beat: adjacent ones of the grid, or all.",
-    "All keeps at most one slope per place and scale and needs more memory; adjacent lets two motions share a place.",
-    Param::<DetectorParams>::new("WHICH", Stage::Search, |p| Field::Word(&mut p.slope_neighbours))
-        .used_if(|p| p.method == Method::Buff && p.slope_extrema == SlopeExtrema::Joint)
-);
-param!(
-    INTERPOLATION,
-    DetectorParams,
-    "interpolation",
-    "Interpolation",
-    "",
-    "interpolation",
-    "How frames are sampled between pixels when they are shifted: linear, nearest or truncated.",
-    "Linear is the most accurate; nearest reproduces the authors' code, and truncated LiFF, which also counts what lies up to 1.5 px before the first column and row.",
-    Param::<DetectorParams>::new("HOW", Stage::Stack, |p| Field::Word(&mut p.interpolation))
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
-    KERNEL_CUT,
-    DetectorParams,
-    "kernel-cut",
-    "Kernel cut",
-    "σ",
-    "gaussian",
-    "Where the kernel of each blur from level to level ends, in its standard deviations.",
-    "4 is exact to a thousandth; what a level sums up ends at 4.5 of its own in any case. 2 reproduces the authors' code, which misses some sizes of blobs by it.",
-    Param::<DetectorParams>::new("N", Stage::Response, |p| Field::F32(&mut p.kernel_cut))
-        .within((Included(1.0), Included(8.0)), "give 1 to 8 standard deviations (4 is usual)")
-        .dragged(0.02, 2)
-);
-param!(
-    LOCALISATION,
-    DetectorParams,
-    "localisation",
-    "Localisation",
-    "",
-    "refinement",
-    "How the place, scale and slope between the samples are found: continuous or quadratic.",
-    "Continuous is several times as exact, and coarse octaves keep their features when the burst is cropped or moved by a pixel; quadratic reproduces VLFeat and LiFF.",
-    Param::<DetectorParams>::new("WORD", Stage::Search, |p| Field::Word(&mut p.localisation))
+    "rules",
+    "Details in which published codes differ: how frames are shifted between pixels, where kernels end, how places are found between samples, the slopes that a joint extremum must beat, and the slope of descriptors.",
+    "Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF and VLFeat, with its levels, thresholds and extrema set beside them.",
+    Param::<DetectorParams>::new("RULES", Stage::Stack, |p| Field::Word(&mut p.rules))
 );
 param!(
     MAX_FEATURES,
@@ -449,7 +350,7 @@ param!(
 );
 
 /// Records of all parameters, in the order in which they are shown.
-pub const ALL: [Param<DetectorParams>; 27] = [
+pub const ALL: [Param<DetectorParams>; 21] = [
     METHOD,
     SLOPES,
     SLOPES_U,
@@ -465,16 +366,10 @@ pub const ALL: [Param<DetectorParams>; 27] = [
     FLICKER,
     EDGE_THRESHOLD,
     SLOPE_EXTREMA,
-    SLOPE_NEIGHBOURS,
     DISTINCT,
     DISTINCT_SCALE,
-    SIDE_LOBES,
-    COHERENCE,
-    INTERPOLATION,
-    KERNEL_CUT,
-    LOCALISATION,
+    RULES,
     MAX_FEATURES,
     MAX_ORIENTATIONS,
-    DESCRIBE_SLOPE,
     DESCRIBE_SCALES,
 ];

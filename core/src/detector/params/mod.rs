@@ -8,6 +8,7 @@ mod change;
 mod choices;
 pub mod doc;
 mod record;
+mod rules;
 mod searched;
 pub mod slope_grid;
 mod validate;
@@ -21,6 +22,7 @@ pub use choices::{
 pub use doc::DetectorParams;
 pub(crate) use record::param;
 pub use record::{Bounds, Drag, Field, Param, ParamDoc, Stage, TextValue};
+pub use rules::Rules;
 pub use searched::{AUTO, SearchParams, SlopeChoice};
 pub use slope_grid::MAX_SLOPES;
 pub use validate::ParamError;
@@ -55,11 +57,6 @@ impl DetectorParams {
         if self.used_slopes().len() == 1 { SlopeExtrema::Each } else { self.slope_extrema }
     }
 
-    /// Min coherence that takes part: a single image has one frame, which agrees with itself.
-    pub fn used_coherence(&self) -> f32 {
-        if self.method == Method::Buff { self.coherence } else { 0.0 }
-    }
-
     /// These parameters with those of `other` that change neither a stack nor a sample of D, only the judgement of what
     /// a search left: see [`Trail::rejudged`](crate::detector::Trail::rejudged).
     pub fn judged_as(&self, other: &Self) -> Self {
@@ -69,8 +66,6 @@ impl DetectorParams {
             edge_threshold: other.edge_threshold,
             distinct: other.distinct,
             distinct_scale: other.distinct_scale,
-            side_lobes: other.side_lobes,
-            coherence: other.coherence,
             max_features: other.max_features,
             ..self.clone()
         }
@@ -133,7 +128,7 @@ mod tests {
     #[test]
     fn nonsense_is_named_with_its_remedy() {
         let good = DetectorParams::default;
-        let cases: [(DetectorParams, &str); 11] = [
+        let cases: [(DetectorParams, &str); 9] = [
             (DetectorParams { slopes: SlopeGrid::line(3.0..=-3.0, 7), ..good() }, "slopes-u"),
             (DetectorParams { slopes: SlopeGrid::line(0.0..=0.0, 2), ..good() }, "slopes-u"),
             (DetectorParams { slopes: SlopeGrid::plane(0.0..=1.0, 100, 0.0..=1.0, 100), ..good() }, "slopes-v"),
@@ -143,8 +138,6 @@ mod tests {
             (DetectorParams { peak_threshold: f32::NAN, ..good() }, "peak-threshold"),
             (DetectorParams { edge_threshold: 0.5, ..good() }, "edge-threshold"),
             (DetectorParams { noise_gate: NoiseGate::Factor(-1.0), ..good() }, "noise-gate"),
-            (DetectorParams { side_lobes: -0.1, ..good() }, "side-lobes"),
-            (DetectorParams { coherence: 1.5, ..good() }, "coherence"),
         ];
         for (params, name) in cases {
             assert_eq!(params.validate().expect_err(name).parameter, name);
@@ -169,7 +162,7 @@ mod tests {
         let error = DetectorParams::from_toml("nonsense = 1").expect_err("no such field");
         let (_, expected) = error.split_once("expected one of").expect("the names of the fields");
         let fields: Vec<&str> = expected.split('`').skip(1).step_by(2).collect();
-        assert!(fields.len() > 20 && fields.contains(&"frames"), "{error}");
+        assert!(fields.len() > 15 && fields.contains(&"frames"), "{error}");
         for field in fields.iter().filter(|field| **field != "slopes") {
             assert!(doc::ALL.iter().any(|d| d.name.replace('-', "_") == *field), "{field} has no record");
         }

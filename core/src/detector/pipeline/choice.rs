@@ -1,13 +1,10 @@
-//! Choice of features among keypoints: of the keypoints on one blob the strongest, of these no side lobes, of features
-//! only coherent ones, and of these the strongest.
+//! Choice of features among keypoints: of the keypoints on one blob the strongest, and of their features the strongest.
 //!
 //! Only what can be kept is computed. Where the number of features is limited, keypoints are taken from the strongest
-//! to the weakest, as many at a time as features are missing: each is compared with the others on its blob, localised,
-//! described and tested for its coherence, until there are enough features and the next keypoint is weaker than all of
-//! them. A feature has the strength of its keypoint, so the result is that of describing all keypoints and keeping the
-//! strongest features.
+//! to the weakest, as many at a time as features are missing: each is compared with the others on its blob, localised
+//! and described, until there are enough features and the next keypoint is weaker than all of them. A feature has the
+//! strength of its keypoint, so the result is that of describing all keypoints and keeping the strongest features.
 
-use crate::detector::coherence::Along;
 use crate::detector::describe::Described;
 use crate::detector::describe::patch::{FramesOfOctaves, Motions};
 use crate::detector::distinct::{Blob, Deciding, Rule};
@@ -15,7 +12,6 @@ use crate::detector::feature::{Feature, Keypoint, Tally, Test};
 use crate::detector::params::Distinct;
 use crate::detector::pipeline::left::{Known, Left};
 use crate::detector::search::setup::{Inputs, Search};
-use crate::detector::side_lobes;
 use crate::monitor::Cancelled;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -23,16 +19,12 @@ use std::sync::MutexGuard;
 use std::time::Instant;
 
 /// Fate of a keypoint in the choice.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// It has at least one feature in the result.
     Kept,
     /// The stronger keypoint with this index stands for its blob.
     CoveredBy(usize),
-    /// It is a side lobe of stronger keypoints.
-    SideLobe,
-    /// Its coherence, which is too low.
-    Incoherent(f32),
     /// Its features are not among the strongest that are kept; it may not have been compared with others.
     Cut,
 }
@@ -46,9 +38,6 @@ pub(super) struct Choice {
     pub(super) verdicts: Vec<Verdict>,
     /// Keypoints that are known to stay among those on their blobs.
     pub(super) distinct: Vec<usize>,
-    /// For each keypoint the |D| below which it is a side lobe, NaN for those that another stands for; empty where the
-    /// test is off.
-    pub(super) side_lobes: Vec<f32>,
     /// Time for the comparison of keypoints on one blob, seconds.
     pub(super) distinct_secs: f32,
 }
@@ -60,8 +49,6 @@ impl Choice {
             match verdict {
                 Verdict::Kept => tally.kept += 1,
                 Verdict::CoveredBy(_) => tally.reject(Test::Duplicate, 1),
-                Verdict::SideLobe => tally.reject(Test::SideLobe, 1),
-                Verdict::Incoherent(_) => tally.reject(Test::Coherence, 1),
                 Verdict::Cut => tally.reject(Test::MaxFeatures, 1),
             }
         }
@@ -93,10 +80,8 @@ impl Choosing<'_, '_> {
         let max = if max_features == 0 { usize::MAX } else { max_features };
         let keypoints = self.keypoints;
         let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, &self.search.space)).collect();
-        let started = Instant::now();
         let mut twins = self.rule().map(|rule| Deciding::new(&blobs, rule));
-        let side_lobes = self.side_lobes(twins.as_mut())?;
-        let mut distinct_secs = started.elapsed().as_secs_f32();
+        let mut distinct_secs = 0.0;
         let mut order: Vec<usize> = (0..keypoints.len()).collect();
         let strength = |index: &usize| keypoints[*index].strength();
         if max < keypoints.len() {
@@ -127,16 +112,13 @@ impl Choosing<'_, '_> {
                 for &index in next {
                     match twins.as_ref().and_then(|twins| twins.covered_by(index)) {
                         Some(by) => verdicts[index] = Verdict::CoveredBy(by),
-                        None if side_lobes.get(index).is_some_and(|limit| keypoints[index].value.abs() < *limit) => {
-                            verdicts[index] = Verdict::SideLobe;
-                        }
                         None => distinct.push(index),
                     }
                 }
             }
             // Where there are enough now, later turns are rare and short.
             let until = if left.is_empty() { 1.0 } else { done + 0.8 * (1.0 - done) };
-            self.append(&mut found, (distinct, &mut verdicts), done..until)?;
+            self.append(&mut found, distinct, done..until)?;
             done = until;
             found.par_sort_by(in_order);
             found.truncate(max);
@@ -148,7 +130,7 @@ impl Choosing<'_, '_> {
         }
         found.iter().for_each(|one| verdicts[one.keypoint] = Verdict::Kept);
         let distinct = twins.map(|twins| twins.stayed().collect()).unwrap_or_default();
-        Ok(Choice { found, verdicts, distinct, side_lobes, distinct_secs })
+        Ok(Choice { found, verdicts, distinct, distinct_secs })
     }
 
     fn rule(&self) -> Option<Rule> {
@@ -156,24 +138,6 @@ impl Choosing<'_, '_> {
             Distinct::Off => None,
             Distinct::Radius(radius) => Some(Rule { radius, scale_ratio: self.search.params.distinct_scale }),
         }
-    }
-
-    /// See [`Choice::side_lobes`]. All keypoints are compared for it, because any of them may be the stronger one.
-    fn side_lobes(&self, mut twins: Option<&mut Deciding<'_>>) -> Result<Vec<f32>, Cancelled> {
-        let part = self.search.params.side_lobes;
-        if part <= 0.0 {
-            return Ok(Vec::new());
-        }
-        let mut stay: Vec<usize> = (0..self.keypoints.len()).collect();
-        if let Some(twins) = &mut twins {
-            self.compare(twins, &stay)?;
-            stay.retain(|&index| twins.covered_by(index).is_none());
-        }
-        let staying: Vec<&Keypoint> = stay.iter().map(|&index| &self.keypoints[index]).collect();
-        let limits = side_lobes::limits(&staying, part, &self.search.times.from_middle(), self.search.monitor)?;
-        let mut of_all = vec![f32::NAN; self.keypoints.len()];
-        stay.into_iter().zip(limits).for_each(|(index, limit)| of_all[index] = limit);
-        Ok(of_all)
     }
 
     /// Decides which of the keypoints `asked` show the blob of a stronger one.
@@ -184,7 +148,7 @@ impl Choosing<'_, '_> {
             times: search.times,
             size_image: search.size_image,
             space: &search.space,
-            interpolation: search.params.interpolation,
+            interpolation: search.params.rules.interpolation,
         };
         let compare = |a: usize, b: usize| motions.are_two(&self.keypoints[a], &self.keypoints[b]);
         let are_two = |a: usize, b: usize| {
@@ -205,21 +169,14 @@ impl Choosing<'_, '_> {
         twins.decide(asked, are_two, search.monitor)
     }
 
-    /// Appends the features of the keypoints `chosen` that are coherent; the others' fates are written to `verdicts`.
-    /// `part` is the part of the progress that this takes.
-    fn append(
-        &self,
-        found: &mut Vec<Described>,
-        (mut chosen, verdicts): (Vec<usize>, &mut [Verdict]),
-        part: Range<f32>,
-    ) -> Result<(), Cancelled> {
+    /// Appends the features of the keypoints `chosen`. `part` is the part of the progress that this takes.
+    fn append(&self, found: &mut Vec<Described>, mut chosen: Vec<usize>, part: Range<f32>) -> Result<(), Cancelled> {
         let search = self.search;
         chosen.sort_unstable();
-        let mut new: Vec<Described> = Vec::new();
         chosen.retain(|&index| {
             let known = self.known(index);
             let described = known.as_ref().and_then(|known| known.described.as_deref());
-            new.extend(described.into_iter().flatten().map(|one| {
+            found.extend(described.into_iter().flatten().map(|one| {
                 let feature = Feature { snr: self.keypoints[index].snr, ..one.feature };
                 Described { feature, keypoint: index, ..one.clone() }
             }));
@@ -227,48 +184,17 @@ impl Choosing<'_, '_> {
         });
         let keypoints: Vec<Keypoint> = chosen.iter().map(|&index| self.keypoints[index]).collect();
         let (octaves, levels) = (self.inputs.octaves(), (self.left.bases.as_deref(), &self.left.groups[..]));
-        let first = new.len();
-        new.extend(search.describe(&octaves, &keypoints, levels, self.frames, part)?);
-        new[first..].iter_mut().for_each(|one| one.keypoint = chosen[one.keypoint]);
-        for same in new[first..].chunk_by(|a, b| a.keypoint == b.keypoint) {
+        let first = found.len();
+        found.extend(search.describe(&octaves, &keypoints, levels, self.frames, part)?);
+        found[first..].iter_mut().for_each(|one| one.keypoint = chosen[one.keypoint]);
+        for same in found[first..].chunk_by(|a, b| a.keypoint == b.keypoint) {
             if let Some(mut known) = self.known(same[0].keypoint) {
                 known.described = Some(same.into());
             }
         }
-        let min = search.params.used_coherence();
-        if min > 0.0 {
-            self.frames.make(self.keypoints.iter());
-            let along = Along { frames: self.frames, inputs: self.inputs, gate_factor: search.gate_factor };
-            for (index, coherence) in self.incoherent(&along, &new, min)? {
-                verdicts[index] = Verdict::Incoherent(coherence);
-            }
-        }
-        found.extend(new.into_iter().filter(|one| !matches!(verdicts[one.keypoint], Verdict::Incoherent(_))));
         Ok(())
     }
 
-    /// Keypoints of `found` whose coherence is known and below `min`, with their coherence. Features of one keypoint,
-    /// which follow one another, have the same.
-    fn incoherent(&self, along: &Along<'_, '_>, found: &[Described], min: f32) -> Result<Vec<(usize, f32)>, Cancelled> {
-        let of_keypoints: Vec<&Described> =
-            found.chunk_by(|a, b| a.keypoint == b.keypoint).map(|same| &same[0]).collect();
-        let low = |one: &&Described| {
-            let known = self.known(one.keypoint).and_then(|known| known.coherence);
-            let coherence = match known {
-                Some((gate, coherence)) if gate == along.gate_factor => coherence,
-                _ => along.evenness(&one.feature, self.search.monitor)?.coherence,
-            };
-            if let Some(mut known) = self.known(one.keypoint) {
-                known.coherence = Some((along.gate_factor, coherence));
-            }
-            Ok(coherence.filter(|coherence| *coherence < min).map(|coherence| (one.keypoint, coherence)))
-        };
-        let low: Vec<Option<(usize, f32)>> = of_keypoints.par_iter().map(low).collect::<Result<_, Cancelled>>()?;
-        Ok(low.into_iter().flatten().collect())
-    }
-}
-
-impl Choosing<'_, '_> {
     /// Number of keypoint `index` among those that the search left.
     fn number(&self, index: usize) -> usize {
         self.numbers.map_or(index, |numbers| numbers[index] as usize)

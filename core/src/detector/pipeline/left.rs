@@ -1,8 +1,8 @@
 //! All that a search leaves for later judgements: its keypoints with the values that its thresholds compared, and what
 //! was computed about single keypoints since.
 //!
-//! A change of a threshold, of the rule for distinct keypoints, of the coherence or of the number of features changes
-//! no stack and no sample of D. So its result follows from the keypoints of a search whose thresholds were not higher:
+//! A change of a threshold, of the rule for distinct keypoints or of the number of features changes no stack
+//! and no sample of D. So its result follows from the keypoints of a search whose thresholds were not higher:
 //! those that fail the new ones are left out, and the features are chosen again. Only keypoints that were never
 //! described or compared before cost time.
 
@@ -35,8 +35,6 @@ pub fn follows(params: &DetectorParams, searched: &DetectorParams) -> bool {
 pub(super) struct Known {
     /// Its features.
     pub(super) described: Option<Box<[Described]>>,
-    /// Its coherence (`None` where its frames are too noisy to tell), and the gate's factor with which it was computed.
-    pub(super) coherence: Option<(f32, Option<f32>)>,
     /// Whether it is at the limit of the slopes, and the snr with which that was decided.
     pub(super) at_limit: Option<(f32, bool)>,
     /// Numbers of stronger keypoints, the own snr at the comparison, and whether both stay.

@@ -142,8 +142,8 @@ fn chosen(
 
 impl Trail {
     /// Trail of a search of the same burst with `params`, without that search; `None` where it needs one. That is so
-    /// unless the parameters differ only in noise gate, peak threshold, edge threshold, the rule for distinct keypoints,
-    /// coherence and the number of features, and unless the first three are at least as strict as those of the search
+    /// unless the parameters differ only in noise gate, peak threshold, edge threshold, the rule for distinct keypoints
+    /// and the number of features, and unless the first three are at least as strict as those of the search
     /// that this trail goes back to.
     ///
     /// Keypoints, features and descriptors are those of the search to the bit. In the tally, samples that are no
@@ -165,7 +165,9 @@ impl Trail {
         let chosen = chosen(&search, &inputs, (&self.left, Some(&passing)), &frames, times)?;
         drop(frames);
         drop(planes);
-        Ok(Some(Self::new(inputs, self.left.clone(), Some(passing), chosen).ready()))
+        let mut judged = Self::new(inputs, self.left.clone(), Some(passing), chosen).ready();
+        judged.search_secs = self.search_secs;
+        Ok(Some(judged))
     }
 }
 
@@ -178,7 +180,7 @@ impl Search<'_> {
             times: self.times,
             size_image: self.size_image,
             space: &self.space,
-            interpolation: self.params.interpolation,
+            interpolation: self.params.rules.interpolation,
             monitor: self.monitor,
         }
     }
@@ -272,7 +274,7 @@ impl Search<'_> {
     fn describes_own_slopes(&self, octave: i32) -> bool {
         let step = [self.grid.u.step(), self.grid.v.step()].into_iter().fold(0.0, f32::max);
         let outermost_px = step * 0.5 * (self.times.frame_count as f32 - 1.0);
-        self.params.describe_slope == DescribeSlope::Refined
+        self.params.rules.describe_slope == DescribeSlope::Refined
             && describe::misaligned(outermost_px, self.space.sigma_image(octave, 0.0) as f32)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::detector::memory::estimate;
-use crate::detector::params::{Distinct, Localisation, Method, NoiseGate, SlopeExtrema, SlopeNeighbours};
+use crate::detector::params::{Distinct, Localisation, Method, NoiseGate, Rules, SlopeExtrema, SlopeNeighbours};
 use crate::detector::{Slope, SlopeGrid, Test};
 use crate::plane::tile::Region;
 use crate::synth::{SceneParams, synth_scene};
@@ -106,8 +106,11 @@ proptest! {
         let params = DetectorParams {
             slopes: grid,
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
-            slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
-            localisation: if continuous { Localisation::Continuous } else { Localisation::Quadratic },
+            rules: Rules {
+                slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
+                localisation: if continuous { Localisation::Continuous } else { Localisation::Quadratic },
+                ..Rules::default()
+            },
             distinct: if distinct { DetectorParams::default().distinct } else { Distinct::Off },
             first_octave,
             octaves: 3,
@@ -136,18 +139,15 @@ fn assert_cut_first_is_cut_afterwards(burst: &Burst, params: &DetectorParams, ma
         if cut.is_cut(index) {
             assert!(cut.rank_uncut(index) >= count);
             let fails = all.covered_by(index).map(|_| Test::Duplicate);
-            let fails = fails.or(all.is_side_lobe(index).then_some(Test::SideLobe));
-            assert_eq!(cut.fails_uncut(index), fails.or(all.incoherent(index).map(|_| Test::Coherence)));
+            assert_eq!(cut.fails_uncut(index), fails);
         } else {
             assert_eq!(cut.covered_by(index), all.covered_by(index));
-            assert_eq!(cut.is_side_lobe(index), all.is_side_lobe(index));
-            assert_eq!(cut.incoherent(index), all.incoherent(index));
         }
     }
     // The tally counts each sample once, and those that reach the choice as the search for all does.
     let (before, after) = (expected.tally, found.tally);
     assert_eq!(after.samples, after.rejected.iter().sum::<u64>() + after.kept);
-    let of_choice = [Test::Duplicate, Test::SideLobe, Test::Coherence, Test::MaxFeatures];
+    let of_choice = [Test::Duplicate, Test::MaxFeatures];
     for test in Test::ALL.into_iter().filter(|test| !of_choice.contains(test)) {
         assert_eq!(after.rejected_by(test), before.rejected_by(test));
     }
@@ -162,8 +162,6 @@ proptest! {
         grid in grids(),
         joint in any::<bool>(),
         distinct in prop_oneof![Just(None), (0.5f32..3.0).prop_map(Some)],
-        side_lobes in prop_oneof![Just(0.0f32), 0.1f32..0.6],
-        coherence in prop_oneof![Just(0.0f32), 0.3f32..0.9],
         max_orientations in 1usize..5,
         max_features in prop_oneof![Just(1usize), 2usize..40, 40usize..400],
         noiseless in any::<bool>(),
@@ -181,8 +179,6 @@ proptest! {
             slopes: grid,
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
             distinct: distinct.map_or(Distinct::Off, Distinct::Radius),
-            side_lobes,
-            coherence,
             max_orientations,
             noise_gate: NoiseGate::Factor(3.0),
             octaves: 3,
@@ -198,8 +194,8 @@ fn the_strongest_are_the_same_where_thousands_are_cut() {
     let burst = scene(5, (400, 300));
     let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
     let params = DetectorParams { slopes, noise_gate: NoiseGate::Factor(2.5), ..DetectorParams::default() };
-    for (max_features, coherence) in [(20, 0.0), (300, 0.0), (1000, 0.0), (60, 0.5)] {
-        assert_cut_first_is_cut_afterwards(&burst, &DetectorParams { coherence, ..params.clone() }, max_features);
+    for max_features in [20, 300, 1000] {
+        assert_cut_first_is_cut_afterwards(&burst, &params, max_features);
     }
 }
 
@@ -266,7 +262,7 @@ fn a_search_that_does_not_fit_is_refused_before_it_starts() {
     let params = DetectorParams {
         slopes: SlopeGrid::line(-1.0..=1.0, 5),
         slope_extrema: SlopeExtrema::Joint,
-        slope_neighbours: SlopeNeighbours::All,
+        rules: Rules::BUFF,
         ..DetectorParams::default()
     };
     // With several threads the plan would first reduce their number.
@@ -275,6 +271,6 @@ fn a_search_that_does_not_fit_is_refused_before_it_starts() {
         let whole = estimate(&params, burst.len(), burst.size());
         assert!(search_within(&burst, &params, Some(whole)).is_ok());
         let refused = search_within(&burst, &params, Some(whole - 1)).expect_err("a byte too much");
-        assert!(refused.to_string().contains("adjacent"), "{refused}");
+        assert!(refused.to_string().contains("other rules"), "{refused}");
     });
 }

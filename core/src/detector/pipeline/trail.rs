@@ -41,13 +41,11 @@ pub(super) struct Chosen {
     ranked: Vec<usize>,
     /// Keypoints that are known to stay among those on their blobs.
     distinct: Vec<usize>,
-    /// See [`Choice::side_lobes`].
-    side_lobes: Vec<f32>,
 }
 
 impl From<Choice> for Chosen {
-    fn from(Choice { found, verdicts, distinct, side_lobes, .. }: Choice) -> Self {
-        Self { verdicts, ranked: found.iter().map(|one| one.keypoint).collect(), distinct, side_lobes }
+    fn from(Choice { found, verdicts, distinct, .. }: Choice) -> Self {
+        Self { verdicts, ranked: found.iter().map(|one| one.keypoint).collect(), distinct }
     }
 }
 
@@ -69,6 +67,8 @@ pub struct Trail {
     /// σ_D at the place of least noise, by octave, DoG level index and slope.
     pub(super) sigma_d: SigmaD,
     pub(super) detection: Detection,
+    /// See [`Self::search_secs`].
+    pub(super) search_secs: f32,
 }
 
 impl Trail {
@@ -79,7 +79,8 @@ impl Trail {
         (choice, detection): (Choice, Detection),
     ) -> Self {
         let (by_sample, stayed, sigma_d, uncut) = (HashMap::new(), Vec::new(), Vec::new(), OnceLock::new());
-        Self { inputs, left, passing, chosen: choice.into(), uncut, by_sample, stayed, sigma_d, detection }
+        let (chosen, search_secs) = (choice.into(), detection.times.total_secs());
+        Self { inputs, left, passing, chosen, uncut, by_sample, stayed, sigma_d, detection, search_secs }
     }
 
     /// Adds the lookup tables that questions need.
@@ -133,6 +134,11 @@ impl Trail {
     /// Parameters of the detection.
     pub fn params(&self) -> &DetectorParams {
         &self.inputs.params
+    }
+
+    /// Time that the search took that this trail goes back to, with the description of its features, seconds.
+    pub fn search_secs(&self) -> f32 {
+        self.search_secs
     }
 
     /// Parameters of the search that this trail goes back to: those that other parameters must [follow](super::follows)
@@ -197,8 +203,6 @@ impl Trail {
         match self.uncut().verdicts[index] {
             Verdict::Kept | Verdict::Cut => None,
             Verdict::CoveredBy(_) => Some(Test::Duplicate),
-            Verdict::SideLobe => Some(Test::SideLobe),
-            Verdict::Incoherent(_) => Some(Test::Coherence),
         }
     }
 
@@ -255,7 +259,7 @@ impl Trail {
         let planes = self.inputs.planes();
         let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
         let Inputs { times, size_image, space, params, .. } = &self.inputs;
-        let interpolation = params.interpolation;
+        let interpolation = params.rules.interpolation;
         work(&Motions { frames: &frames, times, size_image: *size_image, space, interpolation })
     }
 
@@ -379,7 +383,7 @@ impl Trail {
     pub fn stack_part(&self, region: &Region, slope: Slope, chosen: &[usize]) -> Plane {
         let planes = self.inputs.planes();
         let frames = OctaveFrames::new(&planes, &self.inputs.times, 0, false);
-        let offsets = frames.offsets(slope, self.inputs.params.interpolation);
+        let offsets = frames.offsets(slope, self.inputs.params.rules.interpolation);
         let chosen_offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
         let chosen: Vec<&Plane> = chosen.iter().map(|&index| planes[index]).collect();
         let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
@@ -389,25 +393,6 @@ impl Trail {
         base.patch(self.inputs.size_image, columns, rows.clone(), &mut scratch, &mut patch);
         let values = rows.flat_map(|v| patch.row(v).iter().copied());
         Plane::from_vec(region.columns.len(), region.rows.len(), values.collect())
-    }
-
-    /// Whether keypoint `index` is a side lobe of stronger ones.
-    pub fn is_side_lobe(&self, index: usize) -> bool {
-        self.chosen.verdicts[index] == Verdict::SideLobe
-    }
-
-    /// The |D| below which keypoint `index` is a side lobe; `None` where the test is off, and for keypoints that another
-    /// one stands for.
-    pub fn side_lobe_limit(&self, index: usize) -> Option<f32> {
-        self.chosen.side_lobes.get(index).copied().filter(|limit| !limit.is_nan())
-    }
-
-    /// The coherence of a keypoint that the test of coherence rejects; `None` for others.
-    pub fn incoherent(&self, keypoint: usize) -> Option<f32> {
-        match self.chosen.verdicts[keypoint] {
-            Verdict::Incoherent(coherence) => Some(coherence),
-            _ => None,
-        }
     }
 
     /// Calls `work` with the source of responses along any motion.

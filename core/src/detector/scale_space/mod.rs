@@ -47,7 +47,7 @@ pub struct ScaleSpace {
 impl ScaleSpace {
     /// Scale space of a search with `params`.
     pub fn of(params: &DetectorParams) -> Self {
-        Self::new(params.levels as usize, params.first_octave, f64::from(params.kernel_cut))
+        Self::new(params.levels as usize, params.first_octave, f64::from(params.rules.kernel_cut))
     }
 
     /// Scale space of `levels` per octave from octave `first_octave` on, with kernels that end at `kernel_cut` standard

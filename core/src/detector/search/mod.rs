@@ -244,7 +244,7 @@ const FIRST_GATE_PART: f32 = 0.93;
 /// Part of the noise gate that samples of a search with `params` are compared with. With the quadratic fit alone, as in
 /// the published codes, it is the whole gate, and the refined value is not compared.
 pub fn first_gate_part(params: &DetectorParams) -> f32 {
-    match params.localisation {
+    match params.rules.localisation {
         Localisation::Quadratic => 1.0,
         Localisation::Continuous => FIRST_GATE_PART,
     }
@@ -252,7 +252,7 @@ pub fn first_gate_part(params: &DetectorParams) -> f32 {
 
 /// Whether a search with `params` refines the extrema of `octave` by ascents.
 pub fn ascends(params: &DetectorParams, octave: i32) -> bool {
-    octave != params.first_octave && params.localisation == Localisation::Continuous
+    octave != params.first_octave && params.rules.localisation == Localisation::Continuous
 }
 
 /// Data that the tiles of an octave share.

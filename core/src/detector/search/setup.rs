@@ -63,7 +63,7 @@ impl<'a> Search<'a> {
     pub(crate) fn new(inputs: &'a Inputs, frames: &'a [&'a Plane], monitor: &'a Monitor) -> Self {
         let Inputs { times, size_image, space, params, noise, .. } = inputs;
         let grid = params.used_slopes();
-        let offsets = |slope| times.of(frame_offsets(times.frame_count, slope, params.interpolation));
+        let offsets = |slope| times.of(frame_offsets(times.frame_count, slope, params.rules.interpolation));
         Self {
             frames,
             times,

@@ -48,8 +48,8 @@ pub(in crate::detector) enum OtherSlopes {
 impl OtherSlopes {
     /// Values that a search with `params` needs.
     pub(in crate::detector) fn of(params: &DetectorParams) -> Self {
-        match (params.used_extrema(), params.localisation) {
-            (SlopeExtrema::Joint, _) => Self::Beaten(params.slope_neighbours),
+        match (params.used_extrema(), params.rules.localisation) {
+            (SlopeExtrema::Joint, _) => Self::Beaten(params.rules.slope_neighbours),
             (SlopeExtrema::Each, Localisation::Quadratic) => Self::Seen,
             (SlopeExtrema::Each, Localisation::Continuous) => Self::Unseen,
         }

@@ -5,7 +5,7 @@ use super::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
 use burstscope_core::detector::scale_space::SIGMA_BASE;
 use burstscope_core::detector::stack::motion_stack;
-use burstscope_core::detector::{Detection, Interpolation, Localisation, Slope};
+use burstscope_core::detector::{Detection, Interpolation, Rules, Slope};
 use burstscope_core::plane::blur::{GaussianKernel, gaussian_blur};
 use burstscope_core::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array3, Array4, Axis};
@@ -152,11 +152,15 @@ impl Authors {
 /// three levels: by default, and with kernels that end at 2σ and the quadratic fit, as theirs do. Prints each that has
 /// none by default, with its cause.
 fn authors_found(theirs: &[Authors], burst: &Burst, slopes: SlopeGrid, step_px_per_frame: f32) -> (usize, usize) {
-    let with = |kernel_cut: f32, localisation: Localisation| {
-        let params = DetectorParams { slopes, kernel_cut, localisation, levels: 3, ..as_published() };
+    let with = |rules: Rules| {
+        let params = DetectorParams { slopes, rules, levels: 3, ..as_published() };
         detect(burst, &params, &Monitor::default()).expect("valid parameters")
     };
-    let (ours, cut) = (with(4.0, Localisation::Continuous), with(2.0, Localisation::Quadratic));
+    let (ours, cut) = (with(as_published().rules), with(Rules { kernel_cut: 2.0, ..Rules::VLFEAT }));
+    for rules in [Rules::BUFF, Rules { interpolation: Interpolation::Linear, ..Rules::BUFF }] {
+        let found = with(rules);
+        println!("{rules:?}: {}", theirs.iter().filter(|t| t.is_in(&found, 0.5, 0.1, step_px_per_frame)).count());
+    }
     let (mut by_default, mut by_cut) = (0, 0);
     for t in theirs {
         let agrees = t.is_in(&ours, 0.5, 0.1, step_px_per_frame);

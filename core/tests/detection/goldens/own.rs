@@ -2,7 +2,7 @@
 //! agreement is tested wherever the tests run. These tests are never skipped.
 
 use super::published::as_published;
-use burstscope_core::detector::{Localisation, Method, NoiseGate};
+use burstscope_core::detector::{Method, NoiseGate, Rules};
 use burstscope_core::synth::{SceneParams, synth_scene};
 use burstscope_core::{Burst, DetectorParams, Feature, Monitor, Plane, detect};
 use std::path::Path;
@@ -71,7 +71,7 @@ fn check(name: &str, burst: &Burst, first_octave: i32) {
         levels: 3,
         peak_threshold: 0.02 / 3.0,
         noise_gate: NoiseGate::Factor(0.0),
-        localisation: Localisation::Quadratic,
+        rules: Rules::VLFEAT,
         max_orientations: 4,
         ..as_published()
     };

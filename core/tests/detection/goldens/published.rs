@@ -1,7 +1,7 @@
 //! Shared code of the tests of agreement: opening the published input and reading numbers; and a real camera's noise.
 
 use crate::shared::shared;
-use burstscope_core::detector::{DescribeSlope, Distinct, NoiseGate, NoiseModelKind, SlopeExtrema, SlopeNeighbours};
+use burstscope_core::detector::{DescribeSlope, Distinct, NoiseGate, NoiseModelKind, Rules, SlopeExtrema};
 use burstscope_core::{Burst, DetectorParams, Monitor};
 use std::path::PathBuf;
 
@@ -31,10 +31,9 @@ pub fn as_published() -> DetectorParams {
         noise_model: NoiseModelKind::White,
         edge_threshold: 10.0,
         slope_extrema: SlopeExtrema::Joint,
-        slope_neighbours: SlopeNeighbours::Adjacent,
         distinct: Distinct::Off,
         max_orientations: 1,
-        describe_slope: DescribeSlope::Grid,
+        rules: Rules { describe_slope: DescribeSlope::Grid, ..Rules::default() },
         describe_scales: 1,
         ..DetectorParams::default()
     }

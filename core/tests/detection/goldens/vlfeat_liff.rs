@@ -4,7 +4,7 @@ use super::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
 use burstscope_core::detector::describe::descriptor::to_vlfeat_order;
 use burstscope_core::detector::stack::motion_stack;
-use burstscope_core::detector::{Descriptor, Detection, Interpolation, Localisation, Method, NoiseGate};
+use burstscope_core::detector::{Descriptor, Detection, Interpolation, Method, NoiseGate, Rules};
 use burstscope_core::{DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array2, Array3};
 use std::io::Read;
@@ -114,7 +114,7 @@ fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, mi
         first_octave,
         peak_threshold: peak_of_255 / 255.0,
         noise_gate: NoiseGate::Factor(0.0),
-        localisation: Localisation::Quadratic,
+        rules: Rules::VLFEAT,
         max_orientations: 4,
         octaves: 16,
         levels: 3,
@@ -164,8 +164,7 @@ fn check_liff(first_octave: i32, missed: f32, extra: f32, missed_inside: f32) {
         first_octave,
         peak_threshold: 0.02,
         noise_gate: NoiseGate::Factor(0.0),
-        interpolation: Interpolation::Truncated,
-        localisation: Localisation::Quadratic,
+        rules: Rules::LIFF,
         max_orientations: 4,
         octaves: 16,
         levels: 3,

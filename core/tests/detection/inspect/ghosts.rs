@@ -1,15 +1,13 @@
-//! Ghosts of crossing motions, aliases of a periodic texture, and duplicates: the verdict on each feature, and the test of
-//! coherence that removes ghosts.
+//! Ghosts of crossing motions, aliases of a periodic texture, and duplicates: the verdict on each feature.
 
 use super::probing::{blobs, cache, slopes_of};
-use burstscope_core::detector::params::doc;
 use burstscope_core::detector::{DetectorParams, Distinct, Slope, SlopeGrid, Test};
 use burstscope_core::inspect::probe::{Wanted, fate_of};
 use burstscope_core::inspect::suspicion::Kind;
 use burstscope_core::inspect::verdict::{Judged, Verdict, judged};
-use burstscope_core::inspect::{Outcome, ProbeCache, ProbeOptions, probe};
+use burstscope_core::inspect::{ProbeCache, ProbeOptions, probe};
 use burstscope_core::synth::Example;
-use burstscope_core::{Burst, Feature, Monitor, detect};
+use burstscope_core::{Burst, Feature, Monitor};
 
 /// Two groups of blobs that move to the right and to the left, with a ghost wherever two paths cross. In each row one
 /// of each meets another.
@@ -76,103 +74,17 @@ fn blobs_of_two_crossing_motions_are_real_and_what_lies_between_their_slopes_is_
 }
 
 #[test]
-fn the_test_of_coherence_removes_ghosts_and_nothing_else_and_the_probe_says_it() {
-    let (burst, truth) = crossing();
+fn the_probe_suspects_a_ghost_as_the_table_does() {
+    let (burst, _) = crossing();
     let open = cache(&burst, &params());
     let judged = judge(&open);
-    let strict = DetectorParams { coherence: 0.5, ..params() };
-    let tested = cache(&burst, &strict);
-    // What stays is what has the coherence, to the bit.
-    let stays = |(feature, judged): (&Feature, &Judged)| judged.coherence.is_none_or(|c| c >= 0.5).then_some(*feature);
-    let expected: Vec<Feature> = open.detection().features.iter().zip(&judged).filter_map(stays).collect();
-    assert_eq!(tested.detection().features, expected);
-    assert!(expected.len() < judged.len() && truth.iter().all(|one| expected.iter().any(|f| is_true(f, &[*one]))));
-    let (before, after) = (open.detection().tally, tested.detection().tally);
-    assert_eq!(after.rejected_by(Test::Coherence) + after.kept, before.kept);
-    assert_eq!((before.rejected_by(Test::Coherence), before.samples), (0, after.samples));
-    // The same on any number of threads.
-    for threads in [1, 3] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        let again = pool.install(|| detect(&burst, &strict, &Monitor::default())).expect("valid");
-        assert_eq!((again.features, again.descriptors, again.tally), {
-            let detection = tested.detection();
-            (detection.features.clone(), detection.descriptors.clone(), detection.tally)
-        });
-    }
-    // The probe tells of a ghost in words, with its number, and the change that keeps it.
     let index = judged.iter().position(|judged| judged.verdict == Verdict::Ghost).expect("one");
-    let keypoint = open.trail.keypoints()[open.trail.keypoint_of_feature(index)];
-    let at = keypoint.sample.map(|at| at as usize);
-    let sample = burstscope_core::detector::Sample {
-        octave: keypoint.octave,
-        level: keypoint.level,
-        slope_index: keypoint.slope_index,
-        x: at[0],
-        y: at[1],
-    };
-    let fate = fate_of(&tested.trail, &sample, &Monitor::default()).expect("not cancelled").expect("examined");
-    assert_eq!(fate.first_failed, Some(Test::Coherence));
-    let coherence = judged[index].coherence.expect("a ghost has one");
-    assert_eq!(fate.report(Test::Coherence).value, Some(f64::from(coherence)));
-    assert!(fate.verdict.starts_with("only some frames respond: coherence 0."), "{}", fate.verdict);
-    let remedy = fate.remedy.as_ref().expect("a lower minimum");
-    assert_eq!(remedy.change.parameter, doc::COHERENCE);
-    assert!(remedy.sentence.ends_with("instead of 0.5"), "{}", remedy.sentence);
-    let kept = cache(&burst, &remedy.change.applied(&strict).expect("valid"));
-    let again = fate_of(&kept.trail, &sample, &Monitor::default()).expect("not cancelled").expect("examined");
-    assert!(again.is_kept() && again.report(Test::Coherence).outcome == Outcome::Passes, "{again:#?}");
-    // As a feature of a search without the test it is suspected, with the change that removes it.
     let options = ProbeOptions { wanted: Wanted::Feature(index), ..ProbeOptions::default() };
     let probed = probe(&open, [0.0, 0.0], &options, &Monitor::default()).expect("a feature");
     assert_eq!(probed.judged.as_ref(), Some(&judged[index]));
     let ghost = probed.suspicions.iter().find(|suspicion| suspicion.kind == Kind::Ghost).expect("suspected");
-    let changed = ghost.change.as_ref().expect("a change").applied(&params()).expect("valid");
-    assert!(coherence < changed.coherence && changed.coherence <= coherence + 0.11, "{changed:?}");
-    let removed = fate_of(&cache(&burst, &changed).trail, &sample, &Monitor::default()).expect("not cancelled");
-    assert_eq!(removed.expect("examined").first_failed, Some(Test::Coherence));
-}
-
-#[test]
-fn the_test_of_side_lobes_keeps_the_blobs_and_the_probe_says_what_would_keep_a_lobe() {
-    let (burst, truth) = crossing();
-    let open = cache(&burst, &params());
-    let strict = DetectorParams { side_lobes: 0.5, ..params() };
-    let tested = cache(&burst, &strict);
-    let (before, after) = (open.detection().tally, tested.detection().tally);
-    assert_eq!((before.rejected_by(Test::SideLobe), before.samples), (0, after.samples));
-    assert!(after.rejected_by(Test::SideLobe) > 10, "{after:?}");
-    assert_eq!(after.rejected_by(Test::SideLobe) + after.kept, before.kept);
-    let finds = |one: &(f32, f32, Slope)| tested.detection().features.iter().any(|f| is_true(f, &[*one]));
-    assert!(truth.iter().all(finds));
-    for threads in [1, 3] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        let again = pool.install(|| detect(&burst, &strict, &Monitor::default())).expect("valid");
-        assert_eq!((&again.features, again.tally), (&tested.detection().features, after));
-    }
-    // Every tenth: its number, and the change that keeps it.
-    let lobes = (0..tested.trail.keypoints().len()).filter(|&index| tested.trail.is_side_lobe(index));
-    for index in lobes.step_by(10) {
-        let keypoint = tested.trail.keypoints()[index];
-        let sample = burstscope_core::detector::Sample {
-            octave: keypoint.octave,
-            level: keypoint.level,
-            slope_index: keypoint.slope_index,
-            x: keypoint.sample[0] as usize,
-            y: keypoint.sample[1] as usize,
-        };
-        let fate = fate_of(&tested.trail, &sample, &Monitor::default()).expect("not cancelled").expect("examined");
-        assert_eq!(fate.first_failed, Some(Test::SideLobe));
-        assert!(fate.verdict.starts_with("a side lobe: |D| is "), "{}", fate.verdict);
-        let remedy = fate.remedy.as_ref().expect("a lower part");
-        assert_eq!(remedy.change.parameter, doc::SIDE_LOBES);
-        let changed = remedy.change.applied(&strict).expect("valid");
-        let kept = cache(&burst, &changed);
-        let again = fate_of(&kept.trail, &sample, &Monitor::default()).expect("not cancelled").expect("examined");
-        assert!(again.is_kept(), "{changed:?} {again:#?}");
-        let without = Outcome::NotAsked;
-        let expected = if changed.side_lobes > 0.0 { Outcome::Passes } else { without };
-        assert_eq!(again.report(Test::SideLobe).outcome, expected);
-    }
+    assert_eq!(Some(ghost.number), judged[index].coherence);
+    assert!(ghost.evidence.contains("crosses its path") && ghost.change.is_none(), "{ghost:?}");
 }
 
 #[test]

@@ -4,8 +4,8 @@
 use super::probing::{cache, slopes_of};
 use burstscope_core::detector::feature::Keypoint;
 use burstscope_core::detector::{
-    DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Sample, SlopeExtrema, SlopeGrid,
-    SlopeNeighbours, Tally, Test, Trail,
+    DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample, SlopeExtrema,
+    SlopeGrid, SlopeNeighbours, Tally, Test, Trail,
 };
 use burstscope_core::inspect::changes::{Spot, compare};
 use burstscope_core::inspect::telling::fate;
@@ -77,16 +77,6 @@ fn assert_law(burst: &Burst, params: &DetectorParams) -> usize {
                 Some(_) => {
                     tally.reject(Test::Duplicate, 1);
                     assert_agrees(&fate, Some(Test::Duplicate));
-                }
-                None if trail.is_side_lobe(index) => {
-                    tally.reject(Test::SideLobe, 1);
-                    assert_agrees(&fate, Some(Test::SideLobe));
-                    assert!(fate.features.is_empty());
-                }
-                None if trail.incoherent(index).is_some() => {
-                    tally.reject(Test::Coherence, 1);
-                    assert_agrees(&fate, Some(Test::Coherence));
-                    assert!(fate.features.is_empty());
                 }
                 None if trail.is_cut(index) => {
                     tally.reject(Test::MaxFeatures, 1);
@@ -162,15 +152,18 @@ prop_compose! {
         gate in prop_oneof![Just(NoiseGate::Auto), Just(NoiseGate::Factor(0.0)), Just(NoiseGate::Factor(3.0))],
         peak_threshold in prop_oneof![Just(0.0f32), Just(0.002)],
         max_features in prop_oneof![Just(0usize), Just(6)],
-        (side_lobes, coherence) in (prop_oneof![Just(0.0f32), Just(0.3)], prop_oneof![Just(0.0f32), Just(0.5), Just(0.9)]),
         interpolation in prop_oneof![Just(Interpolation::Linear), Just(Interpolation::Nearest), Just(Interpolation::Truncated)],
     ) -> DetectorParams {
         DetectorParams {
-            slopes, octaves, levels, first_octave, distinct, peak_threshold, max_features, side_lobes, coherence, interpolation,
+            slopes, octaves, levels, first_octave, distinct, peak_threshold, max_features,
             noise_gate: gate,
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
-            slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
-            localisation: if quadratic { Localisation::Quadratic } else { Localisation::Continuous },
+            rules: Rules {
+                slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
+                localisation: if quadratic { Localisation::Quadratic } else { Localisation::Continuous },
+                interpolation,
+                ..Rules::default()
+            },
             noise_model: if local { NoiseModelKind::Local } else { NoiseModelKind::White },
             ..DetectorParams::default()
         }

@@ -36,8 +36,6 @@ fn short_name(test: Test) -> &'static str {
         Test::Edge => "edge",
         Test::Outside => "inside",
         Test::Duplicate => "distinct",
-        Test::SideLobe => "side lobe",
-        Test::Coherence => "coherence",
         Test::MaxFeatures => "strongest",
     }
 }

@@ -13,7 +13,6 @@ use crate::app::panel::widgets::section_ui;
 use crate::app::parts::mark;
 use crate::app::project::Model;
 use crate::app::project::explained::verdict_words;
-use crate::app::project::prices::KnownPrice;
 use crate::app::project::workspace::Workspace;
 use crate::app::style;
 use crate::app::view::signed;
@@ -161,24 +160,8 @@ fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Qu
         }
     }
     ui.label(RichText::new(change.label()).weak());
-    price_ui(ui, model, change);
-}
-
-/// Draws what is known of the price of a change.
-fn price_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange) {
-    let subject = model.probe.answer.as_ref().and_then(|answer| answer.probe.subject_fate());
-    let sample = subject.map(|fate| fate.of_sample());
-    let price = model.price_of(model.probe.side, change, sample);
-    if let KnownPrice::Long(secs) = price {
-        let tip = format!("Search with it in the background, to say how many features it gives: about {secs:.0} s");
-        if ui.small_button("Count features").on_hover_text(tip).clicked() {
-            model.prices.wanted_long = true;
-        }
-        return;
-    }
-    let text = price.text();
-    if !text.is_empty() {
-        ui.add(Label::new(text).wrap());
+    if let Some(price) = model.price_text(model.probe.side, change) {
+        ui.add(Label::new(price).wrap());
     }
 }
 

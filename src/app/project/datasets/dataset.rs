@@ -231,8 +231,7 @@ impl BurstState {
             Self::Running => "running".to_owned(),
             Self::Failed(_) => "failed".to_owned(),
             Self::Done(FinishedBurst { features: 0, .. }) => "no features".to_owned(),
-            Self::Done(FinishedBurst { features, seconds: None }) => format!("{features}"),
-            Self::Done(FinishedBurst { features, seconds: Some(seconds) }) => format!("{features} · {seconds:.1} s"),
+            Self::Done(FinishedBurst { features, seconds }) => format!("{features} · {seconds:.1} s"),
         }
     }
 
@@ -243,9 +242,8 @@ impl BurstState {
             Self::Running => "running: its features are being found".to_owned(),
             Self::Failed(error) => format!("failed: {error}"),
             Self::Done(FinishedBurst { features, seconds }) => {
-                let time = seconds.map_or_else(String::new, |s| format!(", found in {s:.2} s"));
                 let count = if *features == 0 { "no features".to_owned() } else { counted(*features, "feature") };
-                format!("done: {count}{time}")
+                format!("done: {count}, found in {seconds:.2} s")
             }
         }
     }
@@ -279,7 +277,7 @@ mod tests {
             folder_error: None,
             params: SearchParams::default(),
             open: OpenOptions::default(),
-            finished: (0..count).map(|k| (k == 0).then_some(FinishedBurst { features: 7, seconds: None })).collect(),
+            finished: (0..count).map(|k| (k == 0).then_some(FinishedBurst { features: 7, seconds: 0.5 })).collect(),
             other_params: None,
         })
     }
@@ -288,7 +286,7 @@ mod tests {
     fn states_follow_what_happens() {
         let mut open = dataset(3);
         assert_eq!(open.counts(), StateCounts { done: 1, failed: 0, features: 7 });
-        let finished = FinishedBurst { features: 5, seconds: Some(1.25) };
+        let finished = FinishedBurst { features: 5, seconds: 1.25 };
         open.begin_detection(&SearchParams::default());
         for event in [
             DatasetEvent::Begun { index: 0 },

@@ -16,7 +16,6 @@ pub struct Links {
     /// Pan and zoom.
     pub views: bool,
     /// Kind of picture, frame, slope, octave and level.
-    #[serde(alias = "cursors")]
     pub cursor: bool,
     /// Value ranges and colour maps.
     pub ranges: bool,
