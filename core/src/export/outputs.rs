@@ -274,7 +274,8 @@ mod tests {
         write_text(&at("b.svg"), Kind::Drawing, sheet::stacked("both", &parts)).expect("written");
         write_text(&at("p.toml"), Kind::Settings, crate::files::written_by() + "levels = 4\n").expect("written");
         let burst = crate::burst::Burst::from_planes("a", vec![Plane::zeros(9, 9)]);
-        let (case, part) = Case::of(&burst, &SearchParams::default(), (None, None), "", &Monitor::default()).expect("nobody cancels");
+        let (case, part) =
+            Case::of(&burst, &SearchParams::default(), (None, None), "", &Monitor::default()).expect("nobody cancels");
         write_case(&at("a.burstcase"), (&case, &part), &Enclosed::default(), &Monitor::default()).expect("written");
         write_npz(&at("a.npz"), &[], &[]).expect("written");
         write_csv(&at("a.csv"), &[]).expect("written");
