@@ -157,10 +157,6 @@ fn authors_found(theirs: &[Authors], burst: &Burst, slopes: SlopeGrid, step_px_p
         detect(burst, &params, &Monitor::default()).expect("valid parameters")
     };
     let (ours, cut) = (with(as_published().rules), with(Rules { kernel_cut: 2.0, ..Rules::VLFEAT }));
-    for rules in [Rules::BUFF, Rules { interpolation: Interpolation::Linear, ..Rules::BUFF }] {
-        let found = with(rules);
-        println!("{rules:?}: {}", theirs.iter().filter(|t| t.is_in(&found, 0.5, 0.1, step_px_per_frame)).count());
-    }
     let (mut by_default, mut by_cut) = (0, 0);
     for t in theirs {
         let agrees = t.is_in(&ours, 0.5, 0.1, step_px_per_frame);
