@@ -7,4 +7,5 @@ mod dependencies;
 mod documents;
 mod floors;
 mod reading;
+mod screenshots;
 mod walls;
