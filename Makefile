@@ -8,7 +8,8 @@
 #   make check         formats, lints and builds the documentation
 #   make test-core     tests the library: the detector, its files and measurements
 #   make test-window   tests the window
-#   make pictures      accepts the pictures that have changed: look at screenshots/*.new.png first
+#   make accept        accepts what the tests of the window show: look at screenshots/*.new.png first
+#   make pictures      draws the pictures of the documents anew, for a release
 #   make bench         times the stages of the detector
 #   make fuzz          reads damaged input; CASES=1000000 for a night of it
 #
@@ -40,7 +41,7 @@ DIST = target/dist
 # Profile of the wheel: release, or dev for a quick build.
 PROFILE ?= release
 
-.PHONY: run test check test-core test-window pictures bench fuzz packages wheel test-python notebooks keywords dist try-dist
+.PHONY: run test check test-core test-window accept pictures bench fuzz packages wheel test-python notebooks keywords dist try-dist
 
 run: packages
 	$(CARGO) run --release
@@ -59,8 +60,11 @@ test-core:
 test-window:
 	$(CARGO) test --test window
 
-pictures:
+accept:
 	UPDATE_SNAPSHOTS=1 $(CARGO) test --test window
+
+pictures:
+	UPDATE_SNAPSHOTS=force $(CARGO) test --test window
 
 bench:
 	$(CARGO) bench --bench stages

@@ -54,17 +54,11 @@ fn blobs() -> (Plane, Vec<Feature>) {
     ];
     let plane = Plane::from_fn(320, 240, |u, v| {
         let (x, y) = (u as f32, v as f32);
-        // A fixed pseudo-random grain: a few rounds of an integer hash.
-        let mut hash = (u as u32).wrapping_mul(0x9E37_79B1) ^ (v as u32).wrapping_mul(0x85EB_CA77);
-        for _ in 0..3 {
-            hash = (hash ^ (hash >> 15)).wrapping_mul(0x2C1B_3C6D);
-        }
-        let grain = (hash >> 8) as f32 / (1u32 << 24) as f32 - 0.5;
         let light: f32 = BLOBS
             .iter()
             .map(|&(bu, bv, sigma, ..)| 0.05 * (-((x - bu).powi(2) + (y - bv).powi(2)) / (2.0 * sigma * sigma)).exp())
             .sum();
-        0.02 + 0.00004 * x + light + 0.012 * grain
+        0.02 + 0.00004 * x + light
     });
     let features = BLOBS.iter().enumerate().map(|(i, &(u, v, sigma, slope_u, slope_v))| Feature {
         u,
@@ -231,11 +225,11 @@ fn buttons_set_the_range_and_say_so() {
     harness.get_by_label("Full range").click();
     harness.run();
     let full = harness.state().display;
-    assert!(harness.state().changes > 0 && full.min < 0.02 && full.max > 0.07, "{full:?}");
+    assert!(harness.state().changes > 0 && full.min < 0.021 && full.max > 0.07, "{full:?}");
     harness.get_by_label("Percentiles").click();
     harness.run();
     let percentiles = harness.state().display;
-    assert!(percentiles.min > full.min && percentiles.max < full.max, "{percentiles:?}");
+    assert!(percentiles.min >= full.min && percentiles.max < full.max, "{percentiles:?}");
     // A corner without blobs: the visible region is much darker.
     harness.state_mut().view = View::new(Zoom::PointsPerPixel(40.0), [6.0, 232.0]);
     harness.run();
@@ -318,7 +312,7 @@ fn picture_with_features_dark() {
     let mut w = window();
     w.selected = Some(4);
     let mut harness = harness(egui::Theme::Dark, w);
-    pictures::compare(&mut harness, "canvas_features_dark");
+    pictures::compare(&mut harness, "flat/canvas_features_dark");
 }
 
 #[test]
@@ -329,7 +323,7 @@ fn values_in_large_pixels_light() {
     w.colour_by = ColourBy::Scale;
     w.grid = true;
     let mut harness = harness(egui::Theme::Light, w);
-    pictures::compare(&mut harness, "canvas_values_light");
+    pictures::compare(&mut harness, "flat/canvas_values_light");
 }
 
 #[test]
@@ -341,7 +335,7 @@ fn response_with_sign_light() {
     w.display = Display::symmetric(0.04);
     w.colour_by = ColourBy::Response;
     let mut harness = harness(egui::Theme::Light, w);
-    pictures::compare(&mut harness, "canvas_response_light");
+    pictures::compare(&mut harness, "flat/canvas_response_light");
 }
 
 #[test]
@@ -352,7 +346,7 @@ fn stale_features_and_picture_dark() {
     w.display = Display { max: 0.09, map: ColourMap::Magma, ..Display::default() };
     let mut harness = harness(egui::Theme::Dark, w);
     harness.run_steps(4);
-    pictures::compare(&mut harness, "canvas_stale_dark");
+    pictures::compare(&mut harness, "flat/canvas_stale_dark");
 }
 
 #[test]

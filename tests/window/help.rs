@@ -1,6 +1,7 @@
 //! The Help menu: its two failure cases, each with the probe on the place that shows it; the glossary, opened from the
 //! menu, from a caption, from a parameter's tooltip, and searched; the figures of the paper.
 
+use crate::flat;
 use crate::probe::answer;
 use crate::steps_back::copied;
 use crate::support::{Start, Window};
@@ -95,14 +96,14 @@ fn the_garlands_open_on_an_alias_with_its_evidence() {
 
 #[test]
 fn the_glossary_is_opened_and_searched() {
-    let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
+    let mut window = flat::open([1280.0, 800.0]);
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::F1);
     window.harness.run_steps(3);
     assert!(window.shows("Alias"), "all words");
     window.harness.get_by_role_and_label(Role::TextInput, "Search the glossary").type_text("noise gate");
     window.harness.run_steps(3);
     assert!(window.shows("Noise gate") && !window.shows("Alias"));
-    window.snapshot("glossary");
+    window.snapshot("flat/glossary");
 }
 
 #[test]

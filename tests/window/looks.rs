@@ -1,5 +1,6 @@
 //! Pictures of the window. Each was looked at; a changed one has to be looked at again.
 
+use crate::flat;
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
 use burstscope::app::project::BottomTab;
@@ -20,9 +21,9 @@ fn start() {
 
 #[test]
 fn single_frame() {
-    let mut window = open();
+    let mut window = flat::open(PLAIN);
     window.key(Key::Num1);
-    window.snapshot("single_frame");
+    window.snapshot("flat/single_frame");
 }
 
 #[test]
@@ -46,14 +47,14 @@ fn selected_feature() {
 
 #[test]
 fn parameter_error() {
-    let mut window = open();
+    let mut window = flat::with_features(flat::open(PLAIN));
     window.app_mut().model.params.slopes = SlopeGrid::line(3.0..=-3.0, 7);
-    window.snapshot("parameter_error");
+    window.snapshot("flat/parameter_error");
 }
 
 #[test]
 fn palette() {
-    let mut window = open();
+    let mut window = flat::open(PLAIN);
     window.ctrl(Key::P);
     {
         use egui_kittest::kittest::Queryable;
@@ -61,53 +62,51 @@ fn palette() {
         field.type_text("exp");
     }
     window.harness.run_steps(3);
-    window.snapshot("palette");
+    window.snapshot("flat/palette");
 }
 
 #[test]
 fn shortcuts() {
-    let mut window = open();
+    let mut window = flat::open(PLAIN);
     window.key(Key::Questionmark);
-    window.snapshot("shortcuts");
+    window.snapshot("flat/shortcuts");
 }
 
 #[test]
 fn light_theme() {
     let settings = Settings { theme: egui::ThemePreference::Light, ..given().settings };
     let startup = Startup { settings, ..given() };
-    let mut window = Start { size: PLAIN, startup, ..Start::default() }.open();
-    window.key(Key::Home);
-    window.snapshot("light_theme");
+    let mut window = flat::with_features(flat::open_with(Start { size: PLAIN, startup, ..Start::default() }));
+    window.snapshot("flat/light_theme");
 }
 
 #[test]
 fn small_hidpi() {
-    let mut window = Start { size: [1000.0, 600.0], pixels_per_point: 2.0, ..Start::default() }.open();
-    window.snapshot("small_hidpi");
+    let start = Start { size: [1000.0, 600.0], pixels_per_point: 2.0, ..Start::default() };
+    flat::with_features(flat::open_with(start)).snapshot("flat/small_hidpi");
 }
 
 #[test]
 fn plane_of_slopes() {
-    let mut start = Start { size: [1280.0, 720.0], ..Start::default() };
-    start.startup.params.detector.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
-    let mut window = start.open();
+    let slopes = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
+    let mut window = flat::with_features(flat::open_with(flat::at_slopes([1280.0, 720.0], slopes)));
     window.app_mut().model.focused_mut().cursor.slope = Slope::new(1.6, -1.2);
-    window.snapshot("plane_of_slopes");
+    window.snapshot("flat/plane_of_slopes");
 }
 
 #[test]
 fn first_page() {
-    Start { size: PLAIN, ..Start::nothing_open() }.open().snapshot("first_page");
+    Start { size: PLAIN, ..Start::nothing_open() }.open().snapshot("flat/first_page");
 }
 
 #[test]
 fn error_message() {
-    let mut window = open();
+    let mut window = flat::open(PLAIN);
     window.app_mut().model.messages.error(
         "Open",
         "this is not a picture that can be read; give PNG, JPEG, TIFF, PNM, WebP, BMP or .npy: /data/night/frame_003.png",
     );
-    window.snapshot("error_message");
+    window.snapshot("flat/error_message");
 }
 
 /// Two bursts of the demo street in a window of `size`.

@@ -9,8 +9,11 @@ mod crafted;
 #[allow(dead_code)]
 #[path = "../../core/tests/files/opening/dng.rs"]
 mod dng;
+mod flat;
+mod greys;
 mod harness;
 mod pictures;
+mod structure;
 mod support;
 
 mod calibrating;

@@ -108,7 +108,7 @@ fn coverage_is_a_share_of_the_frames() {
     assert!(window.shows("50 % of the frames"));
     window.harness.remove_cursor();
     window.harness.run_steps(2);
-    window.snapshot("coverage_map");
+    window.snapshot("flat/coverage_map");
 }
 
 #[test]

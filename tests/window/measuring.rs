@@ -105,11 +105,11 @@ fn line_profile() {
 
 #[test]
 fn region_statistics_panel() {
-    let mut window = open();
+    let mut window = crate::flat::open([1280.0, 800.0]);
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::Q);
     window.harness.run_steps(2);
     drag(&mut window, pos2(200.0, 30.0), pos2(330.0, 120.0));
-    window.snapshot("region_statistics");
+    window.snapshot("flat/region_statistics");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Panes of the inspector: presets, splitting, links, a wipe, a flip, a difference; and contents that a small window
 //! still shows.
 
+use crate::flat;
 use crate::support::{Start, Window};
 use burstscope::Monitor;
 use burstscope::app::canvas::Zoom;
@@ -17,10 +18,6 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 fn open() -> Window {
     Start { size: [1280.0, 800.0], ..Start::default() }.open()
-}
-
-fn small() -> Window {
-    Start { size: [1024.0, 700.0], ..Start::default() }.open()
 }
 
 /// The window after a key that lays out a preset.
@@ -275,40 +272,39 @@ fn a_pane_shows_the_other_burst() {
 
 #[test]
 fn preset_frame_and_stack() {
-    laid_out(open(), Key::Num6).snapshot("preset_frame_and_stack");
+    laid_out(flat::open([1280.0, 800.0]), Key::Num6).snapshot("flat/preset_frame_and_stack");
 }
 
 #[test]
 fn preset_two_slopes() {
-    laid_out(small(), Key::Num7).snapshot("preset_two_slopes");
+    laid_out(flat::open([1024.0, 700.0]), Key::Num7).snapshot("flat/preset_two_slopes");
 }
 
 #[test]
 fn preset_strip_of_slopes() {
-    laid_out(open(), Key::Num8).snapshot("preset_strip_of_slopes");
+    laid_out(flat::open([1280.0, 800.0]), Key::Num8).snapshot("flat/preset_strip_of_slopes");
 }
 
 #[test]
 fn preset_nine_slopes_small() {
-    let mut start = Start { size: [1024.0, 700.0], ..Start::default() };
-    start.startup.params.detector.slopes = burstscope::detector::SlopeGrid::line(-3.0..=3.0, 13);
-    let mut window = start.open();
+    let slopes = burstscope::detector::SlopeGrid::line(-3.0..=3.0, 13);
+    let mut window = flat::open_with(flat::at_slopes([1024.0, 700.0], slopes));
     window.run_action("layout: 9 slopes");
     window.settle();
-    window.snapshot("preset_nine_slopes");
+    window.snapshot("flat/preset_nine_slopes");
 }
 
 #[test]
 fn preset_strip_of_scales() {
-    let mut window = open();
+    let mut window = flat::open([1280.0, 800.0]);
     window.run_action("layout: scales");
     window.settle();
-    window.snapshot("preset_strip_of_scales");
+    window.snapshot("flat/preset_strip_of_scales");
 }
 
 #[test]
 fn preset_two_by_two() {
-    laid_out(open(), Key::Num9).snapshot("preset_two_by_two");
+    laid_out(flat::open([1280.0, 800.0]), Key::Num9).snapshot("flat/preset_two_by_two");
 }
 
 #[test]
@@ -321,7 +317,7 @@ fn linked_place() {
 
 #[test]
 fn wipe_and_difference() {
-    let mut window = laid_out(open(), Key::Num6);
+    let mut window = laid_out(flat::open([1280.0, 800.0]), Key::Num6);
     window.key(Key::W);
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
     window.harness.run_steps(2);
@@ -330,7 +326,7 @@ fn wipe_and_difference() {
     let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
     window.app_mut().model.panes.get_mut(focus).unwrap().content = Content::Difference(rest[0], rest[1]);
     window.settle();
-    window.snapshot("wipe_and_difference");
+    window.snapshot("flat/wipe_and_difference");
 }
 
 fn rect_of(window: &Window, role: Role, label: &str) -> Rect {

@@ -1,169 +1,202 @@
-//! Comparing the window with its pictures in `screenshots/`.
+//! Comparing the window with `screenshots/`.
 //!
-//! Beside `NAME.png` is `NAME.txt`: the roles, texts and places of all drawn elements, as given to screen readers. This
-//! structure does not depend on the graphics driver, and is always compared. Pixels are compared on the driver that
-//! made them, named in `driver.txt`; other drivers round edges differently.
+//! `NAME.txt` holds the [structure](crate::structure) of the window: the roles, texts and places of all that is shown,
+//! and the greys of each pane. It is compared on every machine. `NAME.png` is there only
+//! - where a document shows it: it is never compared, and is drawn anew for a release;
+//! - in `flat/`, for windows without noise: it is compared too, at the size at which it is stored.
 //!
-//! `UPDATE_SNAPSHOTS=1` rewrites both files of changed pictures; `UPDATE_SNAPSHOTS=force` rewrites all, and the name of
-//! the driver.
+//! `UPDATE_SNAPSHOTS=1` accepts texts and flat pictures that differ. `UPDATE_SNAPSHOTS=force` writes all texts and
+//! pictures anew, those of the documents too.
 
-use egui::Rect;
-use egui::accesskit::Role;
-use egui_kittest::kittest::NodeT;
-use egui_kittest::{Harness, Node};
+use crate::structure;
+use egui_kittest::Harness;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::imageops::thumbnail;
+use image::{RgbImage, RgbaImage};
 use std::collections::BTreeSet;
-use std::fmt::Write;
-use std::path::Path;
-use std::sync::OnceLock;
+use std::path::{Path, PathBuf};
 
-/// Maximum difference of a place from that in the file, points.
-const TOLERANCE: f32 = 4.0;
+/// Folder of the pictures without noise, in `screenshots/`.
+const FLAT: &str = "flat/";
+/// Colours of a picture of a document.
+const COLOURS: usize = 256;
+/// Number of samples from which the colours are learnt.
+const SAMPLES: usize = 60_000;
+/// Difference of a channel above which a pixel of a flat picture differs.
+const CHANNEL_TOLERANCE: u8 = 40;
+/// Number of pixels that may differ: software drivers of different versions round a few edges differently.
+const MAX_PIXELS: usize = 8;
 
-/// Driver on which this program draws.
-static DRIVER: OnceLock<String> = OnceLock::new();
-
-/// Notes the driver on which the program draws.
-pub fn drawn_on(adapter: &wgpu::AdapterInfo) {
-    DRIVER.get_or_init(|| format!("{}, {} {}", adapter.name, adapter.driver, adapter.driver_info));
-}
-
-/// Compares the window of `harness` with the picture `name`.
+/// Compares the window of `harness` with the structure `name`, and with the picture if it is one without noise.
 ///
 /// # Panics
-/// When it differs, or when pictures of another driver were to be updated one by one.
+/// When one of them differs.
 #[track_caller]
 pub fn compare<State>(harness: &mut Harness<'_, State>, name: &str) {
-    let folder = &harness.options().output_path;
-    let (structure, driver) = (folder.join(format!("{name}.txt")), folder.join("driver.txt"));
-    let shown = structure_of(&harness.root(), harness.ctx.content_rect());
-    let here = DRIVER.get().expect("each harness says on which driver it draws");
-    let made_on = std::fs::read_to_string(&driver).unwrap_or_default();
-    let is_same_driver = made_on.trim() == here;
+    let image = harness.render().expect("it can be drawn");
+    let shown = structure::structure_of(&harness.root(), harness.ctx.content_rect(), &image);
+    let stored = Stored::new(name);
+    let told = stored.differences(&shown, &image);
     match std::env::var("UPDATE_SNAPSHOTS").as_deref() {
-        Err(_) | Ok("0" | "false" | "no" | "off") => check_structure(&structure, &shown),
-        Ok("force") => {
-            write(&structure, &shown);
-            write(&driver, &format!("{here}\n"));
-            return harness.snapshot(name);
-        }
-        Ok(_) => {
-            assert!(
-                is_same_driver,
-                "the pictures were made on '{}', and this is '{here}'; UPDATE_SNAPSHOTS=force makes all of them anew",
-                made_on.trim()
+        Err(_) | Ok("0" | "false" | "no" | "off") => stored.check(&shown, &image, told),
+        Ok("force") => stored.write(&shown, &image, stored.is_flat() || is_in_a_document(name)),
+        Ok(_) if told.is_some() => stored.write(&shown, &image, stored.is_flat()),
+        Ok(_) => {}
+    }
+}
+
+/// Files of a window in `screenshots/`.
+struct Stored {
+    text: PathBuf,
+    picture: PathBuf,
+}
+
+impl Stored {
+    fn new(name: &str) -> Self {
+        let file = |extension: &str| root().join(format!("screenshots/{name}.{extension}"));
+        Self { text: file("txt"), picture: file("png") }
+    }
+
+    fn is_flat(&self) -> bool {
+        self.text.parent().is_some_and(|folder| folder.ends_with(FLAT))
+    }
+
+    /// Differences from what is shown; `None` where there are none.
+    fn differences(&self, shown: &str, image: &RgbaImage) -> Option<String> {
+        // A file that is not there is an empty one.
+        let text = std::fs::read_to_string(&self.text).unwrap_or_default();
+        structure::differences(&text, shown).or_else(|| {
+            let is_stored = || Some(count_differing(&image::open(&self.picture).ok()?.into_rgb8(), &halved(image)));
+            let pixels = self.is_flat().then(is_stored)?.unwrap_or(usize::MAX);
+            (pixels > MAX_PIXELS).then(|| format!("{}: other pixels\n", self.picture.display()))
+        })
+    }
+
+    /// Leaves what is shown beside the files where they differ.
+    #[track_caller]
+    fn check(&self, shown: &str, image: &RgbaImage, told: Option<String>) {
+        let (text, picture) = (self.text.with_extension("new.txt"), self.picture.with_extension("new.png"));
+        let _ = (std::fs::remove_file(&text), std::fs::remove_file(&picture));
+        if let Some(told) = told {
+            write(&text, shown.as_bytes());
+            image.save(&picture).unwrap_or_else(|error| panic!("{}: {error}", picture.display()));
+            panic!(
+                "{} differs from what is shown, which is in {} and {}:\n{told}Run with UPDATE_SNAPSHOTS=1 to accept it.",
+                self.text.display(),
+                text.display(),
+                picture.display()
             );
-            if differences(&read(&structure), &shown).is_some() {
-                write(&structure, &shown);
-            }
         }
     }
-    if is_same_driver {
-        harness.snapshot(name);
-    } else {
-        println!("'{name}' is compared by its structure: it was made on '{}', and this is '{here}'", made_on.trim());
-        // Also checks that the window can be drawn.
-        harness.render().expect("it can be drawn");
-    }
-}
 
-fn write(path: &Path, text: &str) {
-    std::fs::write(path, text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-}
-
-/// Structure in the file; empty where there is none.
-fn read(path: &Path) -> String {
-    std::fs::read_to_string(path).unwrap_or_default()
-}
-
-#[track_caller]
-fn check_structure(path: &Path, shown: &str) {
-    let new = path.with_extension("new.txt");
-    let _ = std::fs::remove_file(&new);
-    if let Some(differences) = differences(&read(path), shown) {
-        write(&new, shown);
-        panic!(
-            "{} differs from what is shown, {}:\n{differences}Run with UPDATE_SNAPSHOTS=1 to accept it.",
-            path.display(),
-            new.display()
-        );
+    fn write(&self, shown: &str, image: &RgbaImage, with_picture: bool) {
+        std::fs::create_dir_all(self.text.parent().expect("a folder")).expect("a folder can be made");
+        write(&self.text, shown.as_bytes());
+        if with_picture {
+            let stored = if self.is_flat() { coarse(&halved(image)) } else { in_few_colours(&halved(image)) };
+            write(&self.picture, &stored);
+        }
     }
 }
 
-/// Writes a line for each element in the window that has a text: its left, top, width and height in points, its role,
-/// its text, and its value or state.
-fn structure_of(root: &Node<'_>, window: Rect) -> String {
-    let mut text = String::new();
-    for node in root.children_recursive() {
-        let element = node.accesskit_node();
-        let (label, value) = (element.label().unwrap_or_default(), element.value().unwrap_or_default());
-        let silent = label.is_empty() && value.is_empty() && element.toggled().is_none();
-        // Runs of text repeat their labels.
-        let is_part = element.role() == Role::TextRun;
-        if silent || is_part || element.is_hidden() || element.bounding_box().is_none() {
-            continue;
-        }
-        let rect = node.rect();
-        if !window.intersects(rect) {
-            continue;
-        }
-        let [x, y, w, h] = [rect.left(), rect.top(), rect.width(), rect.height()].map(f32::round);
-        write!(text, "{x} {y} {w} {h} {:?}", element.role()).expect("memory");
-        if !label.is_empty() {
-            write!(text, " {label:?}").expect("memory");
-        }
-        if !value.is_empty() && value != label {
-            write!(text, " = {value:?}").expect("memory");
-        }
-        if let Some(toggled) = element.toggled() {
-            write!(text, " {toggled:?}").expect("memory");
-        }
-        if element.is_disabled() {
-            text += " disabled";
-        }
-        text += "\n";
-    }
-    text
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Left, top, width and height, and the rest of the line.
-fn placed(line: &str) -> Option<([f32; 4], &str)> {
-    let mut parts = line.splitn(5, ' ');
-    let mut number = || parts.next()?.parse().ok();
-    let place = [number()?, number()?, number()?, number()?];
-    Some((place, parts.next()?))
+fn write(path: &Path, bytes: &[u8]) {
+    std::fs::write(path, bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
 }
 
-/// Lines that only one of two structures has, or both at different places; `None` where there are none.
-fn differences(expected: &str, shown: &str) -> Option<String> {
-    let is_same = |a: &str, b: &str| match (placed(a), placed(b)) {
-        (Some((a, what_a)), Some((b, what_b))) => {
-            what_a == what_b && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= TOLERANCE)
-        }
-        _ => a == b,
-    };
-    let (expected, shown): (Vec<&str>, Vec<&str>) = (expected.lines().collect(), shown.lines().collect());
-    if expected.len() == shown.len() && expected.iter().zip(&shown).all(|(a, b)| is_same(a, b)) {
-        return None;
+/// Whether the README or a page of `docs/` shows the picture.
+fn is_in_a_document(name: &str) -> bool {
+    let pages = std::fs::read_dir(root().join("docs")).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let markdown = pages.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
+    let shows =
+        |path: PathBuf| std::fs::read_to_string(&path).expect("a text").contains(&format!("screenshots/{name}.png)"));
+    markdown.chain([root().join("README.md")]).any(shows)
+}
+
+/// The picture at half its width and height.
+fn halved(image: &RgbaImage) -> RgbImage {
+    let half = thumbnail(image, image.width() / 2, image.height() / 2);
+    image::DynamicImage::ImageRgba8(half).into_rgb8()
+}
+
+/// Number of pixels that differ; all of those where the sizes do.
+fn count_differing(a: &RgbImage, b: &RgbImage) -> usize {
+    if a.dimensions() != b.dimensions() {
+        return usize::MAX;
     }
-    let lines = |of: &[&str], but: &[&str], sign: char| -> BTreeSet<String> {
-        let gone = |line: &&&str| !but.iter().any(|other| is_same(line, other));
-        of.iter().filter(gone).map(|line| format!("{sign} {line}\n")).collect()
-    };
-    let all: String = lines(&expected, &shown, '-').into_iter().chain(lines(&shown, &expected, '+')).collect();
-    Some(if all.is_empty() { "the same elements in another order or number\n".to_owned() } else { all })
+    let is_other =
+        |a: &image::Rgb<u8>, b: &image::Rgb<u8>| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > CHANNEL_TOLERANCE);
+    a.pixels().zip(b.pixels()).filter(|(a, b)| is_other(a, b)).count()
+}
+
+/// The value without its three finest bits.
+fn coarse_value(value: u8) -> u8 {
+    (value & 0xF8) | (value >> 5)
+}
+
+/// The picture as PNG in 32 steps a channel: what is free of noise becomes small by that, and no colour is lost.
+fn coarse(image: &RgbImage) -> Vec<u8> {
+    let mut coarse = image.clone();
+    coarse.iter_mut().for_each(|value| *value = coarse_value(*value));
+    let mut bytes = Vec::new();
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter);
+    coarse.write_with_encoder(encoder).expect("memory");
+    bytes
+}
+
+/// The picture as PNG with a palette.
+fn in_few_colours(image: &RgbImage) -> Vec<u8> {
+    let with_alpha = |pixel: &image::Rgb<u8>| [pixel.0[0], pixel.0[1], pixel.0[2], 255];
+    // Each colour counts once, however rare it is: marks are small, and their colours tell them apart.
+    let colours: BTreeSet<[u8; 4]> = image.pixels().map(|pixel| with_alpha(pixel).map(coarse_value)).collect();
+    let learnt: Vec<[u8; 4]> = colours.iter().copied().cycle().take(SAMPLES).collect();
+    let palette = color_quant::NeuQuant::new(1, COLOURS, learnt.as_flattened());
+    let indices: Vec<u8> = image.pixels().map(|pixel| palette.index_of(&with_alpha(pixel)) as u8).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, image.width(), image.height());
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(palette.color_map_rgb());
+    encoder.set_compression(png::Compression::High);
+    encoder.set_filter(png::Filter::NoFilter);
+    let mut writer = encoder.write_header().expect("memory");
+    writer.write_image_data(&indices).expect("as many as it has pixels");
+    writer.finish().expect("memory");
+    bytes
 }
 
 #[test]
-fn structures_differ_by_texts_roles_states_and_places() {
-    let expected = "0 0 40 20 Button \"Open…\"\n10 30 80 12 Slider \"Slope u\" = \"1.5\"\n";
-    assert_eq!(differences(expected, expected), None);
-    assert_eq!(differences(expected, &expected.replace("10 30", "12 27")), None, "a few points are no difference");
-    for (from, to) in [("10 30", "10 38"), ("Button", "Label"), ("Open", "Save"), ("1.5", "2.5")] {
-        let told = differences(expected, &expected.replace(from, to)).unwrap();
-        assert!(told.starts_with("- ") && told.contains("\n+ ") && told.lines().count() == 2, "{told}");
+fn a_flat_picture_keeps_its_colours_and_a_changed_one_differs() {
+    let image = RgbaImage::from_fn(320, 200, |x, y| {
+        let grey = if (x / 40 + y / 20).is_multiple_of(2) { 27 } else { 140 + (x / 40) as u8 };
+        image::Rgba([grey, grey, if y > 150 { 200 } else { grey }, 255])
+    });
+    let half = halved(&image);
+    let read = |stored: &[u8]| image::load_from_memory(stored).unwrap().into_rgb8();
+    let stored = read(&coarse(&half));
+    assert_eq!((stored.dimensions(), count_differing(&stored, &half)), ((160, 100), 0));
+    let mut changed = image;
+    for (x, y) in (60..90).flat_map(|x| [(x, 30), (x, 31)]) {
+        changed.put_pixel(x, y, image::Rgba([255, 255, 255, 255]));
     }
-    assert!(differences(expected, "0 0 40 20 Button \"Open…\"\n").unwrap().starts_with("- 10 30"));
-    assert!(differences("", expected).is_some());
-    let turned: String = expected.lines().rev().map(|line| format!("{line}\n")).collect();
-    assert!(differences(expected, &turned).is_some());
+    assert!(count_differing(&stored, &halved(&changed)) > MAX_PIXELS, "a line of thirty points");
+    assert!(count_differing(&stored, &RgbImage::new(160, 99)) > MAX_PIXELS);
+}
+
+#[test]
+fn a_picture_with_noise_and_marks_is_near_itself_in_few_colours_and_small() {
+    let noise =
+        |x: u32, y: u32| (x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77)).wrapping_mul(0x2C1B_3C6D) >> 26;
+    let image = RgbImage::from_fn(320, 200, |x, y| match (x / 4, y) {
+        (10, _) => image::Rgb([230, 60, 40]),
+        (30, _) => image::Rgb([60, 120, 240]),
+        _ => image::Rgb([60 + noise(x, y) as u8; 3]),
+    });
+    let stored = in_few_colours(&image);
+    let read = image::load_from_memory(&stored).unwrap().into_rgb8();
+    assert_eq!(count_differing(&read, &image), 0);
+    assert!(stored.len() < 320 * 200, "{} bytes", stored.len());
 }

@@ -110,7 +110,7 @@ fn the_offer_looks_like_this() {
     }
     let mut window = keeping(home.path(), Start::nothing_open()).open();
     window.harness.get_by_role_and_label(Role::Button, "Restore");
-    window.snapshot("recovery_offer");
+    window.snapshot("flat/recovery_offer");
 }
 
 #[test]

@@ -140,11 +140,7 @@ impl Start {
         let harness = common::builder(self.size)
             .with_pixels_per_point(self.pixels_per_point)
             .wgpu_setup(common::wgpu_setup())
-            .build_eframe(|cc| {
-                let render_state = cc.wgpu_render_state.as_ref();
-                pictures::drawn_on(&render_state.expect("a device").adapter.get_info());
-                BurstscopeApp::new(&cc.egui_ctx, render_state, self.startup)
-            });
+            .build_eframe(|cc| BurstscopeApp::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), self.startup));
         Window { harness, dialogs }
     }
 }
@@ -295,13 +291,13 @@ impl Window {
                 .is_some()
     }
 
-    /// Compares the window with the picture of this name.
+    /// Compares the window with what is stored of it under this name.
     pub fn snapshot(&mut self, name: &str) {
         self.harness.remove_cursor();
         self.compare(name);
     }
 
-    /// Compares the window with the picture of this name, with the pointer at a place of the window.
+    /// Compares the window with what is stored of it under this name, with the pointer at a place of the window.
     pub fn snapshot_with_pointer(&mut self, name: &str, pos: egui::Pos2) {
         self.harness.hover_at(pos);
         self.harness.run_steps(30);

@@ -3,6 +3,7 @@
 //! `cargo test --test commands counts -- --nocapture` prints the table.
 
 use super::reading::{code, files};
+use super::screenshots::{self, Stored};
 use std::path::{Path, PathBuf};
 
 /// One line of the table.
@@ -64,6 +65,12 @@ fn counts() -> Vec<Count> {
     let sources = sources();
     let lines = |source: &Source| source.text.lines().count();
     let is_shell = |source: &Source| source.code.contains("BurstscopeApp") && source.path != Path::new("app/mod.rs");
+    let stored = screenshots::stored();
+    let larger = |folder: &str, bytes: u64| {
+        let is =
+            |file: &&Stored| file.is_picture() && file.path.parent() == Some(Path::new(folder)) && file.bytes > bytes;
+        stored.iter().filter(is).map(|file| file.path.display().to_string()).collect()
+    };
     vec![
         Count::of("files that see the whole window", 4, which(&sources, is_shell)),
         Count::of(
@@ -78,6 +85,10 @@ fn counts() -> Vec<Count> {
         ),
         Count::of("files above 600 lines", 0, which(&sources, |source| lines(source) > 600)),
         Count { bound: Some(495), ..Count::told("source files", sources.len()) },
+        Count { bound: Some(4_000_000), ..Count::told("bytes of screenshots", screenshots::bytes(&stored)) },
+        Count::of("pictures of documents above 100 000 bytes", 0, larger("", 100_000)),
+        // Noise takes more.
+        Count::of("pictures without noise above 70 000 bytes", 0, larger("flat", 70_000)),
         Count::told("source files under 80 lines", which(&sources, |source| lines(source) < 80).len()),
         Count::told("lines of source, tests beside the code included", sources.iter().map(lines).sum()),
     ]

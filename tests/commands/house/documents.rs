@@ -36,7 +36,7 @@ fn the_reference_has_the_records_of_all_parameters() {
 }
 
 /// Targets of links and pictures in a Markdown text that are files.
-fn targets(text: &str) -> impl Iterator<Item = &str> {
+pub(super) fn targets(text: &str) -> impl Iterator<Item = &str> {
     text.match_indices("](").filter_map(|(at, _)| {
         let target = text[at + 2..].split_once(')')?.0;
         let file = target.split_once('#').map_or(target, |(file, _)| file);
@@ -45,18 +45,26 @@ fn targets(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-#[test]
-fn every_link_between_documents_leads_to_a_file() {
+/// Documents of the project, with their texts.
+pub(super) fn documents() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let in_docs = fs::read_dir(root.join("docs")).expect("a folder").map(|entry| entry.expect("an entry").path());
-    let documents: Vec<PathBuf> = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "core/README.md"]
+    let read = |path: PathBuf| {
+        let text = fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        (path, text)
+    };
+    ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "core/README.md"]
         .iter()
         .map(|name| root.join(name))
         .chain(in_docs.filter(|path| path.extension().is_some_and(|extension| extension == "md")))
-        .collect();
+        .map(read)
+        .collect()
+}
+
+#[test]
+fn every_link_between_documents_leads_to_a_file() {
     let mut links = 0;
-    for document in documents {
-        let text = fs::read_to_string(&document).unwrap_or_else(|e| panic!("{}: {e}", document.display()));
+    for (document, text) in documents() {
         for target in targets(&text) {
             let path = document.parent().expect("a folder").join(target);
             assert!(path.exists(), "{} links to {target}, which is not there", document.display());

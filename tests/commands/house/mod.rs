@@ -8,4 +8,5 @@ mod documents;
 mod floors;
 mod notices;
 mod reading;
+mod screenshots;
 mod walls;

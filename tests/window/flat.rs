@@ -1,0 +1,99 @@
+//! A window on a burst without noise, with features that no detector found: for tests of panels, whose pictures change
+//! only when the panel does.
+
+use crate::support::{Start, Window, given};
+use burstscope::app::Startup;
+use burstscope::app::project::BottomTab;
+use burstscope::app::project::side::Side;
+use burstscope::app::settings::Settings;
+use burstscope::detector::noise_model::NoiseModel;
+use burstscope::detector::{Detection, Slope, SlopeGrid, Tally};
+use burstscope::requests::{BurstSource, Detected, OpenBurst};
+use burstscope::{Burst, Feature, Plane};
+use std::sync::Arc;
+use std::time::Duration;
+
+const SIZE: (usize, usize) = (480, 360);
+const FRAMES: usize = 9;
+
+/// A disc: column and row in the middle of the burst, radius, pixels; motion along u, pixels per frame.
+const DISCS: [[f32; 4]; 4] =
+    [[120.0, 100.0, 12.0, -2.0], [310.0, 130.0, 24.0, 1.0], [190.0, 260.0, 36.0, 0.0], [400.0, 270.0, 8.0, 2.0]];
+
+/// Burst of the discs on an even ground.
+fn discs() -> OpenBurst {
+    let frame = |t: usize| {
+        Plane::from_fn(SIZE.0, SIZE.1, |x, y| {
+            let since_middle = t as f32 - (FRAMES - 1) as f32 / 2.0;
+            let light = DISCS.map(|[u, v, radius, slope]| {
+                let distance = (x as f32 - u - slope * since_middle).hypot(y as f32 - v);
+                (radius + 0.5 - distance).clamp(0.0, 1.0)
+            });
+            0.2 + 0.5 * light.iter().sum::<f32>()
+        })
+    };
+    let burst = Burst::from_planes("discs", (0..FRAMES).map(frame).collect());
+    OpenBurst::new(burst, BurstSource::Paths(vec!["discs".into()]))
+}
+
+/// Window of `size` points on the discs, with all panels open and no features.
+pub fn open(size: [f32; 2]) -> Window {
+    open_with(Start { size, ..Start::default() })
+}
+
+/// Window on the discs that otherwise begins as `start`.
+pub fn open_with(start: Start) -> Window {
+    let settings = Settings { auto_detect: false, ..start.startup.settings };
+    let startup = Startup { source: None, settings, ..start.startup };
+    let mut window = Start { startup, ..start }.open();
+    window.app_mut().model.take_burst(discs());
+    window.settle();
+    window
+}
+
+/// Start of a window of `size` points on the given slopes.
+pub fn at_slopes(size: [f32; 2], slopes: SlopeGrid) -> Start {
+    let mut startup = given();
+    startup.params.detector.slopes = slopes;
+    Start { size, startup, ..Start::default() }
+}
+
+/// The window with a feature on each disc, and their tally: the table and the panel of a selected feature also tell
+/// verdicts, which are those of a search.
+pub fn with_features(mut window: Window) -> Window {
+    let model = &mut window.app_mut().model;
+    let asked = model.asked();
+    let slopes: Vec<Slope> = asked.detector.slopes.slopes().collect();
+    let features = DISCS.iter().enumerate().map(|(i, &[u, v, radius, slope])| Feature {
+        u,
+        v,
+        sigma: radius / std::f32::consts::SQRT_2,
+        orientation: i as f32,
+        slope: Slope::new(slope, 0.0),
+        response: -0.06 + 0.01 * i as f32,
+        snr: 60.0 - 10.0 * i as f32,
+        octave: i as i32 / 2,
+        level: 1 + i as i32 % 3,
+        slope_index: slopes.iter().position(|s| *s == Slope::new(slope, 0.0)).expect("a slope of the grid"),
+        at_slope_limit: false,
+    });
+    let detection = Arc::new(Detection {
+        features: features.collect(),
+        descriptors: (0..DISCS.len()).map(|i| std::array::from_fn(|k| (k * (i + 3) % 97) as u8)).collect(),
+        tally: Tally { samples: 2_000_000, rejected: std::array::from_fn(|k| 1000 * (k as u64 + 1)), kept: 4 },
+        frame_noise: 0.004,
+        noise: Arc::new(NoiseModel::white(0.004)),
+        noise_gate_factor: 5.0,
+        slopes: asked.detector.slopes,
+        frames_used: 0..FRAMES,
+        octaves: 0..5,
+        times: Default::default(),
+    });
+    let burst = model.burst_of(Side::A).expect("it is open").id;
+    let (params, searched) = (asked.detector.clone(), asked.detector.clone());
+    let detected = Detected { burst, asked, params, searched, finding: None, detection };
+    model.bottom_tab = BottomTab::Tally;
+    model.take_detection(Side::A, detected, Duration::from_millis(120));
+    window.settle();
+    window
+}
