@@ -864,15 +864,22 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
         Bits of the converter that rounds the noise, separated by commas; 'none' for numbers that are not
         rounded [default: none,8]
     case : Union[Union[str, float], Sequence[Union[str, float]]]
-        Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY,
-        correlated, black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels, gain-flicker,
-        clipped-black, saturated, constant-frame, constant, drifting-stripes, varying-TIMES (strength by place),
-        banding, still-banding, smoothed, flickering-pixels, noisy-columns, negative. Without it the white ones
-        of --sigma and --bits, and all others
+        Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY (grey),
+        colour-jpeg-QUALITY, correlated, black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels,
+        gain-flicker, clipped-black, saturated, constant-frame, constant, drifting-stripes-SPEED (px/frame),
+        varying-TIMES (strength by place), banding, still-banding, smoothed, flickering-pixels, noisy-columns,
+        negative, fading-PERCENT and breathing-PERCENT (level over time), cosmic-streaks, fixed-pattern-PERCENT
+        (of the noise). Without it the white ones of --sigma and --bits, and all others
     case_sigma : float
         Standard deviation of the noise of the kinds of --case, fraction of full scale [default: 0.02]
+    case_level : float
+        Grey level of the kinds of --case, fraction of full scale, except where they are about black or white
+        [default: 0.5]
     megapixels : float
         Millions of pixels of the image to be searched for each number of the table, at least [default: 50]
+    seeds : int
+        Number of bursts for each number of the table, instead of --megapixels; the table then shows the largest
+        count of one of them
     seed : int
         The first burst's seed [default: 1]
     width : int
@@ -955,7 +962,9 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     bits: Union[Union[str, float], Sequence[Union[str, float]]]
     case: Union[Union[str, float], Sequence[Union[str, float]]]
     case_sigma: float
+    case_level: float
     megapixels: float
+    seeds: int
     seed: int
     width: int
     height: int

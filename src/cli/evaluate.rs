@@ -85,7 +85,7 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
         (Method::Buff, None) => NoiseStudy::searches(&detector),
     };
     let white = args.bits.iter().flat_map(|bits| args.sigma.iter().map(|&sigma| NoiseLevel::white(sigma, bits.0)));
-    let of_case = |&case: &NoiseCase| NoiseLevel { case, sigma: args.case_sigma, bits: None };
+    let of_case = |&case: &NoiseCase| NoiseLevel { case, sigma: args.case_sigma, bits: None, mean: args.case_level };
     let levels = match &args.case[..] {
         [] => white.chain(NoiseCase::ALL.iter().filter(|&&case| case != NoiseCase::White).map(of_case)).collect(),
         cases => cases.iter().map(of_case).collect(),
@@ -96,6 +96,7 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
         width: args.width,
         height: args.height,
         megapixels: args.megapixels,
+        seeds: args.seeds,
         first_seed: args.seed,
         ..NoiseStudy::default()
     };

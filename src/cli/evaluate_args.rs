@@ -131,18 +131,26 @@ pub struct NoiseArgs {
     /// Bits of the converter that rounds the noise, separated by commas; 'none' for numbers that are not rounded.
     #[arg(long, value_name = "BITS,…", value_delimiter = ',', default_value = "none,8", value_parser = parse_bits)]
     pub bits: Vec<Bits>,
-    /// Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY, correlated,
-    /// black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels, gain-flicker, clipped-black, saturated,
-    /// constant-frame, constant, drifting-stripes, varying-TIMES (strength by place), banding, still-banding, smoothed,
-    /// flickering-pixels, noisy-columns, negative. Without it the white ones of --sigma and --bits, and all others.
+    /// Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY (grey),
+    /// colour-jpeg-QUALITY, correlated, black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels, gain-flicker,
+    /// clipped-black, saturated, constant-frame, constant, drifting-stripes-SPEED (px/frame), varying-TIMES (strength by
+    /// place), banding, still-banding, smoothed, flickering-pixels, noisy-columns, negative, fading-PERCENT and
+    /// breathing-PERCENT (level over time), cosmic-streaks, fixed-pattern-PERCENT (of the noise). Without it the white ones of --sigma and --bits, and all others.
     #[arg(long, value_name = "CASE,…", value_delimiter = ',', value_parser = NoiseCase::from_str)]
     pub case: Vec<NoiseCase>,
     /// Standard deviation of the noise of the kinds of --case, fraction of full scale.
     #[arg(long, value_name = "SIGMA", default_value_t = 0.02)]
     pub case_sigma: f64,
+    /// Grey level of the kinds of --case, fraction of full scale, except where they are about black or white.
+    #[arg(long, value_name = "LEVEL", default_value_t = NoiseCase::LEVEL)]
+    pub case_level: f64,
     /// Millions of pixels of the image to be searched for each number of the table, at least.
     #[arg(long, value_name = "MPX", default_value_t = 50.0)]
     pub megapixels: f64,
+    /// Number of bursts for each number of the table, instead of --megapixels; the table then shows the largest count of
+    /// one of them.
+    #[arg(long, value_name = "N", conflicts_with = "megapixels")]
+    pub seeds: Option<usize>,
     /// The first burst's seed.
     #[arg(long, value_name = "FIRST", default_value_t = 1)]
     pub seed: u64,

@@ -241,26 +241,35 @@ fn write_noise(out: &mut String, report: &NoiseReport) -> Result {
         "{} bursts of {} frames of {}×{} for each row, {:.1} Mpx of image, seeds from {}",
         report.bursts, report.frames, report.width, report.height, report.megapixels, report.first_seed
     )?;
-    writeln!(out, "\nFalse features in a million pixels of the image (± standard error), and how many there were")?;
-    write!(out, "{:16}{:>8}{:>7}", "noise", "sigma", "bits")?;
+    writeln!(
+        out,
+        "\nFalse features in a million pixels of the image (± standard error), how many there were, and most in a burst"
+    )?;
+    write!(out, "{:22}{:>8}{:>7}{:>6}", "noise", "sigma", "mean", "bits")?;
     let columns = report.rows.first().map_or(&[][..], |row| &row.searches);
     for search in columns {
-        write!(out, "{:>26}", format!("{}, {} slopes", search.label, search.slopes))?;
+        write!(out, "{:>30}", format!("{}, {} slopes", search.label, search.slopes))?;
     }
     writeln!(out)?;
     for row in &report.rows {
-        let NoiseLevel { sigma, bits, case } = row.level;
-        write!(out, "{:16}{sigma:>8}{:>7}", case.name(), bits.map_or("–".to_owned(), |bits| bits.to_string()))?;
+        let NoiseLevel { sigma, bits, case, mean } = row.level;
+        write!(
+            out,
+            "{:22}{sigma:>8}{mean:>7}{:>6}",
+            case.name(),
+            bits.map_or("–".to_owned(), |bits| bits.to_string())
+        )?;
         for search in &row.searches {
-            let cell =
-                format!("{:.2} ± {:.2} ({})", search.per_megapixel, search.standard_error, search.false_features);
-            write!(out, "{cell:>26}")?;
+            let most = search.of_bursts.iter().max().unwrap_or(&0);
+            let (rate, error, count) = (search.per_megapixel, search.standard_error, search.false_features);
+            let cell = format!("{rate:.2} ± {error:.2} ({count}, {most})");
+            write!(out, "{cell:>30}")?;
         }
         writeln!(out)?;
     }
-    write!(out, "{:31}", "noise gate")?;
+    write!(out, "{:43}", "noise gate")?;
     for search in columns {
-        write!(out, "{:>26}", format!("{:.2} σ", search.noise_gate_factor))?;
+        write!(out, "{:>30}", format!("{:.2} σ", search.noise_gate_factor))?;
     }
     writeln!(out)
 }

@@ -26,6 +26,8 @@ pub struct NoiseLevel {
     pub bits: Option<u32>,
     /// Deviation from white noise; only white noise is rounded to `bits`.
     pub case: NoiseCase,
+    /// Grey level of the frames, fraction of full scale.
+    pub mean: f64,
 }
 
 /// A search and its name.
@@ -53,6 +55,8 @@ pub struct NoiseStudy {
     /// Minimum number of pixels of the image to be searched for each row and column, in millions; whole bursts are
     /// searched.
     pub megapixels: f64,
+    /// Number of bursts for each row and column; `None` for as many as `megapixels` needs.
+    pub seeds: Option<usize>,
     /// The seed of the first burst; others count up from it.
     pub first_seed: u64,
 }
@@ -83,6 +87,7 @@ impl Default for NoiseStudy {
             height: 600,
             frames: 10,
             megapixels: 50.0,
+            seeds: None,
             first_seed: 1,
         }
     }
@@ -127,6 +132,8 @@ pub struct NoiseCount {
     pub noise_gate_factor: f32,
     /// Number of features, all of them false.
     pub false_features: usize,
+    /// Number of features in each burst, from the first seed on.
+    pub of_bursts: Vec<usize>,
     /// Number of features per million pixels of the image.
     pub per_megapixel: f64,
     /// Standard error of that, for independent features: √count over the millions of pixels.
@@ -142,6 +149,10 @@ impl NoiseStudy {
                 let remedy =
                     "give standard deviations above 0 and up to 0.1, so that nothing is cut off at black or white";
                 return Err(EvaluateError::param("sigma", level.sigma.to_string(), remedy));
+            }
+            if !(level.mean > 0.0 && level.mean < 1.0) {
+                let remedy = "give a level between 0 and 1";
+                return Err(EvaluateError::param("case_level", level.mean.to_string(), remedy));
             }
             if level.bits.is_some() && level.case != NoiseCase::White {
                 let remedy = "round white noise only";
@@ -163,6 +174,9 @@ impl NoiseStudy {
             let problem = format!("{} frames of {}×{}", self.frames, self.width, self.height);
             return Err(EvaluateError::param("frames", problem, "give 1 to 4096 frames, 2000 million pixels at most"));
         }
+        if self.seeds.is_some_and(|seeds| !(1..=1_000_000).contains(&seeds)) {
+            return Err(EvaluateError::param("seeds", format!("{:?}", self.seeds), "give 1 to a million"));
+        }
         if !(self.megapixels > 0.0 && self.megapixels <= 1e6) {
             let remedy = "give millions of pixels, above 0 and up to a million";
             return Err(EvaluateError::param("megapixels", self.megapixels.to_string(), remedy));
@@ -180,7 +194,7 @@ impl NoiseStudy {
     pub fn run(&self, monitor: &Monitor) -> Result<NoiseReport, EvaluateError> {
         self.check()?;
         let burst_megapixels = (self.width * self.height) as f64 * 1e-6;
-        let bursts = (self.megapixels / burst_megapixels).ceil().max(1.0) as usize;
+        let bursts = self.seeds.unwrap_or((self.megapixels / burst_megapixels).ceil().max(1.0) as usize);
         let jobs: Vec<(NoiseLevel, u64)> = self
             .levels
             .iter()
@@ -207,6 +221,7 @@ impl NoiseStudy {
                         slopes: search.detector.used_slopes().len(),
                         noise_gate_factor: gate_factor(&search.detector),
                         false_features,
+                        of_bursts: found.iter().map(|burst| burst[i].0).collect(),
                         per_megapixel: false_features as f64 / megapixels,
                         standard_error: (false_features as f64).sqrt() / megapixels,
                         noise_estimate_ratio: (level.case == NoiseCase::White).then(|| noise / level.total_sigma()),
@@ -229,7 +244,7 @@ impl NoiseStudy {
 impl NoiseLevel {
     /// White noise.
     pub fn white(sigma: f64, bits: Option<u32>) -> Self {
-        Self { sigma, bits, case: NoiseCase::White }
+        Self { sigma, bits, case: NoiseCase::White, mean: NoiseCase::LEVEL }
     }
 
     /// The standard deviation including rounding, whose variance is a twelfth of a step².
@@ -247,14 +262,14 @@ fn noise_burst(
     monitor: &Monitor,
 ) -> Result<Burst, EvaluateError> {
     if level.case != NoiseCase::White {
-        return Ok(level.case.burst(size, frames, level.sigma, seed, monitor)?);
+        return Ok(level.case.burst_at(level.mean, size, frames, level.sigma, seed, monitor)?);
     }
     let mut planes = Vec::with_capacity(frames);
     for t in 0..frames {
         monitor.check()?;
         let mut stream = Stream::new(seed, t as u64);
         let value = |_, _| {
-            let value = 0.5 + level.sigma * stream.normal();
+            let value = level.mean + level.sigma * stream.normal();
             match level.bits {
                 Some(bits) => f32::from(quantised_word(value, bits)) / 65535.0,
                 None => value as f32,
@@ -293,6 +308,11 @@ mod tests {
             (NoiseStudy { levels: with(f64::NAN, None), ..good() }, "sigma: "),
             (NoiseStudy { levels: with(0.1, Some(2)), ..good() }, "bits: "),
             (NoiseStudy { levels: Vec::new(), ..good() }, "sigma: "),
+            (
+                NoiseStudy { levels: vec![NoiseLevel { mean: 1.0, ..NoiseLevel::white(0.02, None) }], ..good() },
+                "case_level: ",
+            ),
+            (NoiseStudy { seeds: Some(0), ..good() }, "seeds: "),
             (NoiseStudy { width: 3, ..good() }, "width: "),
             (NoiseStudy { frames: 0, ..good() }, "frames: "),
             (NoiseStudy { megapixels: f64::NAN, ..good() }, "megapixels: "),

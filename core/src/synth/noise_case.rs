@@ -7,11 +7,13 @@
 use super::noise::{quantisation_step, quantised_word};
 use super::random::Stream;
 use crate::burst::Burst;
+use crate::burst::LUMA_WEIGHTS;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use serde::{Serialize, Serializer};
 use std::f64::consts::TAU;
 use std::io::Cursor;
+use std::ops::RangeInclusive;
 
 /// Deviation of a burst's noise from white noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -23,6 +25,9 @@ pub enum NoiseCase {
     Doubled,
     /// Frames are stored as JPEG files of this quality (1 … 100), 8 bits.
     Jpeg(u8),
+    /// Frames are stored as colour JPEG files of this quality (1 … 100), 8 bits: each colour has its own noise, and the
+    /// luma of the three is searched.
+    ColourJpeg(u8),
     /// Each pixel shares its noise with the neighbouring pixels, with weights 1, 2, 1 along both axes; as strong as
     /// white noise.
     Correlated,
@@ -46,8 +51,8 @@ pub enum NoiseCase {
     ConstantFrame,
     /// No frame has noise.
     Constant,
-    /// As [`Self::ColumnStripes`], but the stripes move by 0.3 px/frame to the right.
-    DriftingStripes,
+    /// As [`Self::ColumnStripes`], but the stripes move to the right by this many tenths of a pixel a frame (1 … 99).
+    DriftingStripes(u8),
     /// The standard deviation varies over 250 px along both axes, from its usual value to this multiple of it (2 … 9).
     Varying(u8),
     /// The brightness of the rows varies by ±2 % with a period of 180 rows; the bands move by a seventh of a period
@@ -64,14 +69,25 @@ pub enum NoiseCase {
     NoisyColumns,
     /// The level is black, and values below it are negative, as after subtraction of a black level.
     Negative,
+    /// The level rises evenly by this many percent from the first frame to the last (1 … 99), as at dawn.
+    Fading(u8),
+    /// The level rises and falls again over the burst, by this many percent (1 … 99), as under clouds.
+    Breathing(u8),
+    /// Each frame has its own bright lines, a pixel wide and 5 to 40 px long, one in 20 000 pixels, brighter by 5 to 20
+    /// standard deviations, as cosmic rays leave them.
+    CosmicStreaks,
+    /// Each pixel has its own offset, the same in all frames, of this many percent of the noise (1 … 100).
+    FixedPattern(u8),
 }
 
 /// Ratio of the noise of the middle frame of [`NoiseCase::NoisyFrame`] to that of the others.
 const NOISY_FRAME: f64 = 5.0;
 /// Ratio of the noise of the right half of [`NoiseCase::NoisyHalf`] to that of the left.
 const NOISY_HALF: f64 = 3.0;
-/// Motion of the stripes of [`NoiseCase::DriftingStripes`], px/frame.
-const DRIFT: f64 = 0.3;
+/// Number of pixels for each line of [`NoiseCase::CosmicStreaks`] in a frame.
+const PIXELS_A_STREAK: usize = 20_000;
+/// Lengths of these lines, px.
+const STREAK_LENGTHS: (f64, f64) = (5.0, 40.0);
 /// Period of [`NoiseCase::Varying`], px.
 const VARYING_PERIOD: f64 = 250.0;
 /// Amplitude of the bands of [`NoiseCase::Banding`], relative to the level.
@@ -90,17 +106,20 @@ const COLUMNS_A_NOISY: usize = 50;
 const HOT_PIXELS: usize = 200;
 /// Spread of exposures of [`NoiseCase::GainFlicker`].
 const FLICKER: f64 = 0.1;
-/// Grey level of the scene, fraction of full scale.
-const LEVEL: f64 = 0.5;
 
 impl NoiseCase {
-    /// All cases, with the JPEG qualities and the variations of strength that are commonly measured.
-    pub const ALL: [Self; 25] = [
+    /// Grey level of the scene where no other is asked for, fraction of full scale.
+    pub const LEVEL: f64 = 0.5;
+    /// All cases, with the JPEG qualities, variations of strength and speeds that are commonly measured.
+    pub const ALL: [Self; 35] = [
         Self::White,
         Self::Doubled,
         Self::Jpeg(90),
         Self::Jpeg(60),
         Self::Jpeg(30),
+        Self::ColourJpeg(90),
+        Self::ColourJpeg(60),
+        Self::ColourJpeg(30),
         Self::Correlated,
         Self::BlackFrame,
         Self::NoisyFrame,
@@ -112,7 +131,10 @@ impl NoiseCase {
         Self::Saturated,
         Self::ConstantFrame,
         Self::Constant,
-        Self::DriftingStripes,
+        Self::DriftingStripes(3),
+        Self::DriftingStripes(15),
+        Self::DriftingStripes(26),
+        Self::DriftingStripes(40),
         Self::Varying(6),
         Self::Varying(2),
         Self::Banding,
@@ -121,6 +143,10 @@ impl NoiseCase {
         Self::FlickeringPixels,
         Self::NoisyColumns,
         Self::Negative,
+        Self::Fading(20),
+        Self::Breathing(10),
+        Self::CosmicStreaks,
+        Self::FixedPattern(20),
     ];
 
     /// Name on the command line and in reports; [`str::parse`] reads it.
@@ -129,6 +155,7 @@ impl NoiseCase {
             Self::White => "white",
             Self::Doubled => "doubled",
             Self::Jpeg(quality) => return format!("jpeg-{quality}"),
+            Self::ColourJpeg(quality) => return format!("colour-jpeg-{quality}"),
             Self::Correlated => "correlated",
             Self::BlackFrame => "black-frame",
             Self::NoisyFrame => "noisy-frame",
@@ -140,7 +167,7 @@ impl NoiseCase {
             Self::Saturated => "saturated",
             Self::ConstantFrame => "constant-frame",
             Self::Constant => "constant",
-            Self::DriftingStripes => "drifting-stripes",
+            Self::DriftingStripes(tenths) => return format!("drifting-stripes-{}.{}", tenths / 10, tenths % 10),
             Self::Varying(times) => return format!("varying-{times}"),
             Self::Banding => "banding",
             Self::StillBanding => "still-banding",
@@ -148,17 +175,38 @@ impl NoiseCase {
             Self::FlickeringPixels => "flickering-pixels",
             Self::NoisyColumns => "noisy-columns",
             Self::Negative => "negative",
+            Self::Fading(percent) => return format!("fading-{percent}"),
+            Self::Breathing(percent) => return format!("breathing-{percent}"),
+            Self::CosmicStreaks => "cosmic-streaks",
+            Self::FixedPattern(percent) => return format!("fixed-pattern-{percent}"),
         };
         word.to_owned()
     }
 
-    /// Makes a burst of `frames` frames of `size` = (columns, rows), with noise of standard deviation `sigma` (fraction
-    /// of full scale) unless the case changes it.
+    /// Makes a burst of `frames` frames of `size` = (columns, rows) around half of full scale, with noise of standard
+    /// deviation `sigma` (fraction of full scale) unless the case changes it.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
     pub fn burst(
         self,
+        size: (usize, usize),
+        frames: usize,
+        sigma: f64,
+        seed: u64,
+        monitor: &Monitor,
+    ) -> Result<Burst, Cancelled> {
+        self.burst_at(Self::LEVEL, size, frames, sigma, seed, monitor)
+    }
+
+    /// Makes a burst as [`Self::burst`] does, around the grey `level` (fraction of full scale) unless the case is about
+    /// black or white.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn burst_at(
+        self,
+        level: f64,
         size: (usize, usize),
         frames: usize,
         sigma: f64,
@@ -177,19 +225,25 @@ impl NoiseCase {
             }
             let gain = if self == Self::GainFlicker { 1.0 + FLICKER * exposures.normal() } else { 1.0 };
             let stream = &mut Stream::new(seed, t as u64 + 1);
-            let frame = self.frame(size, sigma, &pattern, (t, frames), stream);
+            let frame = self.frame(size, (level, sigma), &pattern, (t, frames), stream);
             planes.push(match self {
                 Self::GainFlicker => mapped(&frame, |x| (f64::from(x) * gain) as f32),
-                Self::Jpeg(quality) => through_jpeg(&frame, quality),
-                Self::Correlated => with_shared_noise(&frame),
+                Self::Jpeg(quality) => through_jpeg(&[&frame], quality),
+                Self::ColourJpeg(quality) => {
+                    let [green, blue] =
+                        [(); 2].map(|()| self.frame(size, (level, sigma), &pattern, (t, frames), stream));
+                    through_jpeg(&[&frame, &green, &blue], quality)
+                }
+                Self::Correlated => with_shared_noise(&frame, level),
                 Self::ClippedBlack | Self::Saturated => mapped(&frame, |x| x.clamp(0.0, 1.0)),
                 Self::Smoothed => planes.last().map(|before| smoothed(before, &frame)).unwrap_or(frame),
                 Self::NoisyColumns => with_noisy_columns(frame, sigma, stream),
+                Self::CosmicStreaks => with_streaks(frame, sigma, stream),
                 _ => frame,
             });
         }
         let mut burst = Burst::from_planes(self.name(), planes);
-        if matches!(self, Self::Jpeg(_)) {
+        if matches!(self, Self::Jpeg(_) | Self::ColourJpeg(_)) {
             burst.quantisation_step = quantisation_step(8) as f32;
         }
         Ok(burst)
@@ -215,10 +269,14 @@ impl NoiseCase {
                     pattern.row_mut(v)[u] = (sigma * stream.within(5.0, 20.0)) as f32;
                 }
             }
-            Self::DriftingStripes => {
+            Self::DriftingStripes(_) => {
                 // Twice as many columns as are seen, so that the stripes can move.
                 let columns: Vec<f32> = (0..2 * width).map(|_| (sigma * stream.normal()) as f32).collect();
                 pattern = Plane::from_vec(2 * width, 1, columns);
+            }
+            Self::FixedPattern(percent) => {
+                let deviation = sigma * f64::from(percent) / 100.0;
+                pattern = Plane::from_fn(width, height, |_, _| (deviation * stream.normal()) as f32);
             }
             _ => {}
         }
@@ -229,17 +287,20 @@ impl NoiseCase {
     fn frame(
         self,
         size: (usize, usize),
-        sigma: f64,
+        (level, sigma): (f64, f64),
         pattern: &Plane,
         (t, frames): (usize, usize),
         stream: &mut Stream,
     ) -> Plane {
         let middle = t == frames / 2;
+        let over = t as f64 / (frames as f64 - 1.0).max(1.0);
         let level = match self {
             Self::ClippedBlack | Self::Negative => 0.0,
             Self::Saturated => 1.0,
             Self::BlackFrame if middle => 0.0,
-            _ => LEVEL,
+            Self::Fading(percent) => level * (1.0 + f64::from(percent) / 100.0 * (over - 0.5)),
+            Self::Breathing(percent) => level * (1.0 + f64::from(percent) / 100.0 * libm::sin(TAU / 2.0 * over)),
+            _ => level,
         };
         let factor = |u: usize, v: usize| match self {
             Self::NoisyFrame if middle => NOISY_FRAME,
@@ -254,13 +315,14 @@ impl NoiseCase {
             _ => 1.0,
         };
         // Frame 0 shows the stripes from half of their columns on, so that they can come in from the left.
-        let drifted = |u: usize| (u + size.0 / 2) as f64 - DRIFT * t as f64;
+        let speed = if let Self::DriftingStripes(tenths) = self { f64::from(tenths) / 10.0 } else { 0.0 };
+        let drifted = |u: usize| (u + size.0 / 2) as f64 - speed * t as f64;
         let band = |v: usize| {
             let phase = if self == Self::Banding { BANDS_A_FRAME * t as f64 } else { 0.0 };
             level * BANDS * libm::sin(TAU * (v as f64 / BAND_ROWS + phase))
         };
         let added = |u: usize, v: usize, stream: &mut Stream| match self {
-            Self::DriftingStripes => {
+            Self::DriftingStripes(_) => {
                 let (whole, part) = (drifted(u).max(0.0) as usize, drifted(u).max(0.0).fract() as f32);
                 (1.0 - part) * pattern.at(whole, 0) + part * pattern.at(whole + 1, 0)
             }
@@ -279,18 +341,29 @@ impl std::str::FromStr for NoiseCase {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let quality = text.strip_prefix("jpeg-").and_then(|q| q.parse().ok());
-        if let Some(quality @ 1..=100) = quality {
-            return Ok(Self::Jpeg(quality));
-        }
-        let times = text.strip_prefix("varying-").and_then(|times| times.parse().ok());
-        if let Some(times @ 2..=9) = times {
-            return Ok(Self::Varying(times));
+        let number = |prefix: &str, range: RangeInclusive<u8>| {
+            text.strip_prefix(prefix).and_then(|n| n.parse().ok()).filter(|n| range.contains(n))
+        };
+        let tenths = |text: &str| {
+            let (whole, part) = text.split_once('.').unwrap_or((text, "0"));
+            let digit = |text: &str| text.parse::<u8>().ok().filter(|n| *n <= 9);
+            digit(whole).zip(digit(part)).map(|(whole, part)| 10 * whole + part).filter(|n| *n > 0)
+        };
+        let found = (number("jpeg-", 1..=100).map(Self::Jpeg))
+            .or_else(|| number("colour-jpeg-", 1..=100).map(Self::ColourJpeg))
+            .or_else(|| number("varying-", 2..=9).map(Self::Varying))
+            .or_else(|| number("fading-", 1..=99).map(Self::Fading))
+            .or_else(|| number("breathing-", 1..=99).map(Self::Breathing))
+            .or_else(|| number("fixed-pattern-", 1..=100).map(Self::FixedPattern))
+            .or_else(|| text.strip_prefix("drifting-stripes-").and_then(tenths).map(Self::DriftingStripes));
+        if let Some(found) = found {
+            return Ok(found);
         }
         Self::ALL.into_iter().find(|case| case.name() == text).ok_or_else(|| {
             let names: Vec<String> = Self::ALL.iter().map(|case| case.name()).collect();
             format!(
-                "'{text}' is none of {} (any quality from 1 to 100, and any multiple from 2 to 9)",
+                "'{text}' is none of {} (any quality from 1 to 100, multiple from 2 to 9, percentage from 1 to 99, and speed from \
+                 0.1 to 9.9 px/frame)",
                 names.join(", ")
             )
         })
@@ -307,16 +380,46 @@ fn mapped(plane: &Plane, value: impl Fn(f32) -> f32) -> Plane {
     Plane::from_vec(plane.width(), plane.height(), plane.data().iter().map(|&x| value(x)).collect())
 }
 
-/// The frame after storage in an 8-bit grey JPEG file of `quality`.
-fn through_jpeg(frame: &Plane, quality: u8) -> Plane {
-    let (width, height) = frame.size();
-    let grey: Vec<u8> = frame.data().iter().map(|&x| (quantised_word(f64::from(x), 8) >> 8) as u8).collect();
+/// The frame after storage in an 8-bit JPEG file of `quality`: grey for one channel, the luma of three.
+fn through_jpeg(channels: &[&Plane], quality: u8) -> Plane {
+    let (width, height) = channels[0].size();
+    let byte = |x: f32| (quantised_word(f64::from(x), 8) >> 8) as u8;
+    let bytes: Vec<u8> =
+        (0..width * height).flat_map(|i| channels.iter().map(move |channel| byte(channel.data()[i]))).collect();
+    let colour = if channels.len() == 1 { image::ExtendedColorType::L8 } else { image::ExtendedColorType::Rgb8 };
     let mut file = Vec::new();
     image::codecs::jpeg::JpegEncoder::new_with_quality(&mut file, quality)
-        .encode(&grey, width as u32, height as u32, image::ExtendedColorType::L8)
-        .expect("a grey picture of a burst's size can be a JPEG file");
+        .encode(&bytes, width as u32, height as u32, colour)
+        .expect("a picture of a burst's size can be a JPEG file");
     let decoded = image::load(Cursor::new(file), image::ImageFormat::Jpeg).expect("the file was just written");
-    Plane::from_vec(width, height, decoded.to_luma8().iter().map(|&x| f32::from(x) / 255.0).collect())
+    let grey = |pixel: &[u8]| match pixel {
+        [grey] => f32::from(*grey),
+        _ => pixel.iter().zip(LUMA_WEIGHTS).map(|(x, weight)| weight * f32::from(*x)).sum(),
+    };
+    let values = decoded.as_bytes().chunks_exact(channels.len()).map(|pixel| grey(pixel) / 255.0);
+    Plane::from_vec(width, height, values.collect())
+}
+
+/// The frame with the bright lines of [`NoiseCase::CosmicStreaks`].
+fn with_streaks(mut frame: Plane, sigma: f64, stream: &mut Stream) -> Plane {
+    let (width, height) = frame.size();
+    for _ in 0..(width * height).div_ceil(PIXELS_A_STREAK) {
+        let (u, v) = (width as f64 * stream.uniform(), height as f64 * stream.uniform());
+        let (along, across) = (libm::cos(TAU * stream.uniform()), stream.uniform() < 0.5);
+        let across = (1.0 - along * along).sqrt() * if across { 1.0 } else { -1.0 };
+        let amplitude = (sigma * stream.within(5.0, 20.0)) as f32;
+        // Steps of a pixel along the longer axis, so that each pixel of the line is lit once.
+        let longer = along.abs().max(across.abs());
+        let steps = (stream.within(STREAK_LENGTHS.0, STREAK_LENGTHS.1) * longer) as usize;
+        for i in 0..=steps {
+            let at = |from: f64, by: f64| (from + i as f64 * by / longer).round();
+            let (x, y) = (at(u, along), at(v, across));
+            if x >= 0.0 && y >= 0.0 && (x as usize) < width && (y as usize) < height {
+                frame.row_mut(y as usize)[x as usize] += amplitude;
+            }
+        }
+    }
+    frame
 }
 
 /// Next frame of [`NoiseCase::Smoothed`] after `before`, from the new noise of `frame`.
@@ -334,18 +437,18 @@ fn with_noisy_columns(mut frame: Plane, sigma: f64, stream: &mut Stream) -> Plan
     frame
 }
 
-/// The frame around [`LEVEL`] filtered by 1, 2, 1 along both axes and scaled to its previous strength.
-fn with_shared_noise(frame: &Plane) -> Plane {
+/// The frame around `level` filtered by 1, 2, 1 along both axes and scaled to its previous strength.
+fn with_shared_noise(frame: &Plane, level: f64) -> Plane {
     let (width, height) = frame.size();
     let at = |u: i64, v: i64| frame.at(u.clamp(0, width as i64 - 1) as usize, v.clamp(0, height as i64 - 1) as usize);
     // The weights' squares sum to (1 + 4 + 1)².
     let scale = 1.0 / 6.0;
     Plane::from_fn(width, height, |u, v| {
         let line = |dv: i64| {
-            let at = |du: i64| at(u as i64 + du, v as i64 + dv) - LEVEL as f32;
+            let at = |du: i64| at(u as i64 + du, v as i64 + dv) - level as f32;
             at(-1) + 2.0 * at(0) + at(1)
         };
-        LEVEL as f32 + scale * (line(-1) + 2.0 * line(0) + line(1))
+        level as f32 + scale * (line(-1) + 2.0 * line(0) + line(1))
     })
 }
 
@@ -375,7 +478,18 @@ mod tests {
         }
         assert_eq!("jpeg-77".parse(), Ok(NoiseCase::Jpeg(77)));
         assert_eq!("varying-3".parse(), Ok(NoiseCase::Varying(3)));
-        for bad in ["jpeg-0", "jpeg-101", "varying-1", "varying-x", "grey", ""] {
+        assert_eq!("drifting-stripes-2".parse(), Ok(NoiseCase::DriftingStripes(20)));
+        for bad in [
+            "jpeg-0",
+            "jpeg-101",
+            "varying-1",
+            "varying-x",
+            "drifting-stripes-0.0",
+            "drifting-stripes-10",
+            "fading-",
+            "grey",
+            "",
+        ] {
             let error = bad.parse::<NoiseCase>().expect_err(bad);
             assert!(error.contains("column-stripes"), "{error}");
         }
@@ -407,11 +521,12 @@ mod tests {
     fn what_changes_from_frame_to_frame_is_what_it_says() {
         let of_columns = |case: NoiseCase, t: usize| -> Vec<f64> {
             let burst = burst(case);
-            (0..SIZE.0).map(|u| of_frame(&burst, t, u..u + 1).0 - LEVEL).collect()
+            (0..SIZE.0).map(|u| of_frame(&burst, t, u..u + 1).0 - NoiseCase::LEVEL).collect()
         };
         let power = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64;
         // Ten frames later the stripes are three pixels farther to the right.
-        let (first, last) = (of_columns(NoiseCase::DriftingStripes, 0), of_columns(NoiseCase::DriftingStripes, 9));
+        let (first, last) =
+            (of_columns(NoiseCase::DriftingStripes(3), 0), of_columns(NoiseCase::DriftingStripes(3), 9));
         let shared = |by: usize| first.iter().zip(&last[by..]).map(|(a, b)| a * b).sum::<f64>() / SIZE.0 as f64;
         assert!(
             shared(3) > 0.6 * power(&first) && shared(0).abs() < 0.4 * power(&first),

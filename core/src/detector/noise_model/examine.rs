@@ -4,10 +4,11 @@
 //! Where nothing is found, the frames are unchanged.
 
 use super::changing_lines::ChangingLines;
+use super::codec::Flattened;
 use super::contrast::{SceneMotion, looked_at};
-use super::fixed_pattern::FixedPattern;
+use super::fixed_pattern::{FixedPattern, are_struck, mask_struck};
 use super::frames::FrameSurvey;
-use super::high_pass::{FREE_VALUES, HighPass, Lattice, SQUARE_PIXELS, quiet_variance};
+use super::high_pass::{FREE_VALUES, HighPass, Lattice, SQUARE_PIXELS};
 use super::reading::{BoxPyramid, Reading};
 use super::spectrum::{Sources, measure};
 use super::variance::{ExcessMap, PhotonTransfer, Square, differ_by_place};
@@ -60,15 +61,17 @@ pub fn examine(
     monitor: &Monitor,
 ) -> Result<Option<Examined>, Cancelled> {
     let ForSearch { space, octaves, slopes, flicker } = search;
-    let squares = HighPass::new(&planes(frames));
+    let mut squares = HighPass::new(&planes(frames));
     monitor.check()?;
+    let flattened = Flattened::find(&planes(frames), quantisation_step);
+    squares.are_flattened = flattened.is_some();
     let survey = FrameSurvey::new(&squares);
     let kept = survey.kept();
     if squares.places.is_empty() || kept.len() < 2 {
         return Ok(None);
     }
     let mut clean: Vec<Arc<Plane>> = kept.iter().map(|&t| frames[t].clone()).collect();
-    let is_evened = survey.flicker > 0.0 && *flicker == Flicker::Auto;
+    let is_evened = (survey.flicker > 0.0 || survey.drift > 0.0) && *flicker == Flicker::Auto;
     if is_evened {
         for (frame, &t) in clean.iter_mut().zip(&kept) {
             let gain = survey.frames[t].gain;
@@ -77,13 +80,19 @@ pub fn examine(
     }
     let (looked, contrasts) = looked_at(clean.len(), frames[0].data().len());
     let first_look = squares.only(&looked.iter().map(|&i| kept[i]).collect::<Vec<_>>());
-    let about = quiet_variance(first_look.mean_variances(&contrasts), FREE_VALUES);
+    let about = first_look.noise_in(first_look.mean_variances(&contrasts));
     let shown = survey.shown(&first_look, &contrasts);
+    let pattern_share = survey.pattern_share(&squares, about);
     // The mean of frames that have noise in common has more of it.
     let more = repeated_in_place(&survey.correlations, looked.len()) / shown;
     let expected = Expected { variance: about * more, is_shared: !survey.correlations.is_empty(), slopes };
-    let (reading, pattern) = read(&mut clean, &looked, &expected, pyramid_levels(octaves), monitor)?;
-    let is_changed = is_evened || !pattern.is_empty();
+    let fastest = slopes.iter().map(|slope| slope.magnitude()).fold(0.0, f32::max);
+    let is_struck = flattened.is_none() && are_struck(&first_look, &contrasts, about);
+    let struck = if is_struck { mask_struck(&mut clean, about, fastest.ceil() as usize + 1) } else { 0 };
+    monitor.check()?;
+    let (reading, mut pattern) = read(&mut clean, &looked, &expected, pyramid_levels(octaves), monitor)?;
+    pattern.struck = struck;
+    let is_changed = is_evened || struck > 0 || !pattern.is_empty();
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
     let squares = if is_changed { HighPass::new(&looked_planes) } else { first_look };
 
@@ -103,12 +112,14 @@ pub fn examine(
         is_local: true,
         correlations: survey.correlations.clone(),
         shown,
+        pattern_share,
+        flattened,
         warnings: [of_frames(&survey, is_evened), of_pattern(&pattern)].concat(),
         pattern,
         ..NoiseModel::default()
     };
     fit_brightness(&mut model, &squares, looked.len(), quantisation_step);
-    if differ_by_place(&squares.0, &model.transfer, squares.1) {
+    if flattened.is_none() && differ_by_place(&squares.0, &model.transfer, squares.1) {
         let lattice = Lattice::dense(frames[0].size());
         let dense = measured(&HighPass::on_lattice(&looked_planes, lattice));
         model.excess = ExcessMap::find(&dense.0, lattice, &model.transfer, dense.1);
@@ -121,11 +132,18 @@ pub fn examine(
     model.frames = survey.frames;
     let middle = pyramids[pyramids.len() / 2];
     let variance_in = |region: &Region| variance_in(&model, middle, &squares.0, region);
-    let sources = Sources { frames: &looked_planes, contrasts: &contrasts, motion, variance_in: &variance_in };
+    let sources = Sources {
+        frames: &looked_planes,
+        contrasts: &contrasts,
+        motion,
+        variance_in: &variance_in,
+        are_flattened: flattened.is_some(),
+    };
     let levels = measure(sources, space, octaves.clone(), monitor)?;
     // As the files have them: cleaning moves values away from the ends of the range.
     let as_read: Vec<&Plane> = looked.iter().map(|&i| &*frames[kept[i]]).collect();
     let (share, cut_off) = cut_off(&as_read, quantisation_step);
+    model.warnings.extend(flattened.map(|flattened| flattened.warning()));
     model.warnings.extend(of_spectrum(&levels));
     model.warnings.extend(of_places(model.excess.as_ref()));
     model.warnings.extend(cut_off);
@@ -228,7 +246,11 @@ fn listed(squares: &HighPass, variances: Vec<f32>, frames: usize) -> (Vec<Square
 /// Fits the variance over brightness.
 fn fit_brightness(model: &mut NoiseModel, (squares, free): &(Vec<Square>, f32), frames: usize, step: f32) {
     let pairs: Vec<(f32, f32)> = squares.iter().map(|s| (s.brightness, s.variance)).collect();
-    model.transfer = PhotonTransfer::fit(&pairs, SQUARE_PIXELS * frames, *free);
+    model.transfer = match model.flattened {
+        // Rounding by the codec decides on the variance, not the brightness.
+        Some(_) => PhotonTransfer::even(pairs.iter().map(|pair| pair.1).sum::<f32>() / pairs.len() as f32),
+        None => PhotonTransfer::fit(&pairs, SQUARE_PIXELS * frames, *free),
+    };
     // Variance of rounding alone.
     let min = step * step / 12.0;
     model.transfer.min = model.transfer.min.max(min);
@@ -349,7 +371,7 @@ mod tests {
             (NoiseCase::ClippedBlack, CutOff),
             (NoiseCase::Saturated, CutOff),
             (NoiseCase::ConstantFrame, OutlierFrames),
-            (NoiseCase::DriftingStripes, ChangingLines),
+            (NoiseCase::DriftingStripes(3), ChangingLines),
             (NoiseCase::Varying(2), DiffersByPlace),
             (NoiseCase::Varying(6), DiffersByPlace),
             (NoiseCase::Banding, ChangingLines),
@@ -357,9 +379,23 @@ mod tests {
             (NoiseCase::Smoothed, SmoothedOverTime),
             (NoiseCase::FlickeringPixels, HotPixels),
             (NoiseCase::NoisyColumns, ChangingLines),
+            (NoiseCase::Fading(10), GainFlicker),
+            (NoiseCase::CosmicStreaks, Struck),
+            (NoiseCase::ColourJpeg(30), FlattenedByCodec),
         ] {
             let kinds = kinds(noise);
             assert!(kinds.contains(&kind), "{noise:?}: {kinds:?}");
+        }
+    }
+
+    #[test]
+    fn a_weak_pattern_is_measured_in_the_mean_of_the_frames() {
+        for (percent, share) in [(20u8, 0.038), (40, 0.138)] {
+            let (_, found) = case(NoiseCase::FixedPattern(percent));
+            assert!((found.model.pattern_share / share - 1.0).abs() < 0.35, "{percent}: {}", found.model.pattern_share);
+        }
+        for noise in [NoiseCase::White, NoiseCase::Correlated, NoiseCase::NoisyHalf, NoiseCase::Jpeg(60)] {
+            assert_eq!(case(noise).1.model.pattern_share, 0.0, "{noise:?}");
         }
     }
 

@@ -38,6 +38,8 @@ pub struct HighPass {
     values: Vec<Vec<f32>>,
     /// For each frame, the mean of each square, fraction of full scale.
     pub brightness: Vec<Vec<f32>>,
+    /// Whether quiet squares are no evidence of low noise, because a codec flattened them.
+    pub are_flattened: bool,
 }
 
 impl HighPass {
@@ -65,7 +67,8 @@ impl HighPass {
         };
         let (values, brightness) = frames.par_iter().map(of_frame).unzip();
         let middle = |at: usize| at as f32 + PATCH as f32 - 0.5;
-        Self { places: corners.iter().map(|&(u, v)| (middle(u), middle(v))).collect(), values, brightness, corners }
+        let places = corners.iter().map(|&(u, v)| (middle(u), middle(v))).collect();
+        Self { places, values, brightness, corners, are_flattened: false }
     }
 
     /// Squares of some of the frames.
@@ -75,6 +78,17 @@ impl HighPass {
             corners: self.corners.clone(),
             values: frames.iter().map(|&t| self.values[t].clone()).collect(),
             brightness: frames.iter().map(|&t| self.brightness[t].clone()).collect(),
+            are_flattened: self.are_flattened,
+        }
+    }
+
+    /// Variance of the noise from the `variances` of all squares: of the quiet ones, or, where a codec flattened those,
+    /// their mean.
+    pub fn noise_in(&self, variances: Vec<f32>) -> f32 {
+        if self.are_flattened {
+            variances.iter().sum::<f32>() / variances.len().max(1) as f32
+        } else {
+            quiet_variance(variances, FREE_VALUES)
         }
     }
 

@@ -8,6 +8,7 @@
 //! assumption that fails.
 
 pub mod changing_lines;
+pub mod codec;
 pub mod contrast;
 pub mod examine;
 pub mod fixed_pattern;
@@ -23,10 +24,11 @@ pub use warning::{NoiseWarning, WarningKind};
 
 use crate::detector::noise::dog_noise_variance;
 use crate::detector::params::slope_grid::Slope;
-use crate::detector::scale_space::ScaleSpace;
+use crate::detector::scale_space::{SIGMA_INPUT, ScaleSpace};
 use crate::kernel::stack::FrameOffset;
 use crate::plane::Plane;
 use changing_lines::{ChangingLines, Extent};
+use codec::{Flattened, InBlock};
 use fixed_pattern::{FixedPattern, Stripes};
 use frames::FrameFacts;
 use reading::{BoxPyramid, REACH, sample_at};
@@ -55,6 +57,13 @@ pub struct NoiseModel {
     /// Share of the variance of one frame's noise that differences of neighbouring frames show.
     #[serde(skip)]
     shown: f32,
+    /// Share of the variance of one frame's noise that is the same in all frames, as a pattern of the sensor too weak
+    /// to be seen pixel by pixel; 0 where there is none.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub pattern_share: f32,
+    /// Flattening of blocks by the codec of the frames' files; `None` where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flattened: Option<Flattened>,
     /// Fixed pattern of the sensor, which has been removed.
     pub pattern: FixedPattern,
     /// Assumptions that do not hold.
@@ -94,6 +103,10 @@ const FRAMES_SAMPLED: usize = 4;
 /// Rounding error of D relative to the brightest value: two steps of `f32`.
 const ROUNDING: f32 = 2.4e-7;
 
+fn is_zero(share: &f32) -> bool {
+    *share == 0.0
+}
+
 impl NoiseModel {
     /// White noise of standard deviation `frame_noise` everywhere.
     pub fn white(frame_noise: f32) -> Self {
@@ -119,7 +132,17 @@ impl NoiseModel {
         let filter = [0, 1].map(|up| (space.sigma_image(octave, f64::from(level + up)) as f32).powi(2));
         let over_time = self.repeated_over_time(offsets.len(), slope.magnitude(), filter);
         let of_frames = white as f32 * noise.over_white * frame * over_time;
-        let tails = noise.excess_kurtosis / offsets.len() as f32 / 24.0 * (gate * gate - 3.0).max(0.0);
+        let tails = match self.flattened {
+            Some(_) => {
+                let [low, high] = filter.map(|variance| f64::from(variance) - SIGMA_INPUT * SIGMA_INPUT);
+                let in_block = InBlock::of_filter(low, high);
+                // At a place that the block favours in all frames the noise is stronger, not rarer.
+                let of_time = 3.0 * (noise.excess_kurtosis + 3.0) / (in_block.kurtosis() + 3.0) - 3.0;
+                let shifts = offsets.iter().map(|o| (o.whole_u as f32 + o.part_u, o.whole_v as f32 + o.part_v));
+                codec::rare(of_time, offsets.len(), gate) * in_block.largest(shifts).sqrt() - 1.0
+            }
+            None => noise.excess_kurtosis / offsets.len() as f32 / 24.0 * (gate * gate - 3.0).max(0.0),
+        };
         let sigma = (of_frames + self.stripes_left(space, octave, level)).sqrt()
             * (1.0 + tails + SKEWED * self.brightness.cut_off + RISING * self.rise(octave));
         sigma.max(ROUNDING * self.brightness.brightest)
@@ -247,18 +270,22 @@ impl NoiseModel {
     /// noise, for frames whose noise is correlated and a slope of `speed` px/frame: noise that stays in place counts
     /// again as far as the filter, the difference of Gaussians of the variances `filter` (pixels²), still reaches it.
     fn repeated_over_time(&self, frames: usize, speed: f32, filter: [f32; 2]) -> f32 {
-        if self.correlations.is_empty() {
+        if self.correlations.is_empty() && self.pattern_share == 0.0 {
             return 1.0;
         }
         let [low, high] = filter;
         let gaussian = |variance: f32, shift: f32| (-0.5 * shift * shift / variance).exp() / variance;
         let overlap =
             |shift: f32| gaussian(2.0 * low, shift) - 2.0 * gaussian(low + high, shift) + gaussian(2.0 * high, shift);
-        let shared = |(k, correlation): (usize, &f32)| {
+        let shared = |(k, correlation): (usize, f32)| {
             let lag = (k + 1) as f32;
             (1.0 - lag / frames as f32).max(0.0) * correlation * (overlap(lag * speed) / overlap(0.0)).max(0.0)
         };
-        let sum = 1.0 + 2.0 * self.correlations.iter().enumerate().map(shared).sum::<f32>();
+        if self.correlations.is_empty() {
+            let always = std::iter::repeat_n(self.pattern_share, frames.saturating_sub(1));
+            return (1.0 + 2.0 * always.enumerate().map(shared).sum::<f32>()).max(1.0) / (1.0 - self.pattern_share);
+        }
+        let sum = 1.0 + 2.0 * self.correlations.iter().copied().enumerate().map(shared).sum::<f32>();
         sum.max(1.0) / self.shown.max(0.02)
     }
 }

@@ -35,10 +35,14 @@ pub enum WarningKind {
     SharedByNeighbours,
     /// Strong noise is more frequent than in a normal distribution.
     LongTails,
+    /// The files' codec flattened blocks.
+    FlattenedByCodec,
     /// The noise differs by place more than the brightness predicts.
     DiffersByPlace,
     /// Single pixels stay bright or dark.
     HotPixels,
+    /// Single pixels are bright in one frame only.
+    Struck,
     /// Columns or rows have offsets.
     Stripes,
     /// Columns or rows have offsets that change from frame to frame.
@@ -101,6 +105,15 @@ pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarni
         let text = format!("the exposure flickers by {:.1} %; the frames {done}", 100.0 * survey.flicker);
         warnings.push(NoiseWarning::new(WarningKind::GainFlicker, survey.flicker, text));
     }
+    if survey.drift > 0.0 {
+        let done = if is_evened {
+            "the frames were brought to the same brightness; fix the exposure, or give --flicker off to search them as they are"
+        } else {
+            "the frames were left as they are, so that borders that not all of them cover show edges; give --flicker auto"
+        };
+        let text = format!("the exposure changes by {:.1} % over the burst; {done}", 100.0 * survey.drift);
+        warnings.push(NoiseWarning::new(WarningKind::GainFlicker, survey.drift, text));
+    }
     if let Some(&correlation) = survey.correlations.first() {
         let text = format!(
             "the noise of consecutive frames is correlated ({correlation:.2}), so {} frames are worth fewer; the gate is raised; record \
@@ -121,6 +134,13 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
             "{hot} hot, dead or flickering pixels masked; a dark frame given as --bias removes those that do not flicker exactly"
         );
         warnings.push(NoiseWarning::new(WarningKind::HotPixels, hot as f32, text));
+    }
+    if pattern.struck > 0 {
+        let text = format!(
+            "{} pixels are bright in one frame only, as cosmic rays leave them; they were masked there; leave out frames with flashes",
+            pattern.struck
+        );
+        warnings.push(NoiseWarning::new(WarningKind::Struck, pattern.struck as f32, text));
     }
     for (words, stripes) in [("columns", &pattern.columns), ("rows", &pattern.rows)] {
         if let Some(stripes) = stripes {

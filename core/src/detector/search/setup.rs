@@ -13,7 +13,7 @@ use crate::detector::noise::{frame_noise, gate_factor};
 use crate::detector::noise_model::warning::of_merge;
 use crate::detector::noise_model::{Examined, ForSearch, NoiseModel, examine};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
-use crate::detector::params::{DetectorParams, Method, NoiseModelKind};
+use crate::detector::params::{DetectorParams, Method, NoiseGate, NoiseModelKind};
 use crate::detector::refine::MAX_FITS;
 use crate::detector::scale_space::planes::SlopeStack;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
@@ -113,6 +113,10 @@ impl Inputs {
         monitor.report(Stage::Noise, 0.0);
         let space = ScaleSpace::of(params);
         let Examined { model, frames, kept } = known_noise(burst, params, &space, monitor)?;
+        if let Some(refused) = model.flattened.filter(|f| params.noise_gate == NoiseGate::Strict && !f.is_measurable())
+        {
+            return Err(DetectError::Param(refused.against_strict()));
+        }
         let times = FrameTimes { frame_count: frames_used.len(), kept };
         let (size_image, noise, params) = (burst.size(), Arc::new(model), params.clone());
         Ok(Self { frames, times, frames_used, size_image, space, params, noise })

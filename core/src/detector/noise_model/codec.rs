@@ -1,0 +1,274 @@
+//! Blocks that a file's codec flattened.
+//!
+//! A JPEG file keeps of each block of 8×8 pixels only what exceeds half a step of its table. Weak noise is rounded away
+//! in most blocks, and where it happens to exceed the step it leaves a pattern as strong as the step; block means jump
+//! by a step in the same way. A flattened block is therefore no evidence of low noise: the quiet part of the image, from
+//! which noise is measured elsewhere, is here what the codec left out. Where a codec flattened a good part of the
+//! blocks, the noise is measured from all of them, and the gate allows for noise that is rare and strong ([`rare`]).
+//!
+//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): `jpeg-20` 8769,
+//! `colour-jpeg-30` 4424, since the noise of most squares is then that of rounding.
+
+use super::warning::{NoiseWarning, WarningKind};
+use crate::detector::params::{ParamError, doc};
+use crate::plane::Plane;
+use serde::Serialize;
+
+/// Side of a codec's block, pixels; blocks begin at multiples of it.
+const SIDE: usize = 8;
+/// Number of blocks of a frame that are looked at, about.
+const BLOCKS: usize = 2048;
+/// Number of frames that are looked at.
+const FRAMES: usize = 4;
+/// Share of the blocks from which on they are no evidence of low noise.
+const MIN_FLAT: f32 = 0.25;
+/// Ratio of the shares with structure, half a block off the codec's blocks to in them, above which the blocks are a
+/// codec's: one with structure shares its pixels with four of those, an object of the scene lies in as many of either.
+const OFF_TO_IN: f32 = 1.25;
+/// Number of standard errors above which that ratio is significant.
+const SURE: f32 = 5.0;
+/// Standard deviation of a filter, pixels, above which it does not resolve blocks.
+const WIDE: f64 = 10.0;
+/// Share with structure, half a block off, below which too little is left to measure the noise.
+const ENOUGH: f32 = 0.02;
+
+/// Flattening of a burst's frames by their codec.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Flattened {
+    /// Share of the codec's blocks that are flat.
+    pub share: f32,
+    /// Share of the blocks that lie half a block off the codec's and have structure: in them noise is left.
+    pub shown: f32,
+}
+
+impl Flattened {
+    /// Finds whether a codec flattened blocks of `frames`, whose values differ by `step` at least (0 if unknown: then
+    /// nothing is found).
+    pub fn find(frames: &[&Plane], step: f32) -> Option<Self> {
+        let (width, height) = frames.first()?.size();
+        let (columns, rows) = ((width / SIDE).saturating_sub(1), (height / SIDE).saturating_sub(1));
+        let total = columns * rows;
+        if step <= 0.0 || total == 0 {
+            return None;
+        }
+        let (count, looked) = (total.min(BLOCKS), frames.len().min(FRAMES));
+        let frame = |i: usize| frames[i * (frames.len() - 1) / (looked - 1).max(1)];
+        let share = |off: usize| {
+            let flat = |t: usize| {
+                let place = |i: usize| {
+                    let index = i * total / count;
+                    (SIDE * (index % columns) + off, SIDE * (index / columns) + off)
+                };
+                (0..count).filter(|&i| is_flat(frame(t), place(i), step)).count()
+            };
+            (0..looked).map(flat).sum::<usize>() as f32 / (looked * count) as f32
+        };
+        let flat = share(0);
+        if flat < MIN_FLAT {
+            return None;
+        }
+        let shown = 1.0 - share(SIDE / 2);
+        let error = ((1.0 - flat) * flat / (looked * count) as f32).sqrt();
+        let is_codec = shown > OFF_TO_IN * (1.0 - flat) && shown - (1.0 - flat) > SURE * error;
+        is_codec.then_some(Self { share: flat, shown })
+    }
+
+    /// Whether enough blocks have structure to measure the noise.
+    pub fn is_measurable(&self) -> bool {
+        self.shown >= ENOUGH
+    }
+
+    /// Refusal of the strict gate, whose promise needs noise that can be measured.
+    pub(in crate::detector) fn against_strict(&self) -> ParamError {
+        ParamError {
+            parameter: doc::NOISE_GATE.name,
+            problem: format!(
+                "{:.1} % of the blocks of 8×8 pixels are flat, as JPEG files of low quality have them, so that the noise cannot be \
+                 measured and the gate strict cannot promise anything",
+                100.0 * self.share
+            ),
+            remedy: "save the frames without loss, or give auto or a number".to_owned(),
+        }
+    }
+
+    pub(super) fn warning(&self) -> NoiseWarning {
+        let percent = 100.0 * self.share;
+        let what = if self.is_measurable() {
+            "their noise is taken to be that of the others, which is rare and strong, and the gate is raised"
+        } else {
+            "too few are left to measure the noise, so false features may pass the gate"
+        };
+        let text = format!(
+            "{percent:.1} % of the blocks of 8×8 pixels are flat, as JPEG files of low quality have them; {what}; save the frames \
+             without loss"
+        );
+        NoiseWarning::new(WarningKind::FlattenedByCodec, self.share, text)
+    }
+}
+
+/// Whether the values of the block at (u, v) differ by one step at most.
+fn is_flat(frame: &Plane, (u, v): (usize, usize), step: f32) -> bool {
+    let (mut min, mut max) = (f32::INFINITY, f32::NEG_INFINITY);
+    (v..v + SIDE).all(|v| {
+        for &x in &frame.row(v)[u..u + SIDE] {
+            (min, max) = (min.min(x), max.max(x));
+        }
+        max - min <= 1.01 * step
+    })
+}
+
+/// Variance of D, relative to its mean, by place in a block, where each block has an offset of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InBlock([[f64; SIDE]; SIDE]);
+
+impl InBlock {
+    /// Variance in the difference of two isotropic Gaussians of the variances `low` and `high`, pixels².
+    pub fn of_filter(low: f64, high: f64) -> Self {
+        if low > WIDE * WIDE {
+            return Self([[1.0; SIDE]; SIDE]);
+        }
+        // Share of the block that begins `from` pixels after a place in the Gaussian there, along one axis.
+        let reach = (4.0 * high.sqrt() / SIDE as f64).ceil() as i64 + 1;
+        let share = |variance: f64, from: f64| {
+            let below = |x: f64| 0.5 * libm::erfc(-x / (2.0 * variance).sqrt());
+            below(from + SIDE as f64 - 0.5) - below(from - 0.5)
+        };
+        let products: [[f64; 3]; SIDE] = std::array::from_fn(|place| {
+            let blocks = (-reach..=reach).map(|block| (block * SIDE as i64 - place as i64) as f64);
+            blocks.fold([0.0; 3], |[a, b, c], from| {
+                let (l, h) = (share(low.max(0.01), from), share(high.max(0.02), from));
+                [a + l * l, b + l * h, c + h * h]
+            })
+        });
+        let at = |u: usize, v: usize| {
+            let [a, b, c] = std::array::from_fn(|i| products[u][i] * products[v][i]);
+            a - 2.0 * b + c
+        };
+        let variances: [[f64; SIDE]; SIDE] = std::array::from_fn(|v| std::array::from_fn(|u| at(u, v)));
+        let mean = variances.iter().flatten().sum::<f64>() / (SIDE * SIDE) as f64;
+        Self(variances.map(|row| row.map(|x| x / mean)))
+    }
+
+    /// Excess kurtosis that the place alone makes.
+    pub fn kurtosis(&self) -> f32 {
+        (3.0 * self.0.iter().flatten().map(|x| x * x).sum::<f64>() / (SIDE * SIDE) as f64 - 3.0) as f32
+    }
+
+    /// Largest variance, over the places, of the mean of frames that are read `shifts` pixels farther along both axes.
+    pub fn largest(&self, shifts: impl Iterator<Item = (f32, f32)>) -> f32 {
+        let mut sums = [[0.0; SIDE]; SIDE];
+        let mut frames = 0.0;
+        for (du, dv) in shifts {
+            let whole = |shift: f32| (shift.round() as i64).rem_euclid(SIDE as i64) as usize;
+            let (du, dv) = (whole(du), whole(dv));
+            for (v, row) in sums.iter_mut().enumerate() {
+                let from = &self.0[(v + dv) % SIDE];
+                row.iter_mut().enumerate().for_each(|(u, sum)| *sum += from[(u + du) % SIDE]);
+            }
+            frames += 1.0;
+        }
+        (sums.iter().flatten().fold(0.0, |a: f64, b| a.max(*b)) / frames) as f32
+    }
+}
+
+/// Factor on the standard deviation of the mean of `frames` frames, so that `gate` times it is exceeded as rarely as
+/// normal noise exceeds `gate`, where the noise of one frame has the excess kurtosis `kurtosis`: it is taken for normal
+/// noise that is present in a share 3/(3 + kurtosis) of the frames at each place. At least 1.
+pub fn rare(kurtosis: f32, frames: usize, gate: f32) -> f32 {
+    let present = 3.0 / (3.0 + f64::from(kurtosis.max(0.0)));
+    // Beyond some dozens of frames the mean is nearly normal, and their exact number matters no more.
+    let n = frames.clamp(1, 64) as f64;
+    if present > 0.999 {
+        return 1.0;
+    }
+    let beyond = |x: f64| 0.5 * libm::erfc(x * std::f64::consts::FRAC_1_SQRT_2);
+    let chance = |m: f64| {
+        let ways = libm::lgamma(n + 1.0) - libm::lgamma(m + 1.0) - libm::lgamma(n - m + 1.0);
+        libm::exp(ways + m * libm::log(present) + (n - m) * libm::log(1.0 - present))
+    };
+    let chances: Vec<(f64, f64)> =
+        (1..=n as usize).map(|m| (chance(m as f64), (m as f64 / (n * present)).sqrt())).collect();
+    let gate = f64::from(gate.max(0.1));
+    let wanted = beyond(gate);
+    // In all frames at once the noise is 1/√present times as strong as on average.
+    let (mut low, mut high) = (gate, gate / present.sqrt());
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        let tail: f64 = chances.iter().map(|(chance, deviation)| chance * beyond(middle / deviation)).sum();
+        if tail > wanted {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (high / gate) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Monitor;
+    use crate::synth::NoiseCase;
+
+    fn found(case: NoiseCase, level: f64) -> Option<Flattened> {
+        let burst = case.burst_at(level, (320, 240), 4, 0.02, 3, &Monitor::default()).expect("not cancelled");
+        Flattened::find(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>(), 1.0 / 255.0)
+    }
+
+    #[test]
+    fn blocks_of_files_of_low_quality_are_flat() {
+        let grey = found(NoiseCase::Jpeg(30), 0.5).expect("flattened");
+        assert!((0.5..0.8).contains(&grey.share) && grey.is_measurable(), "{grey:?}");
+        for level in [0.2, 0.35] {
+            let colour = found(NoiseCase::ColourJpeg(30), level).expect("flattened");
+            assert!(colour.share > 0.9 && colour.shown > 2.0 * (1.0 - colour.share), "{level}: {colour:?}");
+        }
+        for case in [NoiseCase::White, NoiseCase::Jpeg(90), NoiseCase::ColourJpeg(90), NoiseCase::Constant] {
+            assert_eq!(found(case, 0.5), None, "{case:?}");
+        }
+    }
+
+    #[test]
+    fn strict_is_refused_with_the_reason_where_nothing_is_left() {
+        let left = Flattened { share: 0.999, shown: 0.002 };
+        assert!(!left.is_measurable() && left.warning().text.contains("too few"));
+        let refused = left.against_strict().to_string();
+        assert!(refused.contains("noise-gate") && refused.contains("JPEG"), "{refused}");
+        assert!(Flattened { share: 0.96, shown: 0.1 }.is_measurable());
+    }
+
+    #[test]
+    fn flat_parts_of_a_scene_are_no_blocks() {
+        // Rectangles of one grey each, at any place.
+        let step = 1.0 / 255.0;
+        let scene = Plane::from_fn(400, 300, |u, v| step * ((u / 37 * 7 + v / 23 * 5) % 64) as f32);
+        assert_eq!(Flattened::find(&[&scene], step), None);
+        assert_eq!(Flattened::find(&[&scene], 0.0), None);
+        assert_eq!(Flattened::find(&[&Plane::zeros(15, 9)], step), None);
+    }
+
+    #[test]
+    fn places_in_a_block_differ_most_where_the_filter_is_as_wide_as_it() {
+        let largest = |sigma: f64, slope: f32| {
+            let in_block = InBlock::of_filter(sigma * sigma, (1.15 * sigma).powi(2));
+            in_block.largest((0..10).map(|t| (slope * t as f32, 0.0)))
+        };
+        assert!(largest(3.0, 0.0) > 1.5 && largest(10.0, 0.0) < 1.05, "{} {}", largest(3.0, 0.0), largest(10.0, 0.0));
+        // What moves by some blocks sees all places; what moves by whole blocks a frame stays in place.
+        assert!(largest(3.0, 1.6) < largest(3.0, 0.0) && largest(3.0, 8.0) == largest(3.0, 0.0));
+    }
+
+    #[test]
+    fn rare_noise_needs_a_higher_gate() {
+        for frames in [1, 10, 200] {
+            assert_eq!(rare(0.0, frames, 4.9), 1.0);
+            let factors = [1.0, 8.0, 60.0, 300.0].map(|kurtosis| rare(kurtosis, frames, 4.9));
+            assert!(factors.is_sorted() && factors[0] > 1.0, "{factors:?}");
+        }
+        // In one frame: the share p of the time, with the variance 1/p, so that p·Q(x·√p) = Q(gate).
+        let (share, gate) = (0.1f64, 4.0f64);
+        let beyond = |x: f64| 0.5 * libm::erfc(x / 2f64.sqrt());
+        let x = gate * f64::from(rare((3.0 / share - 3.0) as f32, 1, gate as f32));
+        assert!((share * beyond(x * share.sqrt()) / beyond(gate) - 1.0).abs() < 1e-3, "{x}");
+    }
+}
