@@ -5,7 +5,6 @@ use crate::lab::run_small_study;
 use crate::support::{Start, Window};
 use burstscope::app::project::measure::MeasuredLine;
 use burstscope::engine::Wanted;
-use burstscope::export::is_temporary_name;
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
 use burstscope::requests::{BurstSource, JobError, Request, Urgency, Work};
 use std::convert::Infallible;
@@ -26,7 +25,8 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 
 fn assert_nothing_half_written(folder: &Path) {
     for file in files(folder) {
-        assert!(!is_temporary_name(file.file_name().unwrap()), "{}", file.display());
+        let is_unfinished = |part: &std::ffi::OsStr| part.to_string_lossy().ends_with(".tmp");
+        assert!(!file.iter().any(is_unfinished), "{}", file.display());
         let text = || std::fs::read_to_string(&file).unwrap();
         match file.extension().and_then(|extension| extension.to_str()) {
             Some("svg") => assert!(text().trim_end().ends_with("</svg>"), "{}", file.display()),
