@@ -6,7 +6,7 @@
 # What is typed every day, which installs nothing:
 #
 #   make check         formats, lints and builds the documentation
-#   make test-core     tests the library: the detector, its files and measurements
+#   make test-core     tests the library and the measuring bench
 #   make test-window   tests the window
 #   make accept        accepts what the tests of the window show: look at screenshots/*.new.png first
 #   make pictures      draws the pictures of the documents anew, for a release
@@ -55,7 +55,7 @@ check:
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
 
 test-core:
-	$(CARGO) test -p burstscope-core
+	$(CARGO) test -p burstscope-core -p burstscope-lab
 
 test-window:
 	$(CARGO) test --test window

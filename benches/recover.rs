@@ -4,8 +4,8 @@
 use burstscope::Monitor;
 use burstscope::detector::combine::{Combine, combined_stack};
 use burstscope::detector::{Interpolation, Slope};
-use burstscope::inspect::recover::RecoverStudy;
 use burstscope::plane::Plane;
+use burstscope::recover::RecoverStudy;
 use burstscope::synth::{SceneParams, demo_burst, synth_scene};
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;

@@ -9,7 +9,8 @@
 //! teach               lessons and the glossary, as data
 //! engine              background workers: latest request wins, cancel, progress
 //! requests            what can be asked for in the background, and what is answered
-//! burstscope_core     the method, its measurements and its files
+//! burstscope_lab      what measures and teaches the method
+//! burstscope_core     the method and its files
 //! ```
 
 #[cfg(feature = "app")]
@@ -22,6 +23,6 @@ pub mod teach;
 
 pub use burstscope_core::{Burst, Cancelled, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
 pub use burstscope_core::{
-    baseline, burst, dataset, detector, evaluate, export, figures, files, inspect, kernel, matching, monitor, plane,
-    synth,
+    baseline, burst, dataset, detector, export, files, inspect, kernel, matching, monitor, plane,
 };
+pub use burstscope_lab::{evaluate, figures, recover, study, synth};

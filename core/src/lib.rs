@@ -7,14 +7,13 @@
 //! keypoint for each blob, or, as in the paper, jointly over slope too. This is the method of Ravendran, Bryson and
 //! Dansereau, "BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction" (arXiv 2209.09470).
 //!
-//! This is the library: everything that needs no window and no command line; the package `burstscope` adds those. A
-//! module may use the modules below it, never those above:
+//! This is the library for whoever wants burst features. The package `burstscope-lab` measures it, and `burstscope` adds
+//! the window and the command line. A module may use the modules below it, never those above:
 //!
 //! ```text
 //! inspect             explanations: the fate of a candidate, the slopes a burst needs, the effect of a change
-//! figures             every figure and table of the paper, reproduced
-//! evaluate            the quality of the detector, measured against known truth
 //! dataset             many bursts along a path, and their export to COLMAP
+//! detect              the front door: features of a burst, by any method
 //! baseline, matching  methods for comparison; from descriptors to matches
 //! export              one source file for each format
 //! detector, synth     the method; bursts with known truth
@@ -34,10 +33,9 @@
 pub mod baseline;
 pub mod burst;
 pub mod dataset;
+pub mod detect;
 pub mod detector;
-pub mod evaluate;
 pub mod export;
-pub mod figures;
 pub mod files;
 pub mod inspect;
 pub mod kernel;
@@ -46,8 +44,8 @@ pub mod monitor;
 pub mod plane;
 pub mod synth;
 
-pub use baseline::detect;
 pub use burst::Burst;
+pub use detect::detect;
 pub use detector::{Detection, DetectorParams, Feature, SlopeGrid};
 pub use monitor::{Cancelled, Monitor};
 pub use plane::Plane;

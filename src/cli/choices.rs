@@ -27,9 +27,9 @@ pub(super) const CAMERA_MODELS: &[&str] = &["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE
 /// The words of [`crate::detector::Combine`].
 pub(super) const COMBINES: &[&str] =
     &["mean", "median", "clipped-mean", "max", "min", "deviation", "mean-minus-median"];
-/// The words of [`crate::inspect::recover::Shape`].
+/// The words of [`crate::recover::Shape`].
 pub(super) const SHAPES: &[&str] = &["disc", "blob"];
-/// The words of [`crate::inspect::recover::Contrast`].
+/// The words of [`crate::recover::Contrast`].
 pub(super) const CONTRASTS: &[&str] = &["bright", "dark", "both"];
 /// The words of [`crate::evaluate::poses::Association`].
 pub(super) const ASSOCIATIONS: &[&str] = &["name", "time", "order"];
@@ -48,8 +48,8 @@ mod tests {
         assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));
         assert!(RAW_COLOURS.iter().all(|w| read_word::<crate::burst::RawColour>(w).is_ok()));
         assert!(COMBINES.iter().all(|w| read_word::<crate::detector::Combine>(w).is_ok()));
-        assert!(SHAPES.iter().all(|w| read_word::<crate::inspect::recover::Shape>(w).is_ok()));
-        assert!(CONTRASTS.iter().all(|w| read_word::<crate::inspect::recover::Contrast>(w).is_ok()));
+        assert!(SHAPES.iter().all(|w| read_word::<crate::recover::Shape>(w).is_ok()));
+        assert!(CONTRASTS.iter().all(|w| read_word::<crate::recover::Contrast>(w).is_ok()));
         assert!(ASSOCIATIONS.iter().all(|w| read_word::<Association>(w).is_ok()));
     }
 

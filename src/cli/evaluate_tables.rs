@@ -5,8 +5,8 @@ use crate::evaluate::chart::{ChartReport, ChartSummary, MethodReport};
 use crate::evaluate::frames::FramesReport;
 use crate::evaluate::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseReport};
-use crate::evaluate::score::Ranking;
 use crate::evaluate::statistics::Errors;
+use crate::inspect::score::Ranking;
 use crate::synth::RadiusLaw;
 use std::fmt::{Result, Write};
 

@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::inputs::{open_options, resolve_one};
 use super::probe::parse_place;
 use crate::app::figure::rasterise;
-use crate::baseline::search;
+use crate::detect::search;
 use crate::detector::scale_space::searched_octaves;
 use crate::detector::{Method, SearchParams, Slope, SlopeChoice};
 use crate::export::film::{FilmFormat, estimated_film_bytes};

@@ -5,11 +5,11 @@
 
 use super::args::{CalibrationArgs, OverwriteArgs, SequenceArgs};
 use super::failure::Failure;
-use crate::baseline::check_memory;
 use crate::burst::{
     Burst, BurstFiles, Entries, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries,
     name_among_several,
 };
+use crate::detect::check_memory;
 use crate::detector::SearchParams;
 use crate::export::case::is_case;
 use crate::export::{OpenedFiles, OutputRules, Overwrite, make_file_names_unique};

@@ -1,7 +1,7 @@
 //! Reports of `detect` about each burst, as JSON and as a summary for people.
 
-use crate::baseline::Searched;
 use crate::burst::{Burst, Encoding, Note};
+use crate::detect::Searched;
 use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::{

@@ -11,7 +11,6 @@
 
 mod cache;
 mod fault;
-mod held;
 mod jobs;
 mod queue;
 mod stores;
@@ -20,7 +19,7 @@ mod trails;
 mod wanted;
 
 pub use cache::PictureCache;
-pub use held::Held;
+pub use stores::Held;
 pub use task::{TaskDone, TaskId};
 pub use wanted::{Ended, Want, Wanted};
 

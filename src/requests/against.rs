@@ -3,7 +3,7 @@
 use super::error::JobError;
 use super::open::OpenBurst;
 use super::request::{Request, Urgency, Work};
-use crate::baseline::search;
+use crate::detect::search;
 use crate::detector::{Detection, DetectorParams, SearchParams};
 use crate::inspect::changes::{Changes, ForeignFeature, Spot, compare, read_features};
 use crate::inspect::truth::{AgainstTruth, against_truth};

@@ -5,8 +5,8 @@ use super::error::JobError;
 use super::open::{BurstId, OpenBurst};
 use super::request::{Request, Urgency, Work};
 use super::source::BurstSource;
-use crate::baseline::{self, Searched};
 use crate::burst::OpenOptions;
+use crate::detect::{self, Searched};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
 use crate::inspect::ProbeCache;
 use crate::matching::{MatchParams, MatchResult, match_detections};
@@ -145,7 +145,7 @@ impl Request for CompareRequest {
         match self {
             Self::Match(request) => request.compute(work).map(Compared::Matched),
             Self::Detect(DetectRequest { burst, params }) => {
-                let searched = baseline::search(&burst.burst, &params, work.monitor)?;
+                let searched = detect::search(&burst.burst, &params, work.monitor)?;
                 let Searched { detection, params: used, finding, .. } = searched;
                 let (searched, search_secs) = (used.clone(), detection.times.total_secs());
                 let (burst, asked, params, detection) = (burst.id, params, used, Arc::new(detection));

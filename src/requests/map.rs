@@ -3,7 +3,7 @@
 use super::error::JobError;
 use super::open::OpenBurst;
 use super::trail::TrailStore;
-use crate::baseline::prepare;
+use crate::detect::prepare;
 use crate::detector::view::{combined_view, coverage_view, gate_noise_map};
 use crate::detector::{Combine, DetectorParams, Slope, SlopeGrid};
 use crate::inspect::candidates::{WinningSlopes, winning_slopes};

@@ -3,7 +3,8 @@
 use super::error::JobError;
 use super::picture::{Picture, PictureKind, PictureRequest};
 use super::request::{Kept, Request, Urgency, Work};
-use crate::baseline::{merge_burst, prepare};
+use crate::baseline::merge_burst;
+use crate::detect::prepare;
 use crate::detector::view::{dog_view, stack_view};
 use std::convert::Infallible;
 use std::sync::Arc;

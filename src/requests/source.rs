@@ -3,8 +3,8 @@
 use crate::burst::{Burst, OpenError, OpenOptions, files_at};
 use crate::evaluate::EvaluateError;
 use crate::export::case::{CaseError, is_case, read_case};
-use crate::inspect::recover::RecoverStudy;
 use crate::monitor::{Cancelled, Monitor};
+use crate::recover::RecoverStudy;
 use crate::synth::{
     ChartParams, Example, FrameLevels, NoisyParams, SynthError, Truth, demo_burst, later_demo_burst, synth_chart,
 };

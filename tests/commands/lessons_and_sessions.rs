@@ -7,8 +7,8 @@ use crate::damage::{absurd, absurd_tomls, at, damage, damaged_text, numbers, say
 use burstscope::app::project::Model;
 use burstscope::app::session::Session;
 use burstscope::detector::{SearchParams, SlopeAxis, SlopeGrid};
-use burstscope::inspect::recover::RecoverStudy;
 use burstscope::inspect::set_up::SetUp;
+use burstscope::recover::RecoverStudy;
 use burstscope::requests::{BurstSource, OpenBurst};
 use burstscope::synth::{ChartParams, NoisyParams};
 use burstscope::teach::Lesson;

@@ -7,7 +7,7 @@ use burstscope::app::project::side::Side;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::evaluate::curves::curves_csv;
 use burstscope::evaluate::{BurstMethod, ChartStudy, FramesStudy};
-use burstscope::inspect::study::{Study, StudyReport};
+use burstscope::study::{Study, StudyReport};
 use burstscope::synth::ChartParams;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;

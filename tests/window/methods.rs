@@ -5,7 +5,7 @@ use burstscope::Monitor;
 use burstscope::app::pane::Over;
 use burstscope::app::project::compare::Contender;
 use burstscope::app::project::pair::Side;
-use burstscope::baseline;
+use burstscope::detect;
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::inspect::words::counted;
 use burstscope::requests::BurstSource;
@@ -29,7 +29,7 @@ fn each_method_finds_what_the_library_finds() {
     let burst = model.slots.a.burst.as_ref().unwrap().burst.clone();
     for method in [Contender::Sift, Contender::Merge, Contender::Buff1d, Contender::Buff2d] {
         let found = model.method_found(method, Side::A).unwrap();
-        let expected = baseline::detect(&burst, &method.params(&model.params), &Monitor::default()).unwrap();
+        let expected = detect(&burst, &method.params(&model.params), &Monitor::default()).unwrap();
         assert_eq!(found.detection.features, expected.features, "{method:?}");
         assert!(window.shows(&format!("{}  ·  {}", method.label(), counted(expected.features.len(), "feature"))));
         let name = format!("A: {}", method.label());

@@ -11,8 +11,8 @@ use burstscope::app::view::ColourBy;
 use burstscope::detector::{DetectorParams, NoiseGate, SlopeChoice, SlopeGrid};
 use burstscope::export::case::{Case, Enclosed, read_session, read_truth, write_case};
 use burstscope::inspect::set_up::SetUp;
-use burstscope::inspect::study::StudyReport;
 use burstscope::requests::BurstSource;
+use burstscope::study::StudyReport;
 use burstscope::synth::{ChartParams, synth_chart};
 use burstscope::{Burst, Monitor};
 use egui::accesskit::Role;
@@ -182,7 +182,7 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     let StudyReport::Recover(report) = &result.report else { panic!("a report of planted things") };
     assert_eq!(report.copies_done, 6);
     let of_command = match &result.study {
-        burstscope::inspect::study::Study::Recover(study, bursts) => {
+        burstscope::study::Study::Recover(study, bursts) => {
             study.run(&bursts.burst, &Monitor::default()).expect("a report")
         }
         other => panic!("{other:?}"),

@@ -4,159 +4,59 @@
 //! frames, and [`plain_mean`]. The same detector then runs on it, so that a comparison shows the effect of the burst
 //! search alone. (SIFT on a single frame needs no baseline: that is the same detector on the burst itself, of which it
 //! takes the middle frame. Neither does the gold standard: it is SIFT on an image that was taken with enough light.)
-//!
-//! [`detect`] runs the detector with every [`Method`], and [`search`] finds the slopes first if `params` ask for it;
-//! [`prepare`] is the part of a method before the search. Every detection goes through them.
 
-mod mean;
 mod merge;
 
-pub use mean::plain_mean;
 pub use merge::merge_burst;
 
-use crate::burst::{Burst, Declared, OpenOptions};
-use crate::detector::pipeline;
-use crate::detector::slopes::resolve;
-use crate::detector::{DetectError, Detection, DetectorParams, Method, ParamError, SearchParams, SlopeFinding, memory};
-use crate::monitor::Monitor;
-use std::path::PathBuf;
-use std::time::Instant;
+use crate::burst::Burst;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::{Plane, memory};
 
-/// Finds the features of a burst by the method that `params` ask for.
+/// Mean of all frames of `burst`, as a burst of one frame: the simplest merge, as it would be at mid-burst if nothing
+/// moved. It lowers the noise of static content and smears moving content.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
-/// was cancelled.
-pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
-    Ok(search(burst, &params.clone().into(), monitor)?.detection)
-}
-
-/// Features of a burst, with the slopes that were searched.
-#[derive(Debug, Clone)]
-pub struct Searched {
-    /// The features.
-    pub detection: Detection,
-    /// The parameters of the search: the requested ones, with the slopes that were searched.
-    pub params: DetectorParams,
-    /// The result of finding the slopes, if they were to be found.
-    pub finding: Option<SlopeFinding>,
-    /// Time taken to find the slopes, seconds; 0 where they were given.
-    pub slopes_secs: f32,
-}
-
-/// Finds the slopes of a burst if they are to be found, and then its features.
-///
-/// # Errors
-/// As [`detect`].
-pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched, DetectError> {
-    let PreparedSearch { burst: prepared, params, asked, finding, slopes_secs, rest } =
-        PreparedSearch::new(burst, params, monitor)?;
-    let detection = pipeline::search(&prepared, &params, &rest)?;
-    let detection = Detection { frames_used: asked.used_frames(burst.len()), ..detection };
-    Ok(Searched { detection, params: asked, finding, slopes_secs })
-}
-
-/// Share of a search's progress that finding the slopes takes.
-const SLOPES_SHARE: f32 = 0.2;
-
-/// A search whose slopes are found and whose frames are merged, as its parameters ask for.
-pub(crate) struct PreparedSearch {
-    /// The burst that is searched: for [`Method::Merge`] one merged frame.
-    pub burst: Burst,
-    /// The parameters for `burst`.
-    pub params: DetectorParams,
-    /// The requested parameters, with the slopes that are searched.
-    asked: DetectorParams,
-    /// The result of finding the slopes, if they were to be found.
-    pub finding: Option<SlopeFinding>,
-    /// Time taken to find the slopes, seconds.
-    slopes_secs: f32,
-    /// Monitor of the search itself.
-    pub rest: Monitor,
-}
-
-impl PreparedSearch {
-    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, DetectError> {
-        let started = Instant::now();
-        let (asked, finding) = resolve(burst, params, &monitor.part(0.0, SLOPES_SHARE))?;
-        let share = if finding.is_some() { SLOPES_SHARE } else { 0.0 };
-        let slopes_secs = if finding.is_some() { started.elapsed().as_secs_f32() } else { 0.0 };
-        let rest = monitor.part(share, 1.0 - share);
-        let (burst, params) = prepare(burst, &asked, &rest)?;
-        Ok(Self { burst, params, asked, finding, slopes_secs, rest })
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn plain_mean(burst: &Burst, monitor: &Monitor) -> Result<Burst, Cancelled> {
+    let (width, height) = burst.size();
+    // Sums of many 16-bit values need more than the 24 bits of f32.
+    let mut sums: Vec<f64> = memory::zeroed(width * height);
+    for frame in &burst.frames {
+        monitor.check()?;
+        sums.iter_mut().zip(frame.data()).for_each(|(sum, &value)| *sum += f64::from(value));
     }
-}
-
-/// Checks, before the burst that `inputs` name is opened, that there is memory for its search. A file that cannot be
-/// read passes: opening it reports the error.
-///
-/// # Errors
-/// The least memory that the search needs, and changes that would lower it.
-pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<(), ParamError> {
-    match Declared::of(inputs, options) {
-        Ok(Declared { frames, size }) => memory::check_before_opening(params, frames, size),
-        Err(_) => Ok(()),
-    }
-}
-
-/// The burst to search and its parameters: for [`Method::Merge`] one merged frame, otherwise the given ones unchanged.
-///
-/// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
-/// was cancelled.
-pub fn prepare(
-    burst: &Burst,
-    params: &DetectorParams,
-    monitor: &Monitor,
-) -> Result<(Burst, DetectorParams), DetectError> {
-    params.validate_for(burst.len(), burst.size())?;
-    match params.method {
-        Method::Buff | Method::Sift => Ok((burst.clone(), params.clone())),
-        Method::Merge => {
-            let merged = merge_burst(burst, params.used_frames(burst.len()), monitor)?;
-            Ok((merged, DetectorParams { frames: None, ..params.clone() }))
-        }
-    }
+    let count = burst.len() as f64;
+    let mean = Plane::from_vec(width, height, sums.into_iter().map(|sum| (sum / count) as f32).collect());
+    let mut merged = Burst::from_planes(format!("mean of {}", burst.name), vec![mean]);
+    merged.full_scale = burst.full_scale;
+    // The mean of N numbers on a lattice lies on a lattice N times as fine.
+    merged.quantisation_step = burst.quantisation_step / count as f32;
+    merged.sources.clone_from(&burst.sources);
+    Ok(merged)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::FrameRange;
-    use crate::synth::{SceneParams, synth_scene};
 
     #[test]
-    fn the_merge_is_searched_as_one_image_would_be() {
-        let scene = SceneParams { width: 240, height: 180, frames: 6, layers: 1, ..SceneParams::default() };
-        let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
-        let frames = Some(FrameRange { start: 1, end: 6 });
-        let params = DetectorParams { method: Method::Merge, frames, ..DetectorParams::default() };
-        let found = detect(&burst, &params, &Monitor::default()).expect("detected");
-        let merged = merge_burst(&burst, 1..6, &Monitor::default()).expect("merged");
-        let sift = DetectorParams { method: Method::Sift, ..DetectorParams::default() };
-        let by_hand = pipeline::search(&merged, &sift, &Monitor::default()).expect("detected");
-        assert!(!found.features.is_empty());
-        assert_eq!((&found.features, &found.descriptors), (&by_hand.features, &by_hand.descriptors));
-        assert_eq!((found.frames_used, found.slopes.len()), (1..6, 1));
-        // The gate uses the merged image's noise: less than half of a frame's.
-        let one = detect(&burst, &sift, &Monitor::default()).expect("detected").frame_noise;
-        let ideal = one / 5f32.sqrt();
-        assert!((found.frame_noise / ideal - 1.0).abs() < 0.15, "{} of {one}", found.frame_noise);
+    fn the_mean_is_exact_and_keeps_what_is_known_of_the_files() {
+        let frames = (0..4).map(|t| Plane::from_fn(3, 2, |u, v| (t * 10 + u + v) as f32)).collect();
+        let mut burst = Burst::from_planes("steps", frames);
+        burst.quantisation_step = 0.5;
+        burst.full_scale = 255.0;
+        let merged = plain_mean(&burst, &Monitor::default()).expect("not cancelled");
+        assert_eq!((merged.len(), merged.size()), (1, (3, 2)));
+        assert_eq!(merged.frames[0].data(), [15.0, 16.0, 17.0, 16.0, 17.0, 18.0]);
+        assert_eq!((merged.quantisation_step, merged.full_scale), (0.125, 255.0));
     }
 
     #[test]
-    fn other_methods_search_the_burst_itself() {
-        let burst = Burst::from_planes("two", vec![crate::Plane::zeros(20, 20); 2]);
-        for method in [Method::Buff, Method::Sift] {
-            let params = DetectorParams { method, ..DetectorParams::default() };
-            let (same, with) = prepare(&burst, &params, &Monitor::default()).expect("prepared");
-            assert_eq!((same.len(), with), (2, params));
-        }
-        let past = DetectorParams {
-            method: Method::Merge,
-            frames: Some(FrameRange { start: 1, end: 3 }),
-            ..DetectorParams::default()
-        };
-        assert!(matches!(prepare(&burst, &past, &Monitor::default()), Err(DetectError::Param(_))));
+    fn cancelling_leaves_no_result() {
+        let monitor = Monitor::default();
+        monitor.cancel();
+        let burst = Burst::from_planes("one", vec![Plane::zeros(2, 2)]);
+        assert!(plain_mean(&burst, &monitor).is_err());
     }
 }

@@ -6,8 +6,8 @@ use super::kept::{
 use super::picture::{ImageKind, write_picture};
 use super::stamp::{Comparison, FileStamp};
 use super::{CameraChoice, DatasetError};
-use crate::baseline::{Searched, check_memory, search};
 use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions, files_at};
+use crate::detect::{Searched, check_memory, search};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{
     ColmapKeypoint, ExportError, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records,

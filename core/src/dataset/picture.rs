@@ -2,8 +2,8 @@
 //! thumbnails for a list of many bursts.
 
 use super::DatasetError;
-use crate::baseline::prepare;
 use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions};
+use crate::detect::prepare;
 use crate::detector::{DetectError, DetectorParams, Method};
 use crate::export::{Picture, write_png};
 use crate::monitor::Monitor;

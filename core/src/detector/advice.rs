@@ -203,7 +203,7 @@ mod tests {
     use crate::detector::pipeline::search;
     use crate::monitor::Monitor;
     use crate::plane::Plane;
-    use crate::synth::{ChartParams, Light, Trajectory, TrajectoryParams, synth_chart};
+    use crate::synth::{ChartParams, synth_chart};
 
     const SIZE: (usize, usize) = (1000, 1000);
 
@@ -320,10 +320,8 @@ mod tests {
     #[test]
     fn made_bursts_are_explained() {
         // A dark scene under the former peak threshold.
-        let light = Light::Electrons(1.2);
-        let dark = TrajectoryParams { width: 240, height: 180, bursts: 1, light, ..TrajectoryParams::default() };
-        let burst = Trajectory::new(&dark, &Monitor::default()).expect("a scene").burst(0, &Monitor::default());
-        let burst = burst.expect("a burst");
+        let dark = ChartParams { width: 240, height: 180, discs: 6, snr: 0.3, ..ChartParams::default() };
+        let (burst, _) = synth_chart(&dark, &Monitor::default()).expect("a chart");
         let found = |burst: &Burst, params: &DetectorParams| {
             let detection = search(burst, params, &Monitor::default()).expect("a detection");
             explain(&detection, params, burst.size())

@@ -87,7 +87,7 @@ pub enum ExportError {
 
 impl ExportError {
     /// The error of a failed or cancelled write to `path`.
-    pub(crate) fn write(path: &Path, error: &std::io::Error) -> Self {
+    pub fn write(path: &Path, error: &std::io::Error) -> Self {
         if error.get_ref().is_some_and(|inner| inner.is::<Cancelled>()) {
             return Self::Cancelled(Cancelled);
         }

@@ -20,11 +20,11 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Folder of records in a folder of results.
-pub(crate) const RECORDS_FOLDER: &str = "records";
+pub const RECORDS_FOLDER: &str = "records";
 
 /// Program and settings that made a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct MadeFrom {
+pub struct MadeFrom {
     /// Version of the program.
     version: String,
     /// Revision of the detector, [`REVISION`].
@@ -53,7 +53,7 @@ impl MadeFrom {
 
 /// Record of a finished result: what it was made from, and `of`, what else is known of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Record<T> {
+pub struct Record<T> {
     /// Program and settings that made the result.
     #[serde(flatten)]
     pub made_from: MadeFrom,
@@ -64,7 +64,7 @@ pub(crate) struct Record<T> {
 
 /// The records of a folder.
 #[derive(Debug, Clone)]
-pub(crate) struct Records {
+pub struct Records {
     folder: PathBuf,
 }
 
@@ -133,7 +133,7 @@ impl Records {
 ///
 /// # Errors
 /// [`ExportError::Link`] where one of its `parts` is a link, which leads out of the folder.
-pub(crate) fn may_begin(folder: &Path, kind: Kind, parts: &[&str]) -> Result<bool, ExportError> {
+pub fn may_begin(folder: &Path, kind: Kind, parts: &[&str]) -> Result<bool, ExportError> {
     match parts.iter().map(|part| folder.join(part)).find(|part| part.is_symlink()) {
         Some(path) => Err(ExportError::Link { path }),
         None => Ok(claims::<Value>(folder, kind).is_some() || is_free(folder).unwrap_or(true)),

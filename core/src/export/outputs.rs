@@ -140,7 +140,7 @@ impl OutputRules {
     ///
     /// # Errors
     /// As [`Self::check`], but for [`ExportError::InTheWay`] in place of [`ExportError::Foreign`].
-    pub(crate) fn check_own(&self, path: &Path, known: &[Checksum]) -> Result<(), ExportError> {
+    pub fn check_own(&self, path: &Path, known: &[Checksum]) -> Result<(), ExportError> {
         let is_ours =
             || has_mark(path, false) || is_colmap_text(path, false) || known.iter().any(|content| content.is_of(path));
         self.check_if(path, is_ours).map_err(|refused| refused.unwrap_or(ExportError::InTheWay { path: path.into() }))

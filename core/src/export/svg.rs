@@ -137,7 +137,7 @@ impl Display for PathData<'_> {
 }
 
 /// Text escaped for XML and HTML. Characters that XML 1.0 does not allow are replaced by U+FFFD.
-pub(crate) struct Escaped<T>(pub T);
+pub struct Escaped<T>(pub T);
 
 impl<T: Display> Display for Escaped<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,14 +1,14 @@
 //! Comparison of two lists of features of one burst, before and after a change. The second list may come from another
 //! program: a [`ForeignFeature`], read from our own CSV table or COLMAP's text.
 //!
-//! Two features are the same when one finds the other by the rule of [`crate::evaluate::score`], taken as a disc of
+//! Two features are the same when one finds the other by the rule of [`crate::inspect::score`], taken as a disc of
 //! radius √2·σ, and both are bright or both dark as far as that is known. Each is the same as at most one other; the
 //! features of the later list choose in order of strength, each the nearest free one. The features of one keypoint,
 //! which differ in their orientation, choose together; then they are the same one by one, in the order of their list.
 
 use crate::detector::{Feature, Slope};
-use crate::evaluate::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use crate::export::{COLUMNS, ExportError, read_colmap, read_features_csv};
+use crate::inspect::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;

@@ -1,14 +1,14 @@
 //! Found, missed, repeated, and false or elsewhere: the features of a burst compared with its truth, with the reason of
 //! each miss.
 //!
-//! A disc is found by the rule of [`crate::evaluate::score`].
+//! A disc is found by the rule of [`crate::inspect::score`].
 
 use super::probe::fates_near;
 use super::{Fate, ProbeCache};
 use crate::burst::Burst;
-use crate::evaluate::score::{Ranking, finds, judge};
 use crate::export::case::{self, is_case};
 use crate::files::{MAX_TABLE_BYTES, read_text};
+use crate::inspect::score::{Ranking, finds, judge};
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::{Example, FeatureTruth, Truth, TruthKind, demo_truth};
 use serde::Serialize;
@@ -175,12 +175,7 @@ pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Re
 }
 
 /// Reason why no feature found `disc`, the truth's number `index`.
-pub(super) fn miss(
-    cache: &ProbeCache,
-    index: usize,
-    disc: &FeatureTruth,
-    monitor: &Monitor,
-) -> Result<Miss, Cancelled> {
+pub fn miss(cache: &ProbeCache, index: usize, disc: &FeatureTruth, monitor: &Monitor) -> Result<Miss, Cancelled> {
     let (width, height) = cache.burst.size();
     let inside = disc.u >= 0.0 && disc.v >= 0.0 && disc.u <= (width - 1) as f64 && disc.v <= (height - 1) as f64;
     if !inside {

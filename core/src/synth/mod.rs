@@ -5,10 +5,7 @@
 //! (read noise) and rounded to the levels of the converter. The drawn objects, their positions and motions are stored
 //! as [`Truth`].
 //!
-//! A [`trajectory`] is a whole dataset: bursts of a camera that moves past a scene of textured planes, drawn in
-//! perspective, with its poses.
-//!
-//! Real frames can be captured again by such a camera: [`noisy`] makes dark copies of them.
+//! Whole datasets along a camera's path, and dark copies of real frames, are in the package `burstscope-lab`.
 //!
 //! Everything follows from a seed. The same seed gives the same bits on every machine and for any number of threads:
 //! each frame has its own random stream, and functions such as the logarithm come from `libm`, not from the system.
@@ -28,24 +25,18 @@ pub mod examples;
 pub mod layer;
 pub mod noise;
 pub mod noise_case;
-pub mod noisy;
 pub mod paint;
 pub mod random;
 pub mod scene;
-pub mod trajectory;
 pub mod truth;
-pub mod write;
 
 pub use chart::{ChartParams, RadiusLaw, synth_chart};
 pub use demo::{demo_burst, demo_truth, later_demo_burst};
 pub use examples::Example;
 pub use noise::Camera;
 pub use noise_case::NoiseCase;
-pub use noisy::{FrameLevels, NoisyExposure, NoisyParams, NoisyTruth, write_noisy};
 pub use scene::{SceneParams, synth_scene};
-pub use trajectory::{Light, Trajectory, TrajectoryParams, write_trajectory};
 pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
-pub use write::{WriteBurstError, write_burst};
 
 use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -86,7 +77,8 @@ pub enum SynthError {
 }
 
 impl SynthError {
-    fn param(parameter: &'static str, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+    /// Error that names a parameter, its problem and a remedy.
+    pub fn param(parameter: &'static str, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self::Param { parameter, problem: problem.into(), remedy: remedy.into() }
     }
 }
@@ -94,8 +86,12 @@ impl SynthError {
 /// Maximum number of pixels of a synthetic burst, over all its frames: 2^31, 8 GiB in memory.
 pub const MAX_PIXELS: u64 = 1 << 31;
 
-/// Checks the parameters that all kinds of synthetic bursts have.
-fn check_common(
+/// Checks the parameters that all kinds of synthetic bursts have: sizes in pixels, the largest slope in px/frame, the
+/// read noise in electrons.
+///
+/// # Errors
+/// [`SynthError::Param`] names the parameter and the range that it has.
+pub fn check_common(
     width: usize,
     height: usize,
     frames: usize,
@@ -137,7 +133,10 @@ fn check_common(
 const SNR_RANGE: RangeInclusive<f64> = 1e-6..=1e9;
 
 /// Checks a ratio of signal to noise.
-fn check_snr(snr: f64) -> Result<(), SynthError> {
+///
+/// # Errors
+/// As [`check_common`].
+pub fn check_snr(snr: f64) -> Result<(), SynthError> {
     if snr == f64::INFINITY || SNR_RANGE.contains(&snr) {
         return Ok(());
     }
@@ -148,8 +147,11 @@ fn check_snr(snr: f64) -> Result<(), SynthError> {
     ))
 }
 
-/// Checks the camera parameters.
-fn check_camera(read_noise: f64, bits: u32) -> Result<(), SynthError> {
+/// Checks the read noise (electrons) and the bits of a camera.
+///
+/// # Errors
+/// As [`check_common`].
+pub fn check_camera(read_noise: f64, bits: u32) -> Result<(), SynthError> {
     if !(read_noise.is_finite() && read_noise >= 0.0) {
         return Err(SynthError::param("read-noise", format!("{read_noise}"), "give 0 or more electrons"));
     }

@@ -4,13 +4,10 @@
 #[path = "../common/shared.rs"]
 mod shared;
 
-mod accuracy;
-mod evaluate;
 mod goldens;
 mod inspect;
 mod laws;
 mod noise_model;
-mod reconstruction;
 mod rejudged;
 mod slopes;
 mod stays;

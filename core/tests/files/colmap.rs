@@ -8,8 +8,8 @@ use burstscope_core::dataset::{
 use burstscope_core::detector::DetectorParams;
 use burstscope_core::export::{pair_id, read_colmap};
 use burstscope_core::matching::{Camera, Geometry, MatchParams, PairSelection};
-use burstscope_core::synth::{SceneParams, synth_scene, write_burst};
 use burstscope_core::{Monitor, SlopeGrid};
+use burstscope_lab::synth::{SceneParams, synth_scene, write_burst};
 use rusqlite::Connection;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -8,13 +8,13 @@
 use crate::damage::{absurd_tomls, damage, damaged, damaged_text, says_something};
 use burstscope_core::dataset::camera::read_camera;
 use burstscope_core::detector::{SearchParams, SlopeChoice};
-use burstscope_core::evaluate::accuracy::stands_apart;
-use burstscope_core::evaluate::poses::{read_sparse_model, read_trajectory};
 use burstscope_core::export::{parse_colmap, read_features_csv, write_colmap, write_csv};
 use burstscope_core::inspect::changes::read_features;
 use burstscope_core::inspect::truth::read_truth;
-use burstscope_core::synth::{ChartParams, synth_chart, write_burst};
 use burstscope_core::{DetectorParams, Monitor, SlopeGrid, detect};
+use burstscope_lab::evaluate::accuracy::stands_apart;
+use burstscope_lab::evaluate::poses::{read_sparse_model, read_trajectory};
+use burstscope_lab::synth::{ChartParams, synth_chart, write_burst};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -273,7 +273,7 @@ proptest! {
     fn trajectories(damages in damage()) {
         match read_trajectory(&file(folder!(), "poses.txt", &damaged(TRAJECTORY.as_bytes(), &damages))) {
             Ok(read) => {
-                let finite = |pose: &burstscope_core::evaluate::poses::Pose| {
+                let finite = |pose: &burstscope_lab::evaluate::poses::Pose| {
                     pose.world_from_camera.translation.vector.iter().all(|x| x.is_finite())
                 };
                 prop_assert!(read.poses.iter().all(finite));

@@ -6,7 +6,7 @@ use burstscope_core::burst::{OpenOptions, SequenceCut, cut_sequence, find_bursts
 use burstscope_core::dataset::{CameraChoice, ColmapJob, ColmapReport, FeatureJob, ImageKind, export_colmap};
 use burstscope_core::detector::{DetectorParams, Method, NoiseGate};
 use burstscope_core::matching::{MatchParams, PairSelection};
-use burstscope_core::synth::{SceneParams, synth_scene, write_burst};
+use burstscope_lab::synth::{SceneParams, synth_scene, write_burst};
 
 /// Bytes of a feature in memory: four numbers and the descriptor.
 const FEATURE_BYTES: u64 = 16 + 128;

@@ -8,9 +8,9 @@ use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
 use crate::engine::{Engine, Wanted};
 use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, FramesStudy};
-use crate::inspect::recover::{Planted, RecoverReport, RecoverStudy};
-use crate::inspect::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyPoint, StudyReport};
+use crate::recover::{Planted, RecoverReport, RecoverStudy};
 use crate::requests::{BurstSource, JobError, StudyRequest};
+use crate::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyPoint, StudyReport};
 use crate::synth::{ChartParams, NoisyParams};
 use std::collections::BTreeSet;
 

@@ -1,7 +1,7 @@
 //! Tests of trails: a detection that keeps its trail finds the same features, and later requests do not search again.
 
 use super::{DetectionSource, Trails};
-use crate::baseline::{Searched, search};
+use crate::detect::{Searched, search};
 use crate::detector::{DetectorParams, Distinct, Method, NoiseGate, SearchParams, SlopeChoice, SlopeGrid};
 use crate::engine::tests::answer_of;
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};

@@ -554,7 +554,7 @@ mod tests {
     fn crowded_features_are_thinned_and_the_title_says_so() {
         let mut film = film(Sweep::SlopeU(-1.0, 1.0, 3));
         film.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
-        let mut found = crate::baseline::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
+        let mut found = crate::detect::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
         let one = found.features[0];
         found.features = vec![one; 100];
         film.detections = vec![(Method::Buff, Arc::new(found))];
@@ -567,7 +567,7 @@ mod tests {
     fn a_step_shows_its_numbers_its_features_and_the_curve_with_its_mark() {
         let mut film = film(Sweep::SlopeU(-1.0, 1.0, 3));
         film.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
-        let found = crate::baseline::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
+        let found = crate::detect::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
         let strongest = found.features.iter().max_by(|a, b| a.strength().total_cmp(&b.strength())).expect("some");
         let (at, slope) = ([strongest.u, strongest.v], strongest.slope);
         (film.place, film.detections) = (None, vec![(Method::Buff, Arc::new(found.clone()))]);

@@ -13,7 +13,6 @@ use crate::inspect::candidates::{SurveyOptions, survey};
 use crate::inspect::changes::Spot;
 use crate::inspect::probe::Wanted;
 use crate::inspect::spectrum::{Spectrum, spectrum};
-use crate::inspect::study::Study;
 use crate::inspect::{ProbeOptions, probe};
 use crate::matching::match_detections;
 use crate::monitor::Monitor;
@@ -25,6 +24,7 @@ use crate::requests::{
     TrailStore, TrajectorySource,
 };
 use crate::requests::{Request, Work};
+use crate::study::Study;
 use crate::synth::FeatureTruth;
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
@@ -49,7 +49,7 @@ fn the_comparison_of_methods_searches_as_each_method_does() {
         let asked: SearchParams = DetectorParams { method, ..params() }.into();
         let request = CompareRequest::Detect(DetectRequest { burst: open(), params: asked.clone() });
         let Ok(Compared::Detected(found)) = request.compute(&Work::alone(&no_monitor())) else { panic!("{method:?}") };
-        let expected = baseline::search(&open().burst, &asked, &no_monitor()).expect("valid parameters");
+        let expected = detect::search(&open().burst, &asked, &no_monitor()).expect("valid parameters");
         assert_eq!(found.detection.features, expected.detection.features, "{method:?}");
         assert_eq!((found.params, found.asked), (expected.params, asked), "{method:?}");
     }
@@ -310,7 +310,7 @@ fn trajectories_are_read_and_compared_when_both_are_there() {
 fn a_study_grows_up_to_its_report() {
     let chart = crate::evaluate::ChartStudy { chart: super::chart(1), seeds: 2, ..Default::default() };
     let heard = std::sync::Mutex::new(0usize);
-    let tell = |_: crate::inspect::study::StudyReport| *heard.lock().expect("no panic") += 1;
+    let tell = |_: crate::study::StudyReport| *heard.lock().expect("no panic") += 1;
     let request = StudyRequest { study: Study::Chart(Box::new(chart.clone())), open: None };
     let report = request.compute(&Work::alone(&no_monitor()).telling(&tell)).expect("valid");
     let expected = Study::Chart(Box::new(chart)).run_telling(&no_monitor(), &|_| {}).expect("valid");

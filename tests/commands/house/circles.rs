@@ -18,7 +18,7 @@ fn modules_used(module: &[String], code: &str, modules: &BTreeMap<Vec<String>, S
             paths_of(&code[at + "use ".len()..at + end], &[], &mut paths);
         }
     }
-    for root in ["crate::", "super::"] {
+    for root in ["crate::", "super::", "burstscope_core::", "burstscope_lab::"] {
         for (at, _) in code.match_indices(root) {
             let end =
                 code[at..].find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).unwrap_or(code.len() - at);
@@ -29,7 +29,7 @@ fn modules_used(module: &[String], code: &str, modules: &BTreeMap<Vec<String>, S
     for path in paths {
         let supers = path.iter().take_while(|part| *part == "super").count();
         let absolute: Vec<String> = match path.first().map(String::as_str) {
-            Some("crate") => path[1..].to_vec(),
+            Some("crate" | "burstscope_core" | "burstscope_lab") => path[1..].to_vec(),
             Some("super") if supers <= module.len() => {
                 module[..module.len() - supers].iter().chain(&path[supers..]).cloned().collect()
             }

@@ -92,9 +92,11 @@ fn every_dependency_is_used() {
     };
     for (package, table, folders) in [
         ("Cargo.toml", "dependencies", &["src"][..]),
-        ("Cargo.toml", "dev-dependencies", &["src", "tests", "benches", "core/tests"]),
+        ("Cargo.toml", "dev-dependencies", &["src", "tests", "benches", "core/tests", "lab/tests"]),
         ("core/Cargo.toml", "dependencies", &["core/src"]),
         ("core/Cargo.toml", "dev-dependencies", &["core/src", "core/tests"]),
+        ("lab/Cargo.toml", "dependencies", &["lab/src"]),
+        ("lab/Cargo.toml", "dev-dependencies", &["lab/src", "lab/tests"]),
         ("python/Cargo.toml", "dependencies", &["python/src"]),
     ] {
         let manifest = manifest(package);

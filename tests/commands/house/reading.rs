@@ -21,12 +21,15 @@ pub fn code(text: &str) -> String {
     text[..tests].lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
 }
 
-/// Top-level modules ("rooms") that follow `crate::` in `code`, also those in braces.
+/// Beginnings of paths into the own packages.
+const ROOTS: [&str; 3] = ["crate::", "burstscope_core::", "burstscope_lab::"];
+
+/// Top-level modules ("rooms") that follow one of [`ROOTS`] in `code`, also those in braces.
 pub fn rooms_used(code: &str) -> BTreeSet<String> {
     let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let mut rooms = BTreeSet::new();
-    for (place, _) in code.match_indices("crate::") {
-        let rest = &code[place + "crate::".len()..];
+    for (place, root) in ROOTS.iter().flat_map(|root| code.match_indices(root)) {
+        let rest = &code[place + root.len()..];
         match rest.strip_prefix('{') {
             // Only the outer names of a group matter.
             Some(group) => {
@@ -54,22 +57,26 @@ pub fn rooms_used(code: &str) -> BTreeSet<String> {
     rooms
 }
 
-/// Rust files of both packages, each with its path below its package's `src`. No top-level module is in both.
+/// Source folders of the packages: the program, the library and the measuring bench.
+pub const PACKAGES: [&str; 3] = ["src", "core/src", "lab/src"];
+
+/// Rust files of the [`PACKAGES`], each with its path below its package's `src`. Of the top-level modules only `synth` is
+/// in two of them: the bench hands on the library's.
 pub fn files() -> Vec<(PathBuf, PathBuf)> {
-    let mut both = Vec::new();
-    for folder in ["src", "core/src"] {
+    let mut all = Vec::new();
+    for folder in PACKAGES {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
         let mut files = Vec::new();
         sources(&root, &mut files);
-        both.extend(files.into_iter().map(|path| (path.strip_prefix(&root).expect("below").to_owned(), path)));
+        all.extend(files.into_iter().map(|path| (path.strip_prefix(&root).expect("below").to_owned(), path)));
     }
-    both
+    all
 }
 
-/// Files of both packages by their module's path, without their tests. The program re-exports the library's modules, so
-/// `crate::` leads to a module of either.
+/// Files of all packages by their module's path, without their tests. The program re-exports the modules of the others,
+/// so `crate::` leads to a module of any.
 pub fn modules() -> BTreeMap<Vec<String>, String> {
-    let mut modules = BTreeMap::new();
+    let mut modules = BTreeMap::<_, String>::new();
     for (name, path) in files() {
         let name = name.with_extension("");
         let mut parts: Vec<String> = name.iter().map(|part| part.to_string_lossy().into_owned()).collect();
@@ -78,7 +85,7 @@ pub fn modules() -> BTreeMap<Vec<String>, String> {
             Some("mod") => drop(parts.pop()),
             _ => {}
         }
-        modules.insert(parts, code(&std::fs::read_to_string(&path).expect("text")));
+        modules.entry(parts).or_default().push_str(&code(&std::fs::read_to_string(&path).expect("text")));
     }
     modules
 }

@@ -53,7 +53,7 @@ pub enum Method {
     Buff,
     /// SIFT on the middle frame of those used: the same detector with one frame and slope 0.
     Sift,
-    /// SIFT on the frames used, merged into one image. [`crate::baseline::detect`] aligns and merges them; the detector
+    /// SIFT on the frames used, merged into one image. [`crate::detect::detect`] aligns and merges them; the detector
     /// alone takes their plain mean, at slope 0.
     Merge,
 }

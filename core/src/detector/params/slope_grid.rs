@@ -78,8 +78,11 @@ impl SlopeAxis {
 }
 
 impl SlopeAxis {
-    /// Checks the axis by itself; otherwise the fault and its remedy.
-    pub(crate) fn check(&self) -> Result<(), (String, String)> {
+    /// Checks the axis by itself.
+    ///
+    /// # Errors
+    /// The fault and its remedy.
+    pub fn check(&self) -> Result<(), (String, String)> {
         let fail = |problem: String, remedy: &str| Err((problem, remedy.to_owned()));
         if !(self.min.is_finite() && self.max.is_finite()) {
             return fail("the range is not finite".into(), "give two numbers of pixels per frame");

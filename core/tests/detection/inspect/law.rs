@@ -15,10 +15,10 @@ use burstscope_core::inspect::{Fate, Outcome, ProbeCache};
 use burstscope_core::matching::{Geometry, MatchParams, match_detections};
 use burstscope_core::plane::tile::Region;
 use burstscope_core::synth::examples::{Example, disc_place};
-use burstscope_core::synth::{
+use burstscope_core::{Burst, Monitor, detect};
+use burstscope_lab::synth::{
     ChartParams, SceneParams, demo_burst, later_demo_burst, synth_chart, synth_scene, write_burst,
 };
-use burstscope_core::{Burst, Monitor, detect};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

@@ -5,5 +5,4 @@ mod ghosts;
 mod law;
 mod limit;
 mod probing;
-mod recover;
 mod slopes;

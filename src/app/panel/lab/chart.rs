@@ -6,11 +6,11 @@ use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::dot_ui;
 use crate::app::project::Model;
 use crate::app::project::lab::{Lab, LabSet};
-use crate::evaluate::score::Judged;
-use crate::inspect::study::{ShownChart, StudyPoint};
+use crate::inspect::score::Judged;
 use crate::inspect::words::number;
 use crate::plane::display::Display;
 use crate::plane::statistics::{Region, percentiles};
+use crate::study::{ShownChart, StudyPoint};
 use egui::{Color32, ComboBox, Pos2, RichText, Sense, Shape, Stroke, Ui, vec2};
 
 /// Colour of found discs.

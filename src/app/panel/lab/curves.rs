@@ -4,8 +4,8 @@
 use super::curve_colour;
 use crate::app::project::lab::{Lab, LabResult, LabSet};
 use crate::evaluate::curves::{StudyCurve, StudyCurvePoint, StudyPlot};
-use crate::inspect::study::StudyPoint;
 use crate::inspect::words::number;
+use crate::study::StudyPoint;
 use egui::{Color32, Label, Pos2, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 use egui_plot::{Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Points};
 use std::collections::BTreeSet;
@@ -251,8 +251,8 @@ fn point_text(plot: &StudyPlot, one: &Drawn, point: &StudyCurvePoint) -> String 
 mod tests {
     use super::*;
     use crate::evaluate::{BurstMethod, ChartStudy};
-    use crate::inspect::study::Study;
     use crate::monitor::Monitor;
+    use crate::study::Study;
     use crate::synth::ChartParams;
     use std::sync::OnceLock;
 

@@ -6,9 +6,9 @@ use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::dot_ui;
 use crate::app::project::Model;
 use crate::detector::Test;
-use crate::inspect::recover::{Contrast, Planted, RecoverReport, RecoverStudy, Shape, bounds};
 use crate::inspect::words::number;
 use crate::plane::display::{ColourMap, Display};
+use crate::recover::{Contrast, Planted, RecoverReport, RecoverStudy, Shape, bounds};
 use egui::{Color32, DragValue, Grid, Label, Pos2, Rect, RichText, Sense, Stroke, Ui, vec2};
 
 /// Colour of the things that were found.

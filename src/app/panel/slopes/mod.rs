@@ -2,19 +2,18 @@
 
 pub(super) mod chart;
 mod set_up;
-mod verdict;
 
-pub use verdict::verdict_ui;
-
+use crate::app::actions::Queue;
 use crate::app::canvas::number;
+use crate::app::panel::status::advice_ui;
 use crate::app::panel::widgets::with_whole_numbers;
-use crate::app::project::Model;
 use crate::app::project::side::Side;
+use crate::app::project::{BottomTab, Model, Visibility};
 use crate::app::style;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
 use crate::inspect::spectrum::{SlopeAdvice, Spectrum, Subject};
-use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
+use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
 /// Maximum width of the charts, points; the advice gets the rest.
@@ -148,4 +147,35 @@ fn apply_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
             Err(error) => model.messages.error("Apply", error.to_string()),
         }
     }
+}
+
+/// Draws the verdict on the search, below the parameters of *One burst*: why there are few features, or whether the slopes
+/// fit the burst, with the change that mends it; nothing while there are no features of the present parameters.
+pub fn verdict_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+    let has_advice =
+        model.stale().is_none() && model.slots.a.found.as_ref().is_some_and(|found| found.advice.is_some());
+    let judgement = model.slope_judgement().cloned();
+    if !has_advice && judgement.is_none() {
+        return;
+    }
+    let fill = ui.visuals().faint_bg_color;
+    Frame::new().fill(fill).corner_radius(4).inner_margin(Margin::symmetric(8, 5)).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        if has_advice {
+            advice_ui(ui, model, queue);
+        }
+        let Some(judgement) = judgement else { return };
+        match &judgement.advice {
+            None => {
+                ui.add(Label::new(RichText::new(sentence_of(&judgement.sentence)).color(style::good(ui))).wrap());
+            }
+            Some(advice) if !has_advice => piece_ui(ui, model, "Apply slopes", advice),
+            // Without features it comes second; the tab has it.
+            Some(_) => {}
+        }
+        let details = Button::new(RichText::new("Slopes…").small().weak()).frame(false);
+        if ui.add(details).on_hover_text("Features and evidence at each slope, and all advice").clicked() {
+            (model.bottom_tab, model.panels.bottom) = (BottomTab::Slopes, Visibility::Open);
+        }
+    });
 }

@@ -1,0 +1,152 @@
+//! The front door of the library: every detection of a burst goes through here.
+//!
+//! [`detect`] runs the detector by any [`Method`], and [`search`] first finds the slopes where none are given.
+//! [`prepare`] is the part of a method before the search: for the merge it makes one frame of the burst.
+
+use crate::baseline::merge_burst;
+use crate::burst::{Burst, Declared, OpenOptions};
+use crate::detector::pipeline;
+use crate::detector::slopes::resolve;
+use crate::detector::{DetectError, Detection, DetectorParams, Method, ParamError, SearchParams, SlopeFinding, memory};
+use crate::monitor::Monitor;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Finds the features of a burst by the method that `params` ask for.
+///
+/// # Errors
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// was cancelled.
+pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
+    Ok(search(burst, &params.clone().into(), monitor)?.detection)
+}
+
+/// Features of a burst, with the slopes that were searched.
+#[derive(Debug, Clone)]
+pub struct Searched {
+    /// The features.
+    pub detection: Detection,
+    /// The parameters of the search: the requested ones, with the slopes that were searched.
+    pub params: DetectorParams,
+    /// The result of finding the slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
+    /// Time taken to find the slopes, seconds; 0 where they were given.
+    pub slopes_secs: f32,
+}
+
+/// Finds the slopes of a burst if they are to be found, and then its features.
+///
+/// # Errors
+/// As [`detect`].
+pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched, DetectError> {
+    let PreparedSearch { burst: prepared, params, asked, finding, slopes_secs, rest } =
+        PreparedSearch::new(burst, params, monitor)?;
+    let detection = pipeline::search(&prepared, &params, &rest)?;
+    let detection = Detection { frames_used: asked.used_frames(burst.len()), ..detection };
+    Ok(Searched { detection, params: asked, finding, slopes_secs })
+}
+
+/// Share of a search's progress that finding the slopes takes.
+const SLOPES_SHARE: f32 = 0.2;
+
+/// A search whose slopes are found and whose frames are merged, as its parameters ask for.
+pub(crate) struct PreparedSearch {
+    /// The burst that is searched: for [`Method::Merge`] one merged frame.
+    pub burst: Burst,
+    /// The parameters for `burst`.
+    pub params: DetectorParams,
+    /// The requested parameters, with the slopes that are searched.
+    asked: DetectorParams,
+    /// The result of finding the slopes, if they were to be found.
+    pub finding: Option<SlopeFinding>,
+    /// Time taken to find the slopes, seconds.
+    slopes_secs: f32,
+    /// Monitor of the search itself.
+    pub rest: Monitor,
+}
+
+impl PreparedSearch {
+    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, DetectError> {
+        let started = Instant::now();
+        let (asked, finding) = resolve(burst, params, &monitor.part(0.0, SLOPES_SHARE))?;
+        let share = if finding.is_some() { SLOPES_SHARE } else { 0.0 };
+        let slopes_secs = if finding.is_some() { started.elapsed().as_secs_f32() } else { 0.0 };
+        let rest = monitor.part(share, 1.0 - share);
+        let (burst, params) = prepare(burst, &asked, &rest)?;
+        Ok(Self { burst, params, asked, finding, slopes_secs, rest })
+    }
+}
+
+/// Checks, before the burst that `inputs` name is opened, that there is memory for its search. A file that cannot be
+/// read passes: opening it reports the error.
+///
+/// # Errors
+/// The least memory that the search needs, and changes that would lower it.
+pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<(), ParamError> {
+    match Declared::of(inputs, options) {
+        Ok(Declared { frames, size }) => memory::check_before_opening(params, frames, size),
+        Err(_) => Ok(()),
+    }
+}
+
+/// The burst to search and its parameters: for [`Method::Merge`] one merged frame, otherwise the given ones unchanged.
+///
+/// # Errors
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// was cancelled.
+pub fn prepare(
+    burst: &Burst,
+    params: &DetectorParams,
+    monitor: &Monitor,
+) -> Result<(Burst, DetectorParams), DetectError> {
+    params.validate_for(burst.len(), burst.size())?;
+    match params.method {
+        Method::Buff | Method::Sift => Ok((burst.clone(), params.clone())),
+        Method::Merge => {
+            let merged = merge_burst(burst, params.used_frames(burst.len()), monitor)?;
+            Ok((merged, DetectorParams { frames: None, ..params.clone() }))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::FrameRange;
+    use crate::synth::{SceneParams, synth_scene};
+
+    #[test]
+    fn the_merge_is_searched_as_one_image_would_be() {
+        let scene = SceneParams { width: 240, height: 180, frames: 6, layers: 1, ..SceneParams::default() };
+        let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
+        let frames = Some(FrameRange { start: 1, end: 6 });
+        let params = DetectorParams { method: Method::Merge, frames, ..DetectorParams::default() };
+        let found = detect(&burst, &params, &Monitor::default()).expect("detected");
+        let merged = merge_burst(&burst, 1..6, &Monitor::default()).expect("merged");
+        let sift = DetectorParams { method: Method::Sift, ..DetectorParams::default() };
+        let by_hand = pipeline::search(&merged, &sift, &Monitor::default()).expect("detected");
+        assert!(!found.features.is_empty());
+        assert_eq!((&found.features, &found.descriptors), (&by_hand.features, &by_hand.descriptors));
+        assert_eq!((found.frames_used, found.slopes.len()), (1..6, 1));
+        // The gate uses the merged image's noise: less than half of a frame's.
+        let one = detect(&burst, &sift, &Monitor::default()).expect("detected").frame_noise;
+        let ideal = one / 5f32.sqrt();
+        assert!((found.frame_noise / ideal - 1.0).abs() < 0.15, "{} of {one}", found.frame_noise);
+    }
+
+    #[test]
+    fn other_methods_search_the_burst_itself() {
+        let burst = Burst::from_planes("two", vec![crate::Plane::zeros(20, 20); 2]);
+        for method in [Method::Buff, Method::Sift] {
+            let params = DetectorParams { method, ..DetectorParams::default() };
+            let (same, with) = prepare(&burst, &params, &Monitor::default()).expect("prepared");
+            assert_eq!((same.len(), with), (2, params));
+        }
+        let past = DetectorParams {
+            method: Method::Merge,
+            frames: Some(FrameRange { start: 1, end: 3 }),
+            ..DetectorParams::default()
+        };
+        assert!(matches!(prepare(&burst, &past, &Monitor::default()), Err(DetectError::Param(_))));
+    }
+}

@@ -1,0 +1,392 @@
+//! Accuracy in enough light: errors of positions, scales and motions of the discs found.
+//!
+//! Charts whose slopes are drawn from a continuum are searched with a grid of slopes; for every disc that is found (by
+//! the rule of [`burstscope_core::inspect::score`]) the strongest feature that finds it is compared with the truth at mid-burst. Discs may
+//! move faster than the grid reaches. Features on the rim of the grid are counted, and left out of the errors: there the
+//! slope is not interpolated, and the motion may lie beyond.
+//!
+//! # Two kinds of charts
+//! The published chart is crowded: most discs have a neighbour, or its smear over the burst, within the surroundings
+//! that a detector looks at, which shifts the extremum of D, in position and above all to smaller scales: errors that
+//! noise does not cause and localisation does not remove. On a chart of fewer discs that [stand apart](stands_apart) in
+//! all frames the remaining errors are the detector's own. There is a study of each, reported separately.
+//!
+//! # The expected scale
+//! The response of the Laplacian of a Gaussian to a disc of radius r is strongest at σ = r/√2. That of a difference of
+//! Gaussians D = G(kσ) − G(σ) is strongest at another σ, and in VLFeat's convention the smaller of the two is reported.
+//! At the disc's centre G(σ) is 1 − exp(−r²/2σ²), so D is extremal where, with x = r²/2σ², exp(−x·(1 − 1/k²)) = 1/k²:
+//! at σ = r/√(2·ln(k²)/(1 − 1/k²)). With 3 levels an octave, k = 2^(1/3), that is 0.633·r, 10.5 % below r/√2. Scale
+//! errors are relative to that σ; no other correction is applied.
+
+use super::chart::{ChartSummary, LookedChart};
+use super::statistics::{Errors, quantile};
+use super::{EvaluateError, check_lists, run_jobs};
+use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
+use burstscope_core::detect::detect;
+use burstscope_core::detector::{DetectorParams, Feature, SlopeGrid};
+use burstscope_core::inspect::score::{Ranking, judge};
+use burstscope_core::monitor::Monitor;
+use serde::Serialize;
+use std::sync::{Mutex, PoisonError};
+
+/// The σ at which a DoG pyramid with `levels` levels an octave reports a disc of `radius` pixels; see the module's
+/// text.
+pub fn expected_sigma(radius: f64, levels: u32) -> f64 {
+    let k2 = 2f64.powf(2.0 / f64::from(levels));
+    radius / (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
+}
+
+/// Charts and detector parameters of a study of accuracy.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AccuracyStudy {
+    /// Parameters of the charts; their ratio and seed are set by the study.
+    pub chart: ChartParams,
+    /// Per-pixel signal-to-noise ratios, one row each; infinite for charts without noise.
+    pub snrs: Vec<f64>,
+    /// The first seed.
+    pub first_seed: u64,
+    /// Number of seeds, counting up from the first; 1 or more.
+    pub seeds: u64,
+    /// The detector's parameters, with the slopes that are searched.
+    pub detector: DetectorParams,
+}
+
+impl AccuracyStudy {
+    /// The published chart with slopes up to half a pixel beyond a grid of ±3 px/frame in steps of 0.5.
+    pub fn with_motion(motion: Motion) -> Self {
+        let slopes = match motion {
+            Motion::OneD => SlopeGrid::line(-3.0..=3.0, 13),
+            Motion::TwoD => SlopeGrid::plane(-3.0..=3.0, 13, -3.0..=3.0, 13),
+        };
+        Self {
+            chart: ChartParams { motion, max_slope: 3.5, ..ChartParams::default() },
+            snrs: vec![5.0, 0.6],
+            first_seed: 1,
+            seeds: 5,
+            detector: DetectorParams { slopes, ..DetectorParams::default() },
+        }
+    }
+
+    /// This study on charts of `discs` discs that all stand apart. The gap between rims at mid-burst makes room for the
+    /// surroundings of the largest disc and for the relative motion of any two discs.
+    pub fn standing_apart(&self, discs: usize) -> Self {
+        let chart = &self.chart;
+        let axes: f64 = match chart.motion {
+            Motion::OneD => 1.0,
+            Motion::TwoD => 2.0,
+        };
+        let relative_motion = 2.0 * chart.max_slope * axes.sqrt() * 0.5 * (chart.frames as f64 - 1.0);
+        let gap = (SURROUNDINGS_IN_RADII - 1.0) * chart.radius.end() + relative_motion;
+        Self { chart: ChartParams { discs, gap: gap.ceil(), ..chart.clone() }, ..self.clone() }
+    }
+}
+
+/// Default number of discs on a chart on which they stand apart: 20 on 800×600 pixels, in proportion to the area, at
+/// least 1.
+pub fn discs_apart(chart: &ChartParams) -> usize {
+    (chart.width * chart.height / 24_000).max(1)
+}
+
+/// A chart and the features found for its discs.
+#[derive(Debug, Clone)]
+struct SearchedChart {
+    /// Index of the ratio.
+    row: usize,
+    seed: u64,
+    found: Vec<FoundDisc>,
+}
+
+/// A disc and the strongest feature that found it.
+#[derive(Debug, Clone)]
+struct FoundDisc {
+    disc: FeatureTruth,
+    apart: bool,
+    feature: Option<Feature>,
+}
+
+impl AccuracyStudy {
+    /// Makes the charts, searches them and compares the features with the truth.
+    ///
+    /// # Errors
+    /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
+    pub fn run(&self, monitor: &Monitor) -> Result<AccuracyReport, EvaluateError> {
+        self.run_telling(monitor, &|_| {})
+    }
+
+    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, as
+    /// [`ChartStudy::run_telling`](super::ChartStudy::run_telling) does.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_telling(
+        &self,
+        monitor: &Monitor,
+        tell: &(dyn Fn(AccuracyReport) + Sync),
+    ) -> Result<AccuracyReport, EvaluateError> {
+        check_lists(&self.snrs, self.seeds)?;
+        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
+        let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..self.snrs.len()).map(move |row| (row, seed))).collect();
+        let so_far = Mutex::new(Vec::with_capacity(jobs.len()));
+        let charts = run_jobs(&jobs, 1, monitor, |&(row, seed), monitor, steps| {
+            let LookedChart { truth, detection, judged, .. } = self.look(self.snrs[row], seed, monitor)?;
+            let mut found: Vec<FoundDisc> = truth
+                .features
+                .iter()
+                .map(|&disc| FoundDisc { disc, apart: stands_apart(&disc, &truth), feature: None })
+                .collect();
+            for judged in judged {
+                if let Some(disc) = judged.disc {
+                    found[disc].feature = Some(detection.features[judged.feature]);
+                }
+            }
+            steps.done();
+            let chart = SearchedChart { row, seed, found };
+            let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
+            so_far.push(chart.clone());
+            tell(self.report(&so_far));
+            Ok(chart)
+        })?;
+        Ok(self.report(&charts))
+    }
+
+    /// Makes and searches one chart of the study, for a look at a point of a curve.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn look(&self, snr: f64, seed: u64, monitor: &Monitor) -> Result<LookedChart, EvaluateError> {
+        let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
+        let detection = detect(&burst, &self.detector, monitor)?;
+        let judged = judge(&detection.features, &truth, Ranking::Strength);
+        Ok(LookedChart { burst, truth, detection, judged })
+    }
+
+    /// The parameters of the chart of a ratio and a seed.
+    pub fn chart_of(&self, snr: f64, seed: u64) -> ChartParams {
+        ChartParams { snr, seed, ..self.chart.clone() }
+    }
+
+    /// The report of the `charts` searched so far, in any order; ratios without a chart are left out.
+    fn report(&self, charts: &[SearchedChart]) -> AccuracyReport {
+        let row = |(row, &snr): (usize, &f64)| {
+            let mut of_ratio: Vec<&SearchedChart> = charts.iter().filter(|chart| chart.row == row).collect();
+            of_ratio.sort_by_key(|chart| chart.seed);
+            (!of_ratio.is_empty()).then(|| self.row(snr, of_ratio.iter().flat_map(|chart| &chart.found)))
+        };
+        AccuracyReport {
+            chart: (&self.chart).into(),
+            first_seed: self.first_seed,
+            seeds: self.seeds,
+            detector: self.detector.clone(),
+            rows: self.snrs.iter().enumerate().filter_map(row).collect(),
+        }
+    }
+
+    fn row<'a>(&self, snr: f64, found: impl Iterator<Item = &'a FoundDisc>) -> AccuracyRow {
+        let grid = self.detector.used_slopes();
+        let (mut within, mut beyond) = (RangeCount::default(), RangeCount::default());
+        let (mut u, mut v, mut scale) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut slope_u, mut slope_v) = (Vec::new(), Vec::new());
+        let (mut apart_u, mut apart_v) = (Vec::new(), Vec::new());
+        for FoundDisc { disc, apart, feature } in found {
+            let count = if reaches(&grid, disc) { &mut within } else { &mut beyond };
+            count.discs += 1;
+            let Some(feature) = feature else { continue };
+            count.found += 1;
+            if feature.is_on_rim(&self.detector) {
+                count.marked += 1;
+                continue;
+            }
+            u.push(f64::from(feature.u) - disc.u);
+            v.push(f64::from(feature.v) - disc.v);
+            if *apart {
+                apart_u.push(f64::from(feature.u) - disc.u);
+                apart_v.push(f64::from(feature.v) - disc.v);
+            }
+            scale.push(f64::from(feature.sigma) / expected_sigma(disc.radius, self.detector.levels) - 1.0);
+            slope_u.push(f64::from(feature.slope.u) - disc.slope_u);
+            slope_v.push(f64::from(feature.slope.v) - disc.slope_v);
+        }
+        AccuracyRow {
+            snr,
+            within,
+            beyond,
+            distance: lengths(&u, &v),
+            apart: apart_u.len(),
+            distance_apart: lengths(&apart_u, &apart_v),
+            u: Errors::of(&u),
+            v: Errors::of(&v),
+            scale: Errors::of(&scale),
+            slope_distance: lengths(&slope_u, &slope_v),
+            slope_u: Errors::of(&slope_u),
+            slope_v: Errors::of(&slope_v),
+        }
+    }
+}
+
+/// Whether a disc's slope lies between the outermost slopes of `grid`.
+fn reaches(grid: &SlopeGrid, disc: &FeatureTruth) -> bool {
+    let (sin, cos) = f64::from(grid.direction_deg).to_radians().sin_cos();
+    let along = disc.slope_u * cos + disc.slope_v * sin;
+    let across = disc.slope_v * cos - disc.slope_u * sin;
+    let inside = |x: f64, min: f32, max: f32, count: usize| {
+        // One slope has no range: a line does not limit the motion across it.
+        count < 2 || (f64::from(min)..=f64::from(max)).contains(&x)
+    };
+    inside(along, grid.u.min, grid.u.max, grid.u.count) && inside(across, grid.v.min, grid.v.max, grid.v.count)
+}
+
+/// Radius of the surroundings of a disc that a detector looks at, in radii of the disc: three σ of the wider Gaussian
+/// of its response, rounded up.
+pub const SURROUNDINGS_IN_RADII: f64 = 2.4;
+
+/// Whether no other disc of the chart comes into the surroundings of `disc` in any frame ([`SURROUNDINGS_IN_RADII`]). A
+/// disc that does attracts or repels the extremum of D, and in a moving chart also smears over it: errors that noise
+/// does not cause.
+pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
+    let others = || truth.features.iter().filter(|other| other.id != disc.id);
+    (0..truth.frames).all(|t| {
+        let dt = t as f64 - truth.t0;
+        let (u, v) = disc.position(dt);
+        others().all(|other| {
+            let (other_u, other_v) = other.position(dt);
+            (other_u - u).hypot(other_v - v) > SURROUNDINGS_IN_RADII * disc.radius + other.radius
+        })
+    })
+}
+
+/// Median and 95 % quantile of the lengths of vectors.
+fn lengths(u: &[f64], v: &[f64]) -> [f64; 2] {
+    let mut lengths: Vec<f64> = u.iter().zip(v).map(|(u, v)| u.hypot(*v)).collect();
+    lengths.sort_by(f64::total_cmp);
+    [quantile(&lengths, 0.5), quantile(&lengths, 0.95)]
+}
+
+/// Report of a study of accuracy.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AccuracyReport {
+    /// Parameters of the charts.
+    pub chart: ChartSummary,
+    /// The first seed.
+    pub first_seed: u64,
+    /// Number of seeds.
+    pub seeds: u64,
+    /// The detector's parameters.
+    pub detector: DetectorParams,
+    /// One row for each ratio.
+    pub rows: Vec<AccuracyRow>,
+}
+
+/// The errors at one ratio, over all seeds together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AccuracyRow {
+    /// Per-pixel signal-to-noise ratio; null in JSON for charts without noise.
+    pub snr: f64,
+    /// Discs that move within the grid's range, between its outermost slopes.
+    pub within: RangeCount,
+    /// Discs that move faster than that range.
+    pub beyond: RangeCount,
+    /// Errors of the columns, pixels.
+    pub u: Errors,
+    /// Errors of the rows, pixels.
+    pub v: Errors,
+    /// Distances from the true positions, pixels: median and 95 %.
+    pub distance: [f64; 2],
+    /// Number of compared discs that stand apart, see [`stands_apart`].
+    pub apart: usize,
+    /// Distances of those from their true positions, pixels: median and 95 %.
+    pub distance_apart: [f64; 2],
+    /// Relative errors of scale: σ over the expected one, minus 1.
+    pub scale: Errors,
+    /// Errors of the slopes to the right, pixels per frame.
+    pub slope_u: Errors,
+    /// Errors of the slopes down, pixels per frame.
+    pub slope_v: Errors,
+    /// Lengths of the slopes' errors, pixels per frame: median and 95 %.
+    pub slope_distance: [f64; 2],
+}
+
+/// Numbers of discs, of discs found, and of those found on the rim of the slopes searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct RangeCount {
+    /// Number of discs.
+    pub discs: usize,
+    /// Number of discs that were found.
+    pub found: usize,
+    /// Number of found discs whose feature lies on the rim of the slopes, where slopes are not interpolated.
+    pub marked: usize,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_expected_scale_is_where_the_difference_of_gaussians_peaks() {
+        for levels in [1, 3, 5] {
+            let k = 2f64.powf(1.0 / f64::from(levels));
+            let response = |sigma: f64| {
+                let g = |s: f64| 1.0 - (-0.5 / (s * s)).exp(); // disc of radius 1
+                (g(k * sigma) - g(sigma)).abs()
+            };
+            let sigma = expected_sigma(1.0, levels);
+            assert!(response(sigma) > response(sigma * 1.001) && response(sigma) > response(sigma / 1.001));
+        }
+        assert!((expected_sigma(10.0, 3) - 6.327).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_disc_stands_apart_until_another_comes_near_in_some_frame() {
+        let chart = ChartParams {
+            width: 160,
+            height: 120,
+            discs: 2,
+            radius: 10.0..=10.0,
+            frames: 2,
+            max_slope: 0.0,
+            ..ChartParams::default()
+        };
+        let (_, mut truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        // 2.4 radii and the other's radius: 34 px between the centres.
+        (truth.features[1].u, truth.features[1].v) = (truth.features[0].u + 35.0, truth.features[0].v);
+        assert!(stands_apart(&truth.features[0], &truth));
+        truth.features[1].slope_u = -3.0; // 1.5 px nearer in the last frame
+        assert!(!stands_apart(&truth.features[0], &truth));
+    }
+
+    #[test]
+    fn discs_of_the_charts_on_which_they_stand_apart_do() {
+        for motion in [Motion::OneD, Motion::TwoD] {
+            let study = AccuracyStudy::with_motion(motion);
+            let apart = study.standing_apart(discs_apart(&study.chart)).chart;
+            assert_eq!(apart.discs, 20);
+            for seed in 1..=3 {
+                let chart = ChartParams { seed, snr: f64::INFINITY, ..apart.clone() };
+                let (_, truth) = synth_chart(&chart, &Monitor::default()).expect("they fit");
+                assert!(truth.features.iter().all(|disc| stands_apart(disc, &truth)), "{motion:?} {seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn ranges_follow_a_turned_grid() {
+        let disc = |slope_u, slope_v| FeatureTruth {
+            id: 0,
+            layer: None,
+            u: 0.0,
+            v: 0.0,
+            radius: 5.0,
+            sigma: 3.5,
+            slope_u,
+            slope_v,
+            contrast_sign: 1,
+        };
+        let line = SlopeGrid::line(-1.0..=2.0, 4);
+        assert!(reaches(&line, &disc(1.9, 0.0)) && !reaches(&line, &disc(-1.1, 0.0)));
+        let down = SlopeGrid::line_along(90.0, -1.0..=2.0, 4);
+        assert!(reaches(&down, &disc(0.0, 1.9)) && !reaches(&down, &disc(0.0, -1.1)));
+        let plane = SlopeGrid::plane(-1.0..=1.0, 3, -2.0..=2.0, 5);
+        assert!(
+            reaches(&plane, &disc(0.9, 1.9)) && !reaches(&plane, &disc(1.1, 0.0)) && !reaches(&plane, &disc(0.0, 2.1))
+        );
+    }
+}

@@ -1,0 +1,407 @@
+//! Detection in the dark: the discs of a chart that each method finds, over signal-to-noise ratios and seeds.
+//!
+//! For every ratio and seed one chart is made, and every method runs on it with the same parameters. The number in a
+//! table is the count of discs found at the threshold where a tenth of the detections are false, the mean over the
+//! seeds. It is the best that any threshold achieves, and so compares methods independently of their defaults; the
+//! counts *at* their defaults stand beside it.
+
+use super::methods::{BurstMethod, Searches, slopes_of};
+use super::statistics::Mean;
+use super::{EvaluateError, check_lists, motion_name, run_jobs};
+use crate::synth::{ChartParams, RadiusLaw, Truth, synth_chart};
+use burstscope_core::burst::Burst;
+use burstscope_core::detect::Searched;
+use burstscope_core::detector::{Detection, DetectorParams, SlopeGrid};
+use burstscope_core::inspect::score::{Curve, Judged, Ranking, judge, mean_curve};
+use burstscope_core::monitor::Monitor;
+use serde::Serialize;
+use std::sync::{Mutex, PoisonError};
+
+/// Methods to be compared, and their charts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartStudy {
+    /// Parameters of the charts; their ratio and seed are set by the study.
+    pub chart: ChartParams,
+    /// Per-pixel signal-to-noise ratios, one row of the table each.
+    pub snrs: Vec<f64>,
+    /// The first seed.
+    pub first_seed: u64,
+    /// Number of seeds, counting up from the first; 1 or more.
+    pub seeds: u64,
+    /// The methods, each at most once.
+    pub methods: Vec<BurstMethod>,
+    /// The detector's parameters, for all methods; method and slopes are set by each of them.
+    pub detector: DetectorParams,
+    /// Slopes of BuFF 1D.
+    pub slopes_1d: SlopeGrid,
+    /// Slopes of BuFF 2D.
+    pub slopes_2d: SlopeGrid,
+    /// Direction in which a method that finds slopes searches them, degrees from +u towards +v; `None`: anywhere in the
+    /// plane.
+    pub direction_deg: Option<f32>,
+    /// Quantity by which features are ranked.
+    pub ranking: Ranking,
+    /// Share of false detections at which methods are compared, 0 … 1.
+    pub false_fraction: f64,
+}
+
+impl Default for ChartStudy {
+    /// Five charts at each of three ratios in the dark; 13 slopes in 1D and 7×7 in 2D over the chart's ±3 px/frame.
+    fn default() -> Self {
+        Self {
+            chart: ChartParams::default(),
+            snrs: vec![0.2, 0.35, 0.6],
+            first_seed: 1,
+            seeds: 5,
+            methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(),
+            detector: DetectorParams::default(),
+            slopes_1d: SlopeGrid::line(-3.0..=3.0, 13),
+            slopes_2d: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7),
+            direction_deg: None,
+            ranking: Ranking::Strength,
+            false_fraction: 0.10,
+        }
+    }
+}
+
+/// Scores of all methods of a study on one chart.
+#[derive(Debug, Clone)]
+struct FinishedChart {
+    /// Index of the ratio.
+    row: usize,
+    seed: u64,
+    /// Scores in the study's order of methods.
+    scores: Vec<ChartScore>,
+}
+
+/// One chart with its search, for a look at it.
+#[derive(Debug, Clone)]
+pub struct LookedChart {
+    /// Frames of the chart.
+    pub burst: Burst,
+    /// Discs of the chart.
+    pub truth: Truth,
+    /// Detection of the method.
+    pub detection: Detection,
+    /// Judgements of the features, strongest first.
+    pub judged: Vec<Judged>,
+}
+
+impl ChartStudy {
+    /// The slopes of BuFF 1D and BuFF 2D for `given` slopes: a line of slopes is BuFF 1D's; a plane is BuFF 2D's, and
+    /// its u axis BuFF 1D's. Slopes that are not given are those of the published study.
+    pub fn slopes_for(given: Option<SlopeGrid>) -> (SlopeGrid, SlopeGrid) {
+        let default = Self::default();
+        match given {
+            Some(plane) if plane.is_plane() => slopes_of(plane),
+            Some(line) => (line, default.slopes_2d),
+            None => (default.slopes_1d, default.slopes_2d),
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), EvaluateError> {
+        check_lists(&self.snrs, self.seeds)?;
+        if self.methods.is_empty() {
+            return Err(EvaluateError::param(
+                "methods",
+                "none is given",
+                "give one or more, such as sift-mean,buff-1d",
+            ));
+        }
+        if !(0.0..=1.0).contains(&self.false_fraction) {
+            let remedy = "give a share from 0 to 1, such as 0.1";
+            return Err(EvaluateError::param("false-fraction", self.false_fraction.to_string(), remedy));
+        }
+        for &method in &self.methods {
+            self.searches().params(method).validate_for(self.chart.frames, (self.chart.width, self.chart.height))?;
+        }
+        Ok(())
+    }
+
+    /// The setup of the comparison, for reports.
+    pub(super) fn setup(&self) -> ComparisonSetup {
+        ComparisonSetup {
+            first_seed: self.first_seed,
+            seeds: self.seeds,
+            ranking: self.ranking,
+            false_fraction: self.false_fraction,
+            detector: self.detector.clone(),
+            slopes_1d: self.slopes_1d,
+            slopes_2d: self.slopes_2d,
+        }
+    }
+
+    fn searches(&self) -> Searches<'_> {
+        Searches {
+            detector: &self.detector,
+            slopes_1d: self.slopes_1d,
+            slopes_2d: self.slopes_2d,
+            direction_deg: self.direction_deg,
+        }
+    }
+
+    /// Makes the charts, runs the methods and scores their features.
+    ///
+    /// # Errors
+    /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
+    pub fn run(&self, monitor: &Monitor) -> Result<ChartReport, EvaluateError> {
+        self.run_telling(monitor, &|_| {})
+    }
+
+    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, from any thread,
+    /// one call at a time. Charts of one seed at all ratios come before those of the next, so that every point of a
+    /// curve exists early and then improves.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_telling(
+        &self,
+        monitor: &Monitor,
+        tell: &(dyn Fn(ChartReport) + Sync),
+    ) -> Result<ChartReport, EvaluateError> {
+        self.check()?;
+        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
+        let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..self.snrs.len()).map(move |row| (row, seed))).collect();
+        let so_far = Mutex::new(Vec::with_capacity(jobs.len()));
+        let finished = run_jobs(&jobs, self.methods.len(), monitor, |&(row, seed), monitor, steps| {
+            let (burst, truth) = synth_chart(&self.chart_of(self.snrs[row], seed), monitor)?;
+            let score = |&method: &BurstMethod| {
+                let detection = self.searches().search(method, &burst, monitor)?.detection;
+                steps.done();
+                Ok(self.score(method, seed, &detection, &truth))
+            };
+            let scores = self.methods.iter().map(score).collect::<Result<Vec<ChartScore>, EvaluateError>>()?;
+            let chart = FinishedChart { row, seed, scores };
+            let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
+            so_far.push(chart.clone());
+            tell(self.report(&so_far));
+            Ok(chart)
+        })?;
+        Ok(self.report(&finished))
+    }
+
+    /// Makes one chart of the study and runs `method` on it, for a look at a point of a curve.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn look(
+        &self,
+        snr: f64,
+        seed: u64,
+        method: BurstMethod,
+        monitor: &Monitor,
+    ) -> Result<LookedChart, EvaluateError> {
+        let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
+        let Searched { detection, .. } = self.searches().search(method, &burst, monitor)?;
+        let judged = judge(&detection.features, &truth, self.ranking);
+        Ok(LookedChart { burst, truth, detection, judged })
+    }
+
+    /// The parameters of the chart of a ratio and a seed.
+    pub fn chart_of(&self, snr: f64, seed: u64) -> ChartParams {
+        ChartParams { snr, seed, ..self.chart.clone() }
+    }
+
+    /// The report of the charts `finished` so far, in any order; ratios without a finished chart are left out.
+    fn report(&self, finished: &[FinishedChart]) -> ChartReport {
+        let row = |(row, &snr): (usize, &f64)| {
+            let mut charts: Vec<&FinishedChart> = finished.iter().filter(|chart| chart.row == row).collect();
+            charts.sort_by_key(|chart| chart.seed);
+            let method = |(index, &method): (usize, &BurstMethod)| {
+                self.method_report(method, charts.iter().map(|chart| chart.scores[index].clone()).collect())
+            };
+            let methods = || self.methods.iter().enumerate().map(method).collect();
+            (!charts.is_empty()).then(|| ChartRow { snr, methods: methods() })
+        };
+        ChartReport {
+            chart: (&self.chart).into(),
+            setup: self.setup(),
+            rows: self.snrs.iter().enumerate().filter_map(row).collect(),
+        }
+    }
+
+    fn score(&self, method: BurstMethod, seed: u64, detection: &Detection, truth: &Truth) -> ChartScore {
+        let curve = Curve::of(&judge(&detection.features, truth, self.ranking));
+        let of_one_frame = !matches!(method, BurstMethod::SiftMean | BurstMethod::SiftMerge);
+        ChartScore {
+            seed,
+            true_positives: curve.at_false_fraction(self.false_fraction).true_positives,
+            default_true_positives: curve.end().true_positives,
+            default_false_features: curve.end().false_features,
+            noise_estimate_ratio: (truth.noise.filter(|_| of_one_frame))
+                .map(|noise| f64::from(detection.frame_noise) / noise.sigma_background),
+            curve,
+        }
+    }
+
+    fn method_report(&self, method: BurstMethod, charts: Vec<ChartScore>) -> MethodReport {
+        let mean = |count: fn(&ChartScore) -> usize| {
+            Mean::of(&charts.iter().map(|chart| count(chart) as f64).collect::<Vec<_>>())
+        };
+        let ratios: Vec<f64> = charts.iter().filter_map(|chart| chart.noise_estimate_ratio).collect();
+        let curves: Vec<&Curve> = charts.iter().map(|chart| &chart.curve).collect();
+        MethodReport {
+            method,
+            true_positives: mean(|chart| chart.true_positives),
+            default_true_positives: mean(|chart| chart.default_true_positives),
+            default_false_features: mean(|chart| chart.default_false_features),
+            default_false_per_disc: (self.chart.discs > 0).then(|| {
+                let discs = self.chart.discs as f64;
+                Mean::of(&charts.iter().map(|chart| chart.default_false_features as f64 / discs).collect::<Vec<_>>())
+            }),
+            noise_estimate_ratio: (!ratios.is_empty()).then(|| Mean::of(&ratios)),
+            roc: mean_curve(&curves, self.chart.discs.div_ceil(2)),
+            charts,
+        }
+    }
+}
+
+/// Report of a study of charts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChartReport {
+    /// Parameters of the charts.
+    pub chart: ChartSummary,
+    /// Setup of the comparison of methods.
+    #[serde(flatten)]
+    pub setup: ComparisonSetup,
+    /// One row for each ratio.
+    pub rows: Vec<ChartRow>,
+}
+
+/// Setup of a comparison of methods: the part before the rows of every report of charts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ComparisonSetup {
+    /// The first seed.
+    pub first_seed: u64,
+    /// Number of seeds.
+    pub seeds: u64,
+    /// Quantity by which features were ranked.
+    pub ranking: Ranking,
+    /// Share of false detections at which methods were compared.
+    pub false_fraction: f64,
+    /// The detector's parameters; method and slopes were set by each method.
+    pub detector: DetectorParams,
+    /// Slopes of BuFF 1D.
+    pub slopes_1d: SlopeGrid,
+    /// Slopes of BuFF 2D.
+    pub slopes_2d: SlopeGrid,
+}
+
+/// Parameters of the charts of a report.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ChartSummary {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Number of discs.
+    pub discs: usize,
+    /// Smallest and largest radius, pixels.
+    pub radius: [f64; 2],
+    /// Distribution of the radii between these.
+    pub radius_law: RadiusLaw,
+    /// Intensity of a disc over that of the background.
+    pub contrast: f64,
+    /// Number of frames.
+    pub frames: usize,
+    /// Directions of motion, `1d` or `2d`.
+    pub motion: &'static str,
+    /// Largest slope on each axis that moves, pixels per frame.
+    pub max_slope: f64,
+    /// Standard deviation of the read noise, electrons.
+    pub read_noise: f64,
+    /// Bits of the converter.
+    pub bits: u32,
+}
+
+impl From<&ChartParams> for ChartSummary {
+    fn from(chart: &ChartParams) -> Self {
+        Self {
+            width: chart.width,
+            height: chart.height,
+            discs: chart.discs,
+            radius: [*chart.radius.start(), *chart.radius.end()],
+            radius_law: chart.radius_law,
+            contrast: chart.contrast,
+            frames: chart.frames,
+            motion: motion_name(chart.motion),
+            max_slope: chart.max_slope,
+            read_noise: chart.read_noise,
+            bits: chart.bits,
+        }
+    }
+}
+
+/// All methods at one ratio.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChartRow {
+    /// Per-pixel signal-to-noise ratio.
+    pub snr: f64,
+    /// The methods, in the study's order.
+    pub methods: Vec<MethodReport>,
+}
+
+/// One method at one ratio; means are over the seeds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodReport {
+    /// The method.
+    pub method: BurstMethod,
+    /// Discs found at the threshold where the requested share of the detections is false.
+    pub true_positives: Mean,
+    /// Discs found among all features that the detector returned.
+    pub default_true_positives: Mean,
+    /// False features among all features that the detector returned.
+    pub default_false_features: Mean,
+    /// Mean number of false features for each disc of the chart; absent for charts without discs.
+    pub default_false_per_disc: Option<Mean>,
+    /// Ratio of the detector's estimate of a frame's noise to the true one at the background; absent for mean and
+    /// merged images and for charts without noise.
+    pub noise_estimate_ratio: Option<Mean>,
+    /// Mean count of discs found with at most 0, 1, 2 … false features.
+    pub roc: Vec<f64>,
+    /// Scores on each chart, in the order of the seeds.
+    pub charts: Vec<ChartScore>,
+}
+
+/// Scores of one method on one chart.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChartScore {
+    /// The chart's seed.
+    pub seed: u64,
+    /// Discs found at the threshold where the requested share of the detections is false.
+    pub true_positives: usize,
+    /// Discs found among all features that the detector returned.
+    pub default_true_positives: usize,
+    /// False features among all features that the detector returned.
+    pub default_false_features: usize,
+    /// Ratio of the estimate of a frame's noise to the true one, where both are known.
+    pub noise_estimate_ratio: Option<f64>,
+    /// True against false features over all thresholds. Not part of the JSON, which holds the mean over the seeds.
+    #[serde(skip)]
+    pub curve: Curve,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nonsense_is_named_with_its_remedy() {
+        let good = ChartStudy::default;
+        let cases = [
+            (ChartStudy { snrs: Vec::new(), ..good() }, "snr: "),
+            (ChartStudy { seeds: 0, ..good() }, "seeds: "),
+            (ChartStudy { methods: Vec::new(), ..good() }, "methods: "),
+            (ChartStudy { false_fraction: 1.5, ..good() }, "false-fraction: "),
+            (ChartStudy { detector: DetectorParams { levels: 0, ..DetectorParams::default() }, ..good() }, "levels: "),
+            (ChartStudy { chart: ChartParams { contrast: 1.0, ..ChartParams::default() }, ..good() }, "contrast: "),
+        ];
+        for (study, start) in cases {
+            let error = study.run(&Monitor::default()).expect_err(start).to_string();
+            assert!(error.starts_with(start), "{error}");
+        }
+        let monitor = Monitor::default();
+        monitor.cancel();
+        assert!(matches!(good().run(&monitor), Err(EvaluateError::Cancelled(_))));
+    }
+}

@@ -1,0 +1,415 @@
+//! The plots of a study's report: their titles and axes, and the points of every curve.
+//!
+//! The Lab draws these plots, and its files are written from them, so that a figure, a table and the screen show the
+//! same numbers. The figure is self-contained SVG, for light and dark pages, readable without colour: two plots stand
+//! side by side, each with its legend. Curves of one method have one colour in all sets; those of sets after the first
+//! are thinner and dotted.
+
+use super::accuracy::{AccuracyReport, AccuracyRow};
+use super::chart::{ChartReport, MethodReport};
+use super::figure::method_line;
+use super::frames::FramesReport;
+use super::frames_of_burst::{BurstFramesReport, BurstFramesRow};
+use super::methods::BurstMethod;
+use super::statistics::Mean;
+use burstscope_core::export::sheet::{Anchor, Area, BLUE, FAINT, RED, Sheet};
+use burstscope_core::export::{CURVE_COLUMNS, Plot, Series, range_from_zero};
+use std::fmt::Write;
+
+/// Colour and dashes of correct results, where curves are not of methods.
+const GOOD: (&str, &str) = (BLUE, "");
+/// Colour and dashes of wrong or unconfirmed results.
+const BAD: (&str, &str) = (RED, "7 4");
+/// Label of the axis of ratios.
+const SNR: &str = "SNR of one pixel in one frame";
+/// Label of the axis of numbers of frames.
+const FRAMES: &str = "number of frames";
+
+/// One plot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyPlot {
+    /// Heading of the plot.
+    pub title: String,
+    /// Label of the horizontal axis, with its unit.
+    pub x_label: &'static str,
+    /// Label of the vertical axis, with its unit.
+    pub y_label: String,
+    /// Whether each point was measured separately and is marked; a ROC curve is one line through all thresholds.
+    pub marks_points: bool,
+    /// Meaning of the bars at the points; empty where there are none.
+    pub spread: &'static str,
+    /// The curves, in the order of the methods.
+    pub curves: Vec<StudyCurve>,
+}
+
+/// One curve of a plot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyCurve {
+    /// Method; `None` for the one search of a study of accuracy.
+    pub method: Option<BurstMethod>,
+    /// Name of the curve.
+    pub label: String,
+    /// Colour, as `#rrggbb`: that of the method, and otherwise one that no other curve of its plot has.
+    pub colour: &'static str,
+    /// Dashes in a figure, in SVG's form; empty for a solid line.
+    pub dashes: &'static str,
+    /// Points, from left to right.
+    pub points: Vec<StudyCurvePoint>,
+}
+
+/// One point of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StudyCurvePoint {
+    /// Horizontal coordinate.
+    pub x: f64,
+    /// Vertical coordinate.
+    pub y: f64,
+    /// Ends of the spread: one standard error to both sides of a mean, or a median and 95 %.
+    pub spread: Option<[f64; 2]>,
+    /// Value of the report's row that the point belongs to: a ratio, or a number of frames.
+    pub row_value: f64,
+}
+
+impl StudyCurvePoint {
+    fn of_mean(x: f64, mean: Mean) -> Self {
+        Self { x, y: mean.mean, spread: mean.within_error(), row_value: x }
+    }
+}
+
+/// The plots of a study in the dark: the ROC curves at one ratio (the row `roc_row`), and the features and discs found
+/// against the ratio.
+pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
+    let rows: Vec<(f64, &[MethodReport])> = report.rows.iter().map(|row| (row.snr, &row.methods[..])).collect();
+    let mut plots = Vec::new();
+    if let Some(row) = report.rows.get(roc_row) {
+        plots.push(roc_plot(&row.methods, row.snr, format!("ROC at SNR {}", row.snr), report.chart.discs));
+    }
+    let share = percent(report.setup.false_fraction);
+    let title = format!("Discs found, {share} false, against SNR");
+    plots.push(against(&rows, title, SNR, found_label(report.chart.discs), |method| method.true_positives));
+    plots.push(against(
+        &rows,
+        "False features a disc at the default threshold".to_owned(),
+        SNR,
+        "false features a disc".to_owned(),
+        |method| method.default_false_per_disc.unwrap_or(method.default_false_features),
+    ));
+    plots
+}
+
+/// The plots of a study over the number of frames: the ROC curves at one number (the row `roc_row`), and the features
+/// and discs found against the number of frames.
+pub fn frames_plots(report: &FramesReport, roc_row: usize) -> Vec<StudyPlot> {
+    let rows: Vec<(f64, &[MethodReport])> =
+        report.rows.iter().map(|row| (row.frames as f64, &row.methods[..])).collect();
+    let mut plots = Vec::new();
+    if let Some(row) = report.rows.get(roc_row) {
+        let title = format!("ROC of {} frames at SNR {}", row.frames, report.snr);
+        plots.push(roc_plot(&row.methods, row.frames as f64, title, report.chart.discs));
+    }
+    let title = format!("Discs found, {} false, against frames", percent(report.setup.false_fraction));
+    plots.push(against(&rows, title, FRAMES, found_label(report.chart.discs), |method| method.true_positives));
+    let title = "False features at the default threshold".to_owned();
+    plots.push(against(&rows, title, FRAMES, "false features".to_owned(), |method| method.default_false_features));
+    plots
+}
+
+/// The plots of the middle frames of a burst: its features, the confirmed ones among them, and the matches with a
+/// second burst.
+pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
+    let curve = |label: &str, (colour, dashes), value: &dyn Fn(&BurstFramesRow) -> Option<usize>| {
+        let point = |row: &BurstFramesRow| {
+            let x = row.frames as f64;
+            Some(StudyCurvePoint { x, y: value(row)? as f64, spread: None, row_value: x })
+        };
+        let points: Vec<StudyCurvePoint> = report.rows.iter().filter_map(point).collect();
+        (!points.is_empty()).then(|| StudyCurve { method: None, label: label.to_owned(), colour, dashes, points })
+    };
+    let plot = |title: String, y_label: &str, curves: [Option<StudyCurve>; 2]| {
+        let curves: Vec<StudyCurve> = curves.into_iter().flatten().collect();
+        let (is_known, y_label) = (!curves.is_empty(), y_label.to_owned());
+        is_known.then_some(StudyPlot { title, x_label: FRAMES, y_label, marks_points: true, spread: "", curves })
+    };
+    let features = [
+        curve("confirmed by all frames", GOOD, &|row| Some(row.confirmed)),
+        curve("not confirmed", BAD, &|row| Some(row.unconfirmed)),
+    ];
+    let truth = [curve("discs found", GOOD, &|row| row.discs_found), curve("false", BAD, &|row| row.false_features)];
+    let matches = [
+        curve("putative matches", BAD, &|row| row.matches.map(|m| m.putative)),
+        curve("inliers", GOOD, &|row| row.matches.and_then(|m| m.inliers)),
+    ];
+    let with = report.second.as_deref().unwrap_or_default();
+    let plots = [
+        plot(format!("Features of the middle frames of {}", report.burst), "features", features),
+        plot("Against the truth".to_owned(), "features", truth),
+        plot(format!("Matches with as many frames of {with}"), "matches", matches),
+    ];
+    plots.into_iter().flatten().collect()
+}
+
+/// The ROC curves of one row's methods.
+fn roc_plot(methods: &[MethodReport], row_value: f64, title: String, discs: usize) -> StudyPlot {
+    let curve = |method: &MethodReport| {
+        // No chart has more false features than this; nothing was measured further right.
+        let measured = method.charts.iter().map(|chart| chart.default_false_features).max().unwrap_or(0);
+        let points = method.roc.iter().take(measured + 1).enumerate();
+        let point = |(count, &y): (usize, &f64)| StudyCurvePoint { x: count as f64, y, spread: None, row_value };
+        curve_of(method.method, points.map(point).collect())
+    };
+    StudyPlot {
+        title,
+        x_label: "false features",
+        y_label: found_label(discs),
+        marks_points: false,
+        spread: "",
+        curves: methods.iter().map(curve).collect(),
+    }
+}
+
+/// One number of every method against the value that varies from row to row.
+fn against(
+    rows: &[(f64, &[MethodReport])],
+    title: String,
+    x_label: &'static str,
+    y_label: String,
+    number: impl Fn(&MethodReport) -> Mean,
+) -> StudyPlot {
+    let methods = rows.first().map_or(&[][..], |(_, methods)| methods);
+    let curve = |(index, method): (usize, &MethodReport)| {
+        let point = |(x, methods): &(f64, &[MethodReport])| StudyCurvePoint::of_mean(*x, number(&methods[index]));
+        let mut points: Vec<StudyCurvePoint> = rows.iter().map(point).collect();
+        points.sort_by(|a, b| a.x.total_cmp(&b.x));
+        curve_of(method.method, points)
+    };
+    let curves = methods.iter().enumerate().map(curve).collect();
+    StudyPlot { title, x_label, y_label, marks_points: true, spread: "bars: standard error", curves }
+}
+
+/// The plots of a study of accuracy: errors of position, scale and slope against the ratio, median and 95 %.
+pub fn accuracy_plots(report: &AccuracyReport) -> Vec<StudyPlot> {
+    let plot = |title: &str, y_label: &str, errors: &dyn Fn(&AccuracyRow) -> [f64; 2]| {
+        let point = |row: &AccuracyRow| {
+            let [median, most] = errors(row);
+            StudyCurvePoint { x: row.snr, y: median, spread: Some([median, most]), row_value: row.snr }
+        };
+        let mut points: Vec<StudyCurvePoint> = report.rows.iter().map(point).collect();
+        points.sort_by(|a, b| a.x.total_cmp(&b.x));
+        let (colour, dashes) = GOOD;
+        let curve = StudyCurve { method: None, label: "median".to_owned(), colour, dashes, points };
+        StudyPlot {
+            title: title.to_owned(),
+            x_label: SNR,
+            y_label: y_label.to_owned(),
+            marks_points: true,
+            spread: "bars: up to 95 %",
+            curves: vec![curve],
+        }
+    };
+    vec![
+        plot("Errors of place", "distance, px", &|row| row.distance),
+        plot("Errors of scale", "|error|, %", &|row| {
+            [100.0 * row.scale.median_magnitude, 100.0 * row.scale.magnitude_95]
+        }),
+        plot("Errors of slope", "distance, px/frame", &|row| row.slope_distance),
+    ]
+}
+
+fn curve_of(method: BurstMethod, points: Vec<StudyCurvePoint>) -> StudyCurve {
+    let (colour, dashes, _) = method_line(method);
+    StudyCurve { method: Some(method), label: method.label().to_owned(), colour, dashes, points }
+}
+
+fn found_label(discs: usize) -> String {
+    format!("discs found, of {discs}")
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", (1000.0 * share).round() / 10.0)
+}
+
+/// All points of named sets of plots as a table: `set,plot,curve,x,y,low,high`, one row for each point; `low` and
+/// `high` are empty where there is no spread.
+pub fn curves_csv(sets: &[(String, Vec<StudyPlot>)]) -> String {
+    let mut out = format!("{CURVE_COLUMNS}\n");
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    for (set, plots) in sets {
+        for plot in plots {
+            for curve in &plot.curves {
+                for point in &curve.points {
+                    let bound = |index: usize| point.spread.map_or_else(String::new, |s| s[index].to_string());
+                    // Writing into a string cannot fail.
+                    let _ = writeln!(
+                        out,
+                        "{},{},{},{},{},{},{}",
+                        quoted(set),
+                        quoted(&plot.title),
+                        quoted(&curve.label),
+                        point.x,
+                        point.y,
+                        bound(0),
+                        bound(1)
+                    );
+                }
+            }
+        }
+    }
+    out
+}
+
+const WIDTH: f64 = 880.0;
+const LEFT: f64 = 70.0;
+const HEIGHT: f64 = 280.0;
+
+/// The plots of named sets as an SVG document; plots of the same title are overlaid.
+pub fn curves_svg(sets: &[(String, Vec<StudyPlot>)]) -> String {
+    let title = "Studies of the detector";
+    let mut sheet = Sheet::new(WIDTH, title);
+    sheet.styled_text((LEFT, 28.0), 15.0, Anchor::Start, r#"font-weight="bold""#, title);
+    let mut plots: Vec<(&StudyPlot, Vec<Series>)> = Vec::new();
+    for (index, (set, of_set)) in sets.iter().enumerate() {
+        for plot in of_set {
+            let series = plot.curves.iter().map(|curve| series_of(curve, (index > 0).then_some(set.as_str())));
+            match plots.iter_mut().find(|(first, _)| first.title == plot.title) {
+                Some((_, all)) => all.extend(series),
+                None => plots.push((plot, series.collect())),
+            }
+        }
+    }
+    let room = (WIDTH - 24.0) / 2.0;
+    let mut top = 56.0;
+    for pair in plots.chunks(2) {
+        let mut below: f64 = top;
+        for (column, (_, series)) in pair.iter().enumerate() {
+            below = below.max(sheet.legend((LEFT + room * column as f64, top), room - LEFT, series));
+        }
+        for (column, (plot, series)) in pair.iter().enumerate() {
+            let x = LEFT + room * column as f64;
+            let area = Area { x, y: below + 18.0, width: room - LEFT - 8.0, height: HEIGHT };
+            let ends = series.iter().flat_map(|s| &s.points).map(|point| point.0).filter(|x| x.is_finite());
+            sheet.plot(
+                area,
+                &Plot {
+                    title: &plot.title,
+                    label_x: plot.x_label,
+                    label_y: &plot.y_label,
+                    range_x: (1.03 * ends.clone().fold(0.0, f64::min), 1.03 * ends.fold(1e-6, f64::max)),
+                    // Errors may be hundredths.
+                    range_y: range_from_zero(series, 1e-6),
+                    has_dots: plot.marks_points,
+                    series,
+                },
+            );
+            let note = format!(r#"fill="{FAINT}""#);
+            sheet.styled_text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, &note, plot.spread);
+        }
+        top = below + HEIGHT + 78.0;
+    }
+    sheet.finish(top)
+}
+
+/// The line of a curve, with the spread of its points.
+fn series_of(curve: &StudyCurve, set: Option<&str>) -> Series {
+    let label = set.map_or_else(|| curve.label.clone(), |set| format!("{}, {set}", curve.label));
+    // Curves of sets after the first are thinner and dotted.
+    let (dashes, width) = if set.is_some() { ("2 3", 1.4) } else { (curve.dashes, 2.2) };
+    let points = curve.points.iter().map(|point| (point.x, point.y, point.spread)).collect();
+    Series { label, colour: curve.colour, dashes, width, points }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::{BurstMethod, ChartStudy};
+    use crate::synth::ChartParams;
+    use burstscope_core::monitor::Monitor;
+
+    fn report() -> ChartReport {
+        let chart = ChartParams { width: 160, height: 120, discs: 4, radius: 4.0..=9.0, ..ChartParams::default() };
+        let study = ChartStudy {
+            chart,
+            snrs: vec![1.5, 0.8],
+            seeds: 2,
+            methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d],
+            ..ChartStudy::default()
+        };
+        study.run(&Monitor::default()).expect("a report")
+    }
+
+    #[test]
+    fn the_points_are_the_reports_numbers_from_left_to_right() {
+        let report = report();
+        let [roc, found, false_ones] = &chart_plots(&report, 1)[..] else { panic!("three plots") };
+        assert_eq!(roc.title, "ROC at SNR 0.8");
+        assert_eq!(roc.curves[1].points[0].y, report.rows[1].methods[1].roc[0]);
+        let buff = &found.curves[1];
+        assert_eq!(buff.label, "BuFF 1D");
+        assert_eq!(buff.points.iter().map(|p| (p.x, p.row_value)).collect::<Vec<_>>(), [(0.8, 0.8), (1.5, 1.5)]);
+        assert_eq!(buff.points[1].y, report.rows[0].methods[1].true_positives.mean);
+        assert!(buff.points[1].spread.is_some_and(|[low, high]| low <= buff.points[1].y && high >= buff.points[1].y));
+        assert_eq!(false_ones.curves.len(), 2);
+    }
+
+    #[test]
+    fn a_table_has_a_row_for_each_point_and_quotes_names() {
+        let plots = chart_plots(&report(), 0);
+        let points: usize = plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.points.len()).sum();
+        let csv = curves_csv(&[("gate \"4\", more".to_owned(), plots)]);
+        assert_eq!(csv.lines().count(), 1 + points);
+        for line in csv.lines().skip(1) {
+            let numbers = line.strip_prefix("\"gate \"\"4\"\", more\",").expect("the name, quoted").rsplit(',');
+            let numbers: Vec<&str> = numbers.take(4).collect();
+            assert!(numbers[2..].iter().all(|number| number.parse::<f64>().is_ok()), "{line}");
+        }
+    }
+
+    /// A plot of one curve, whose bars reach from half to `most` times the value.
+    fn plot(method: Option<BurstMethod>, title: &str, most: f64) -> StudyPlot {
+        let point = |x: f64| StudyCurvePoint { x, y: 2.0 * x, spread: Some([x, 2.0 * most * x]), row_value: x };
+        let points = vec![point(1.0), point(2.0)];
+        let curve = StudyCurve { method, label: "a & b".to_owned(), colour: "#0072b2", dashes: "", points };
+        StudyPlot {
+            title: title.to_owned(),
+            x_label: "x",
+            y_label: "y".to_owned(),
+            marks_points: true,
+            spread: "bars: 68 %",
+            curves: vec![curve],
+        }
+    }
+
+    #[test]
+    fn plots_of_one_title_share_their_axes_and_the_document_is_sound() {
+        let found = || plot(Some(BurstMethod::Buff1d), "Found", 1.5);
+        let sets = [("now".to_owned(), vec![found(), plot(None, "Errors", 2.5)]), ("before".to_owned(), vec![found()])];
+        let svg = curves_svg(&sets);
+        let document = roxmltree::Document::parse(&svg).expect("sound XML");
+        let texts: Vec<&str> = document.descendants().filter(|n| n.is_text()).filter_map(|n| n.text()).collect();
+        assert_eq!(texts.iter().filter(|text| **text == "Found").count(), 1);
+        assert!(texts.contains(&"a & b, before") && texts.iter().all(|text| !text.contains("a & b:")), "{texts:?}");
+        assert_eq!(texts.iter().filter(|text| **text == "bars: 68 %").count(), 2, "one a plot");
+        assert!(!svg.contains("NaN"));
+        // Without plots the sheet is empty.
+        roxmltree::Document::parse(&curves_svg(&[])).expect("sound XML");
+    }
+
+    #[test]
+    fn bars_reach_from_the_lower_to_the_upper_end_around_the_only_curve() {
+        let svg = curves_svg(&[("now".to_owned(), vec![plot(None, "Errors", 2.5)])]);
+        let document = roxmltree::Document::parse(&svg).expect("sound XML");
+        let number =
+            |node: roxmltree::Node<'_, '_>, name| node.attribute(name).and_then(|text| text.parse::<f64>().ok());
+        let bars = document.descendants().filter(|node| node.has_attribute("stroke-opacity"));
+        let bars: Vec<[f64; 3]> =
+            bars.map(|bar| ["x1", "y1", "y2"].map(|name| number(bar, name).expect(name))).collect();
+        let dots = document.descendants().filter(|node| node.has_tag_name("circle"));
+        let dots: Vec<[f64; 2]> = dots.map(|dot| ["cx", "cy"].map(|name| number(dot, name).expect(name))).collect();
+        assert_eq!((bars.len(), dots.len()), (2, 2), "{svg}");
+        for ([x, low, high], [dot_x, dot_y]) in bars.into_iter().zip(dots) {
+            assert_eq!(x, dot_x);
+            // The values are 1, 2 and 5 times x; higher ones are further up.
+            let (below, above) = (low - dot_y, dot_y - high);
+            assert!(below > 1.0 && (above / below - 3.0).abs() < 0.01, "{low} {dot_y} {high}");
+        }
+    }
+}

@@ -1,0 +1,362 @@
+//! Detection over the number of frames of a given burst: its middle n frames as a burst, for n = 2 … all.
+//!
+//! The search of all frames is the reference: a feature of fewer frames is *confirmed* when that search found it too,
+//! by the rule of [`burstscope_core::inspect::score`] (each of its features taken as a disc of radius √2·σ, and both bright or both dark).
+//! The middle n frames have a mid-burst of their own, half a frame before the whole burst's where n is odd and the
+//! number of all frames even or the other way round; positions are moved there along their slopes. Where the truth is
+//! known, discs found and false features are counted as well, and with a second burst the matches between the two.
+
+use super::EvaluateError;
+use crate::synth::{FeatureTruth, Truth, TruthKind};
+use burstscope_core::burst::Burst;
+use burstscope_core::detect::detect;
+use burstscope_core::detector::slopes::resolve;
+use burstscope_core::detector::{Detection, DetectorParams, Feature, FrameRange, SearchParams, SlopeGrid};
+use burstscope_core::inspect::score::{Ranking, judge_by_discs};
+use burstscope_core::matching::{MatchCounts, MatchParams, match_detections};
+use burstscope_core::monitor::{Monitor, Stage};
+use serde::Serialize;
+use std::f64::consts::SQRT_2;
+use std::ops::Range;
+
+/// Parameters of the search and matching of the bursts.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BurstFramesStudy {
+    /// Parameters of the search. Slopes that are to be found are found once, from all frames; within a range of frames
+    /// the middle ones are used.
+    pub search: SearchParams,
+    /// Parameters of matching and verification of the features of the two bursts.
+    pub matching: MatchParams,
+    /// Numbers of frames, one row for each, in any order; empty for all from 2.
+    pub frame_counts: Vec<usize>,
+}
+
+/// Report of a study of the middle frames of a burst.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BurstFramesReport {
+    /// Name of the burst.
+    pub burst: String,
+    /// Name of the second burst.
+    pub second: Option<String>,
+    /// The detector's parameters with the slopes that were searched in the burst.
+    pub detector: DetectorParams,
+    /// Slopes searched in the second burst.
+    pub second_slopes: Option<SlopeGrid>,
+    /// Number of features that the search of all frames found; the orientations of one keypoint count once.
+    pub features: usize,
+    /// Number of known discs; absent without a truth.
+    pub discs: Option<usize>,
+    /// One row for each number of frames, the smallest first.
+    pub rows: Vec<BurstFramesRow>,
+}
+
+/// Result of the search of the middle frames. The orientations of one keypoint count as one feature, except in matches.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BurstFramesRow {
+    /// Number of frames.
+    pub frames: usize,
+    /// Index of the first of them.
+    pub first_frame: usize,
+    /// Number of features found.
+    pub features: usize,
+    /// Number of features that the search of all frames found too.
+    pub confirmed: usize,
+    /// Number of features that it did not find.
+    pub unconfirmed: usize,
+    /// Number of discs of the truth that were found; absent without a truth.
+    pub discs_found: Option<usize>,
+    /// Number of features on no disc, or on one that was already found; only where the truth is complete, as that of a
+    /// chart is.
+    pub false_features: Option<usize>,
+    /// Matches with as many middle frames of the second burst; absent where it has fewer.
+    pub matches: Option<MatchCounts>,
+}
+
+/// A burst and its search.
+struct Searched<'a> {
+    burst: &'a Burst,
+    params: DetectorParams,
+    frames: Range<usize>,
+}
+
+impl<'a> Searched<'a> {
+    fn new(burst: &'a Burst, search: &SearchParams, monitor: &Monitor) -> Result<Self, EvaluateError> {
+        let (params, _) = resolve(burst, search, monitor)?;
+        params.validate_for(burst.len(), burst.size())?;
+        let frames = params.frames.map_or(0..burst.len(), |range| range.start..range.end);
+        Ok(Self { burst, params, frames })
+    }
+
+    /// The first of the middle `count` frames.
+    fn first_of(&self, count: usize) -> usize {
+        self.frames.start + (self.frames.len() - count) / 2
+    }
+
+    fn middle(&self, count: usize, monitor: &Monitor) -> Result<Detection, EvaluateError> {
+        let start = self.first_of(count);
+        let frames = Some(FrameRange { start, end: start + count });
+        Ok(detect(self.burst, &DetectorParams { frames, ..self.params.clone() }, monitor)?)
+    }
+
+    /// Mid-burst of `count` frames from `first` on, in frames.
+    fn mid(first: usize, count: usize) -> f64 {
+        first as f64 + (count as f64 - 1.0) / 2.0
+    }
+}
+
+impl BurstFramesStudy {
+    /// Searches the middle frames of `burst`, for each number of them, and compares with the search of all, with
+    /// `truth` and with `second`.
+    ///
+    /// # Errors
+    /// A parameter that makes no sense for a burst, a truth of another number of frames, or
+    /// [`EvaluateError::Cancelled`].
+    pub fn run(
+        &self,
+        burst: &Burst,
+        second: Option<&Burst>,
+        truth: Option<&Truth>,
+        monitor: &Monitor,
+    ) -> Result<BurstFramesReport, EvaluateError> {
+        self.run_telling(burst, second, truth, monitor, &|_| {})
+    }
+
+    /// Runs the study as `run` does; calls `tell` with the report so far after every number of frames.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_telling(
+        &self,
+        burst: &Burst,
+        second: Option<&Burst>,
+        truth: Option<&Truth>,
+        monitor: &Monitor,
+        tell: &(dyn Fn(BurstFramesReport) + Sync),
+    ) -> Result<BurstFramesReport, EvaluateError> {
+        self.matching.validate()?;
+        if let Some(truth) = truth.filter(|truth| truth.frames != burst.len()) {
+            let problem = format!("truth.json is of {} frames, but the burst has {}", truth.frames, burst.len());
+            return Err(EvaluateError::param("frames", problem, "put back the frames that were taken away"));
+        }
+        let silent = monitor.silent();
+        monitor.report(Stage::Evaluate, 0.0);
+        let first = Searched::new(burst, &self.search, &silent)?;
+        let second = second.map(|burst| Searched::new(burst, &self.search, &silent)).transpose()?;
+        let counts = self.counts(first.frames.len())?;
+        let of_second = |count: usize| second.as_ref().filter(|second| second.frames.len() >= count);
+        // One search of all frames, and those of the rows.
+        let frames_of = |count: usize| count * (1 + usize::from(of_second(count).is_some()));
+        let total = first.frames.len() + counts.iter().map(|&count| frames_of(count)).sum::<usize>();
+        let mut done = first.frames.len();
+        let all = first.middle(first.frames.len(), &monitor.part(0.0, done as f32 / total as f32).silent())?;
+        let mut report = BurstFramesReport {
+            burst: burst.name.clone(),
+            second: second.as_ref().map(|second| second.burst.name.clone()),
+            second_slopes: second.as_ref().map(|second| second.params.used_slopes()),
+            features: judge_by_discs(&all.features, &[], Ranking::default()).len(),
+            discs: truth.map(|truth| truth.features.len()),
+            detector: first.params.clone(),
+            rows: Vec::with_capacity(counts.len()),
+        };
+        for count in counts {
+            monitor.report(Stage::Evaluate, done as f32 / total as f32);
+            let found = first.middle(count, &silent)?;
+            let matches = match of_second(count) {
+                None => None,
+                Some(second) => {
+                    let other = second.middle(count, &silent)?;
+                    Some(match_detections(&found, &other, &self.matching, &silent).map_err(EvaluateError::from)?.counts)
+                }
+            };
+            report.rows.push(row(&first, count, (&found, &all), truth, matches));
+            tell(report.clone());
+            done += frames_of(count);
+        }
+        monitor.report(Stage::Evaluate, 1.0);
+        Ok(report)
+    }
+
+    /// The numbers of frames in ascending order, for a burst of `frames` frames.
+    fn counts(&self, frames: usize) -> Result<Vec<usize>, EvaluateError> {
+        if frames < 2 {
+            let remedy = "name a burst of 2 frames or more";
+            return Err(EvaluateError::param("frames", format!("{frames} is all there is"), remedy));
+        }
+        let mut counts = if self.frame_counts.is_empty() { (2..=frames).collect() } else { self.frame_counts.clone() };
+        counts.sort_unstable();
+        counts.dedup();
+        if let Some(count) = counts.iter().find(|count| !(2..=frames).contains(*count)) {
+            let remedy = "give numbers from 2 to the number of frames of the burst";
+            return Err(EvaluateError::param("frame-counts", format!("{count} of {frames} frames"), remedy));
+        }
+        Ok(counts)
+    }
+}
+
+fn row(
+    searched: &Searched<'_>,
+    count: usize,
+    (found, all): (&Detection, &Detection),
+    truth: Option<&Truth>,
+    matches: Option<MatchCounts>,
+) -> BurstFramesRow {
+    let first_frame = searched.first_of(count);
+    let mid = Searched::mid(first_frame, count);
+    let frames = &searched.frames;
+    let later = mid - Searched::mid(frames.start, frames.len());
+    let confirmed = [true, false].map(|is_bright| {
+        let of_side = |features: &[Feature]| -> Vec<Feature> {
+            features.iter().filter(|f| (f.response < 0.0) == is_bright).copied().collect()
+        };
+        let reference = of_side(&all.features);
+        // Each keypoint of the reference once.
+        let discs: Vec<FeatureTruth> = judge_by_discs(&reference, &[], Ranking::default())
+            .iter()
+            .map(|judged| moved(disc_of(&reference[judged.feature]), later))
+            .collect();
+        let judged = judge_by_discs(&of_side(&found.features), &discs, Ranking::default());
+        judged.iter().filter(|one| one.disc.is_some()).count()
+    });
+    let confirmed = confirmed.iter().sum::<usize>();
+    let features = judge_by_discs(&found.features, &[], Ranking::default()).len();
+    let counted = truth.map(|truth| {
+        let discs: Vec<FeatureTruth> = truth.features.iter().map(|&disc| moved(disc, mid - truth.t0)).collect();
+        let judged = judge_by_discs(&found.features, &discs, Ranking::default());
+        let on_discs = judged.iter().filter(|one| one.disc.is_some()).count();
+        (on_discs, (truth.kind == TruthKind::Chart).then(|| judged.len() - on_discs))
+    });
+    BurstFramesRow {
+        frames: count,
+        first_frame,
+        features,
+        confirmed,
+        unconfirmed: features - confirmed,
+        discs_found: counted.map(|(found, _)| found),
+        false_features: counted.and_then(|(_, false_features)| false_features),
+        matches,
+    }
+}
+
+/// The disc whose image a feature would be.
+fn disc_of(feature: &Feature) -> FeatureTruth {
+    FeatureTruth {
+        id: 0,
+        layer: None,
+        u: f64::from(feature.u),
+        v: f64::from(feature.v),
+        radius: SQRT_2 * f64::from(feature.sigma),
+        sigma: f64::from(feature.sigma),
+        slope_u: f64::from(feature.slope.u),
+        slope_v: f64::from(feature.slope.v),
+        contrast_sign: if feature.response < 0.0 { 1 } else { -1 },
+    }
+}
+
+/// The disc `dt` frames later.
+fn moved(disc: FeatureTruth, dt: f64) -> FeatureTruth {
+    let (u, v) = disc.position(dt);
+    FeatureTruth { u, v, ..disc }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::{ChartParams, SceneParams, synth_chart, synth_scene};
+
+    fn chart(seed: u64) -> (Burst, Truth) {
+        let params = ChartParams {
+            width: 240,
+            height: 180,
+            discs: 10,
+            radius: 4.0..=9.0,
+            max_slope: 3.0,
+            frames: 8,
+            snr: 0.3,
+            seed,
+            ..ChartParams::default()
+        };
+        synth_chart(&params, &Monitor::default()).expect("a chart")
+    }
+
+    fn study() -> BurstFramesStudy {
+        let slopes = SlopeGrid::line(-3.0..=3.0, 13);
+        BurstFramesStudy {
+            search: DetectorParams { slopes, ..DetectorParams::default() }.into(),
+            ..BurstFramesStudy::default()
+        }
+    }
+
+    #[test]
+    fn the_middle_frames_are_judged_by_all_of_them_and_by_the_truth() {
+        let (burst, truth) = chart(3);
+        let report = study().run(&burst, Some(&burst), Some(&truth), &Monitor::default()).expect("a report");
+        let counts: Vec<(usize, usize)> = report.rows.iter().map(|row| (row.frames, row.first_frame)).collect();
+        assert_eq!(counts, [(2, 3), (3, 2), (4, 2), (5, 1), (6, 1), (7, 0), (8, 0)]);
+        let last = report.rows[6];
+        assert_eq!((last.features, last.confirmed, last.unconfirmed), (report.features, report.features, 0));
+        for row in &report.rows {
+            assert_eq!(row.features, row.confirmed + row.unconfirmed);
+            let (found, wrong) = (row.discs_found.expect("known"), row.false_features.expect("a chart"));
+            assert_eq!(row.features, found + wrong);
+            let matches = row.matches.expect("the burst itself");
+            assert_eq!(matches.keypoints_a, matches.keypoints_b);
+            assert_eq!(matches.putative, matches.keypoints_a, "a burst matches itself");
+        }
+        assert!(last.discs_found >= Some(7) && report.rows[0].discs_found < last.discs_found, "{:?}", report.rows);
+        // Seven frames have their middle half a frame before that of all: a disc of 3 px/frame is 1.5 px away.
+        assert!(report.rows[5].features >= 7 && report.rows[5].unconfirmed <= 1, "{:?}", report.rows);
+    }
+
+    #[test]
+    fn discs_are_looked_for_where_they_are_at_mid_burst_of_the_middle_frames() {
+        // Two small fast discs: found only if the half frame is taken into account.
+        let params = ChartParams {
+            width: 200,
+            height: 150,
+            discs: 4,
+            radius: 2.5..=2.6,
+            frames: 10,
+            snr: f64::INFINITY,
+            max_slope: 7.0,
+            ..ChartParams::default()
+        };
+        let (burst, mut truth) = synth_chart(&params, &Monitor::default()).expect("a chart");
+        let slopes = SlopeGrid::line(-7.0..=7.0, 57);
+        let study = BurstFramesStudy {
+            search: DetectorParams { slopes, ..DetectorParams::default() }.into(),
+            frame_counts: vec![9, 10],
+            ..BurstFramesStudy::default()
+        };
+        let found = |truth: &Truth| {
+            let report = study.run(&burst, None, Some(truth), &Monitor::default()).expect("a report");
+            [0, 1].map(|row| report.rows[row].discs_found.expect("known"))
+        };
+        let with = found(&truth);
+        assert_eq!(with[0], with[1]);
+        assert!(with[1] >= 3, "{with:?}");
+        // With other slopes they are searched elsewhere, except for the whole burst, whose mid-burst is the truth's.
+        truth.features.iter_mut().for_each(|disc| disc.slope_v = 20.0);
+        assert_eq!(found(&truth)[1], with[1]);
+        assert!(found(&truth)[0] < with[0]);
+    }
+
+    #[test]
+    fn a_scene_knows_no_false_features_and_nonsense_is_named() {
+        let params = SceneParams { width: 160, height: 120, frames: 4, ..SceneParams::default() };
+        let (burst, truth) = synth_scene(&params, &Monitor::default()).expect("a scene");
+        let study = BurstFramesStudy { frame_counts: vec![4], ..BurstFramesStudy::default() };
+        let report = study.run(&burst, None, Some(&truth), &Monitor::default()).expect("a report");
+        assert_eq!((report.rows.len(), report.rows[0].false_features), (1, None));
+        assert_eq!(report.rows[0].matches, None);
+        let fails = |study: &BurstFramesStudy, truth: Option<&Truth>| {
+            study.run(&burst, None, truth, &Monitor::default()).expect_err("nonsense").to_string()
+        };
+        let too_many = BurstFramesStudy { frame_counts: vec![5], ..study.clone() };
+        assert!(fails(&too_many, None).starts_with("frame-counts: 5 of 4 frames"));
+        let other = Truth { frames: 5, ..truth };
+        assert!(fails(&study, Some(&other)).contains("truth.json is of 5 frames, but the burst has 4"));
+        let monitor = Monitor::default();
+        monitor.cancel();
+        assert!(matches!(study.run(&burst, None, None, &monitor), Err(EvaluateError::Cancelled(_))));
+    }
+}

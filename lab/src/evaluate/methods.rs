@@ -1,0 +1,178 @@
+//! The methods from a burst to features that are compared: one frame, two merges, and the burst search over a line of
+//! slopes, over a plane of slopes, and over slopes found for each burst.
+
+use super::EvaluateError;
+use burstscope_core::baseline::plain_mean;
+use burstscope_core::burst::Burst;
+use burstscope_core::detect::{Searched, detect, search};
+use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
+use burstscope_core::monitor::Monitor;
+use serde::Serialize;
+
+/// Method from a burst to features.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BurstMethod {
+    /// SIFT on the middle frame.
+    SiftFrame,
+    /// SIFT on the plain mean of all frames.
+    SiftMean,
+    /// SIFT on the aligned and merged burst.
+    SiftMerge,
+    /// The burst search over a line of slopes.
+    #[serde(rename = "buff-1d")]
+    Buff1d,
+    /// The burst search over a plane of slopes.
+    #[serde(rename = "buff-2d")]
+    Buff2d,
+    /// The burst search over the slopes that are found from each burst.
+    BuffAuto,
+}
+
+impl BurstMethod {
+    /// All methods, in the order of tables.
+    pub const ALL: [Self; 6] =
+        [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d, Self::BuffAuto];
+    /// All methods but those that find slopes by themselves, in the order of tables.
+    pub const WITH_GIVEN_SLOPES: [Self; 5] =
+        [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SiftFrame => "sift-frame",
+            Self::SiftMean => "sift-mean",
+            Self::SiftMerge => "sift-merge",
+            Self::Buff1d => "buff-1d",
+            Self::Buff2d => "buff-2d",
+            Self::BuffAuto => "buff-auto",
+        }
+    }
+
+    /// Name in a table or figure.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::SiftFrame => "SIFT, one frame",
+            Self::SiftMean => "SIFT, plain mean",
+            Self::SiftMerge => "SIFT, merge",
+            Self::Buff1d => "BuFF 1D",
+            Self::Buff2d => "BuFF 2D",
+            Self::BuffAuto => "BuFF, slopes found",
+        }
+    }
+}
+
+impl std::str::FromStr for BurstMethod {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|method| method.name() == text).ok_or_else(|| {
+            format!("'{text}' is not a method; give sift-frame, sift-mean, sift-merge, buff-1d, buff-2d or buff-auto")
+        })
+    }
+}
+
+/// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF
+/// 2D has its axis on both axes.
+pub fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
+    if slopes.is_plane() {
+        return (SlopeGrid { v: SlopeAxis::ZERO, ..slopes }, slopes);
+    }
+    let axis = if slopes.u.count > 1 { slopes.u } else { slopes.v };
+    (slopes, SlopeGrid { u: axis, v: axis, ..slopes })
+}
+
+/// Parameters of the methods' searches.
+#[derive(Debug, Clone, Copy)]
+pub struct Searches<'a> {
+    /// The detector's parameters, for all methods; method and slopes are set by each of them.
+    pub detector: &'a DetectorParams,
+    /// Slopes of BuFF 1D.
+    pub slopes_1d: SlopeGrid,
+    /// Slopes of BuFF 2D.
+    pub slopes_2d: SlopeGrid,
+    /// Direction in which slopes are found, degrees from +u towards +v; `None`: anywhere in the plane.
+    pub direction_deg: Option<f32>,
+}
+
+impl Searches<'_> {
+    /// The detector's parameters for `method`.
+    pub fn params(&self, method: BurstMethod) -> DetectorParams {
+        let (method, slopes) = match method {
+            BurstMethod::SiftFrame | BurstMethod::SiftMean => (Method::Sift, self.detector.slopes),
+            BurstMethod::SiftMerge => (Method::Merge, self.detector.slopes),
+            BurstMethod::Buff1d => (Method::Buff, self.slopes_1d),
+            BurstMethod::Buff2d => (Method::Buff, self.slopes_2d),
+            BurstMethod::BuffAuto => (Method::Buff, self.detector.slopes),
+        };
+        DetectorParams { method, slopes, ..self.detector.clone() }
+    }
+
+    /// Runs `method` on `burst`.
+    ///
+    /// # Errors
+    /// [`EvaluateError::Detector`] for parameters that make no sense, [`EvaluateError::Cancelled`].
+    pub fn search(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Searched, EvaluateError> {
+        let detector = self.params(method);
+        let slopes = match method {
+            BurstMethod::BuffAuto => SlopeChoice::Auto { direction_deg: self.direction_deg },
+            _ => SlopeChoice::Given,
+        };
+        let params = SearchParams { detector, slopes };
+        if method != BurstMethod::SiftMean {
+            return Ok(search(burst, &params, monitor)?);
+        }
+        let params = params.detector;
+        // SIFT uses one frame; the mean is of all frames that the burst search would use.
+        params.validate_for(burst.len(), burst.size())?;
+        let all = DetectorParams { method: Method::Buff, ..params.clone() }.used_frames(burst.len());
+        let used = Burst { frames: burst.frames[all].to_vec(), ..burst.clone() };
+        let params = DetectorParams { frames: None, ..params };
+        let detection = detect(&plain_mean(&used, monitor)?, &params, monitor)?;
+        Ok(Searched { detection, params, finding: None, slopes_secs: 0.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::{ChartParams, synth_chart};
+
+    #[test]
+    fn methods_and_their_names_agree() {
+        for method in BurstMethod::ALL {
+            assert_eq!(method.name().parse(), Ok(method));
+            assert_eq!(serde_json::to_value(method).expect("a word"), method.name());
+        }
+        assert!("surf".parse::<BurstMethod>().expect_err("unknown").contains("sift-frame"));
+    }
+
+    #[test]
+    fn the_means_are_of_all_frames_and_one_frame_is_one() {
+        let chart = ChartParams {
+            width: 200,
+            height: 150,
+            discs: 8,
+            radius: 4.0..=9.0,
+            max_slope: 0.0,
+            snr: 2.0,
+            ..ChartParams::default()
+        };
+        let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        let noise = |method, frames: Option<&str>| {
+            let frames = frames.map(|f| f.parse().expect("a range"));
+            let detector = DetectorParams { frames, ..DetectorParams::default() };
+            let line = SlopeGrid::line(-1.0..=1.0, 3);
+            let searches = Searches { detector: &detector, slopes_1d: line, slopes_2d: line, direction_deg: None };
+            let found = searches.search(method, &burst, &Monitor::default()).expect("searched");
+            f64::from(found.detection.frame_noise)
+        };
+        let one = noise(BurstMethod::SiftFrame, None);
+        // Ten frames have a √10 lower noise, four of them half of it. The merge keeps slightly more of the middle
+        // frame's noise.
+        for (method, tolerance) in [(BurstMethod::SiftMean, 0.05), (BurstMethod::SiftMerge, 0.1)] {
+            assert!((noise(method, None) * 10f64.sqrt() / one - 1.0).abs() < tolerance, "{method:?}");
+            assert!((noise(method, Some("3..7")) * 2.0 / one - 1.0).abs() < tolerance, "{method:?}");
+        }
+    }
+}

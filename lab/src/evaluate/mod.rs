@@ -1,0 +1,198 @@
+//! Evaluation of the detector on input whose truth is known exactly, and of camera poses that were found with its
+//! features.
+//!
+//! Four studies of the detector, each one command (`burstscope evaluate chart|frames|accuracy|noise`):
+//!
+//! - [`chart`]: in the dark. The number of a chart's discs that each method finds before a tenth of its features are
+//!   false, and true against false features over the threshold (the ROC curve).
+//! - [`frames`]: the measures of `chart` over the number of frames of a burst; [`frames_of_burst`] for a given burst.
+//! - [`accuracy`]: in enough light. Errors of positions, scales and motions.
+//! - [`pure_noise`]: on noise alone. The number of features found where all are false.
+//!
+//! One study of the use of features, on real or synthetic bursts, [`mod@matches`] (`burstscope evaluate matches`): the
+//! number of features that match between bursts, and of correct matches.
+//!
+//! And one of camera poses, [`poses`] (`burstscope evaluate poses`): the distance of a reconstruction's trajectory from
+//! the true one.
+//!
+//! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
+//! over them and returns a report that can be written as JSON. [`score`] decides which discs count as found,
+//! [`figure`] and [`curves`] draw the curves. The same study gives the same report for any number of threads, and
+//! memory holds at most one burst for each thread.
+
+pub mod accuracy;
+pub mod chart;
+pub mod curves;
+pub mod figure;
+pub mod frames;
+pub mod frames_of_burst;
+pub mod matches;
+mod methods;
+pub mod poses;
+pub mod pure_noise;
+pub mod statistics;
+
+pub use accuracy::{AccuracyReport, AccuracyStudy};
+pub use burstscope_core::inspect::score::{Curve, Ranking};
+pub use chart::{ChartReport, ChartStudy, LookedChart};
+pub use frames::{FramesReport, FramesStudy};
+pub use frames_of_burst::{BurstFramesReport, BurstFramesStudy};
+pub use matches::{MatchMethod, MatchReport, MatchStudy, Shot};
+pub use methods::{BurstMethod, Searches, slopes_of};
+pub use pure_noise::{NoiseReport, NoiseStudy};
+
+use crate::synth::{Motion, SynthError};
+use burstscope_core::detector::{DetectError, ParamError};
+use burstscope_core::monitor::{Cancelled, Monitor, Stage};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Reason why a study has no report.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum EvaluateError {
+    /// A parameter of the study makes no sense.
+    #[error("{parameter}: {problem}; {remedy}")]
+    Param {
+        /// Name of the parameter to change, as on the command line without the dashes.
+        parameter: &'static str,
+        /// Problem with its value.
+        problem: String,
+        /// Suggested change.
+        remedy: &'static str,
+    },
+    /// The charts cannot be made.
+    #[error(transparent)]
+    Synth(SynthError),
+    /// The detector's parameters make no sense.
+    #[error(transparent)]
+    Detector(#[from] ParamError),
+    /// The study was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<SynthError> for EvaluateError {
+    fn from(error: SynthError) -> Self {
+        match error {
+            SynthError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Synth(other),
+        }
+    }
+}
+
+impl From<DetectError> for EvaluateError {
+    fn from(error: DetectError) -> Self {
+        match error {
+            DetectError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            DetectError::Param(param) => Self::Detector(param),
+        }
+    }
+}
+
+impl EvaluateError {
+    fn param(parameter: &'static str, problem: impl Into<String>, remedy: &'static str) -> Self {
+        Self::Param { parameter, problem: problem.into(), remedy }
+    }
+}
+
+/// Name of a motion, as on the command line.
+pub fn motion_name(motion: Motion) -> &'static str {
+    match motion {
+        Motion::OneD => "1d",
+        Motion::TwoD => "2d",
+    }
+}
+
+/// Checks the lists that several studies share.
+fn check_lists(snrs: &[f64], seeds: u64) -> Result<(), EvaluateError> {
+    if snrs.is_empty() {
+        return Err(EvaluateError::param("snr", "no ratio is given", "give one or more, such as 0.2,0.35,0.6"));
+    }
+    if seeds == 0 {
+        return Err(EvaluateError::param("seeds", "0 charts", "give 1 or more"));
+    }
+    Ok(())
+}
+
+/// Counts the steps of all jobs; each job calls [`Self::done`] for every step of its own.
+struct Steps<'a> {
+    monitor: &'a Monitor,
+    finished: AtomicUsize,
+    total: usize,
+}
+
+impl Steps<'_> {
+    /// Counts one more finished step.
+    fn done(&self) {
+        let finished = 1 + self.finished.fetch_add(1, Ordering::Relaxed);
+        self.monitor.report(Stage::Evaluate, finished as f32 / self.total.max(1) as f32);
+    }
+}
+
+/// Runs `f` on every job; results are in the order of the jobs. As many jobs run at a time as there are threads, so at
+/// most that many hold their memory. (A flat parallel loop would not ensure that: a thread that waits inside one job,
+/// for its own parallel parts, would begin another one.)
+///
+/// # Errors
+/// The first failure in the order of the jobs, or cancellation of the work.
+fn run_jobs<J: Sync, R: Send>(
+    jobs: &[J],
+    steps_per_job: usize,
+    monitor: &Monitor,
+    f: impl Fn(&J, &Monitor, &Steps<'_>) -> Result<R, EvaluateError> + Sync,
+) -> Result<Vec<R>, EvaluateError> {
+    let steps = Steps { monitor, finished: AtomicUsize::new(0), total: jobs.len() * steps_per_job };
+    let silent = monitor.silent();
+    monitor.report(Stage::Evaluate, 0.0);
+    let mut results = Vec::with_capacity(jobs.len());
+    for group in jobs.chunks(rayon::current_num_threads()) {
+        monitor.check()?;
+        let answers: Vec<Result<R, EvaluateError>> =
+            group.par_iter().with_max_len(1).map(|job| f(job, &silent, &steps)).collect();
+        for answer in answers {
+            results.push(answer?);
+        }
+    }
+    monitor.check()?;
+    Ok(results)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::{Arc, Mutex};
+
+    #[test]
+    fn results_are_in_order_and_progress_ends_at_one() {
+        let heard = Arc::new(Mutex::new(Vec::new()));
+        let sink = heard.clone();
+        let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push(p.fraction));
+        let jobs: Vec<usize> = (0..25).collect();
+        let results = run_jobs(&jobs, 2, &monitor, |&job, _, steps| {
+            steps.done();
+            steps.done();
+            Ok(job * job)
+        });
+        assert_eq!(results, Ok((0..25).map(|job| job * job).collect()));
+        let largest = heard.lock().expect("not poisoned").iter().copied().fold(0.0, f32::max);
+        assert_eq!(largest, 1.0);
+    }
+
+    #[test]
+    fn the_first_failure_in_order_is_the_answer_and_cancelling_ends_it() {
+        let jobs: Vec<usize> = (0..40).collect();
+        let fail = |&job: &usize, _: &Monitor, _: &Steps<'_>| {
+            if job % 7 == 5 { Err(EvaluateError::param("seeds", format!("{job}"), "none")) } else { Ok(()) }
+        };
+        let error = run_jobs(&jobs, 1, &Monitor::default(), fail).expect_err("job 5 fails");
+        assert_eq!(error.to_string(), "seeds: 5; none");
+        let monitor = Monitor::default();
+        let cancelled = run_jobs(&jobs, 1, &monitor, |&job, monitor, _| {
+            if job == 3 {
+                monitor.cancel();
+            }
+            Ok(monitor.check()?)
+        });
+        assert!(matches!(cancelled, Err(EvaluateError::Cancelled(_))));
+    }
+}

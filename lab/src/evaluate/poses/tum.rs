@@ -1,0 +1,135 @@
+//! Trajectory files in the format of the TUM RGB-D benchmark: one pose for each line, `timestamp tx ty tz qx qy qz qw`.
+//!
+//! Translation and rotation are those of the camera in the world. Lines that begin with `#` are comments; commas count
+//! as blanks. An image's name may replace the time stamp, so that truth can be given for images by name; then all lines
+//! have one. Format: <https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats>.
+
+use super::{Pose, PoseError};
+use burstscope_core::files::{MAX_TABLE_BYTES, read_bytes};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use std::path::Path;
+
+/// Tolerance of the length of a quaternion about 1; values of three digits are within it.
+const QUATERNION_TOLERANCE: f64 = 0.05;
+
+/// Reads a trajectory file. The order of the poses is that of the lines.
+///
+/// # Errors
+/// [`PoseError`] when the file cannot be read, has no pose, or a line is no pose.
+pub fn read_tum(path: &Path) -> Result<Vec<Pose>, PoseError> {
+    let bytes = read_bytes(path, MAX_TABLE_BYTES).map_err(|e| PoseError::read(path, &e))?;
+    parse_tum(&String::from_utf8_lossy(&bytes), path)
+}
+
+/// Parses the text of a trajectory file; `path` is for messages.
+///
+/// # Errors
+/// As [`read_tum`].
+pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>, PoseError> {
+    let mut poses: Vec<Pose> = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let corrupt = |problem: String| PoseError::corrupt(path, format!("line {}", index + 1), problem);
+        let pose = parse_line(line, poses.len() as u32).map_err(corrupt)?;
+        if poses.first().is_some_and(|first| first.time.is_some() != pose.time.is_some()) {
+            return Err(corrupt("all poses have a time stamp, or all have an image's name".to_owned()));
+        }
+        poses.push(pose);
+    }
+    if poses.is_empty() {
+        return Err(PoseError::Empty { path: path.into() });
+    }
+    Ok(poses)
+}
+
+fn parse_line(line: &str, order: u32) -> Result<Pose, String> {
+    let mut words = line.split(|c: char| c.is_whitespace() || c == ',').filter(|w| !w.is_empty());
+    let label = words.next().unwrap_or_default().to_owned();
+    let mut numbers = [0.0; 7];
+    let mut count = 0;
+    for word in words {
+        let number = word.parse::<f64>().ok().filter(|x| x.is_finite());
+        let number = number.ok_or_else(|| format!("'{word}' is not a number"))?;
+        if let Some(slot) = numbers.get_mut(count) {
+            *slot = number;
+        }
+        count += 1;
+    }
+    if count != numbers.len() {
+        return Err(format!("{} values; a pose is 'timestamp tx ty tz qx qy qz qw'", count + 1));
+    }
+    let [x, y, z, qx, qy, qz, qw] = numbers;
+    let rotation = rotation(Quaternion::new(qw, qx, qy, qz))?;
+    let time = label.parse::<f64>().ok().filter(|t| t.is_finite());
+    let world_from_camera = Isometry3::from_parts(Translation3::new(x, y, z), rotation);
+    Ok(Pose { label, order, time, world_from_camera })
+}
+
+/// The rotation of a quaternion that was written with few digits.
+pub(super) fn rotation(quaternion: Quaternion<f64>) -> Result<UnitQuaternion<f64>, String> {
+    let norm = quaternion.norm();
+    if (norm - 1.0).abs() > QUATERNION_TOLERANCE || !norm.is_finite() {
+        return Err(format!("a rotation is a quaternion of length 1, but this one's length is {norm:.3}"));
+    }
+    Ok(UnitQuaternion::from_quaternion(quaternion))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Point3, Vector3};
+    use proptest::prelude::*;
+
+    fn parse(text: &str) -> Result<Vec<Pose>, PoseError> {
+        parse_tum(text, Path::new("truth.txt"))
+    }
+
+    #[test]
+    fn a_line_is_the_camera_in_the_world() {
+        // A quarter turn about z: the camera's x axis points along the world's y.
+        let text = "# a comment\n\n1.5 1 2 3 0 0 0.70710678 0.70710678\n2.5,0,0,0,0,0,0,1\r\n";
+        let poses = parse(text).expect("two poses");
+        assert_eq!((poses.len(), poses[0].time, poses[1].time), (2, Some(1.5), Some(2.5)));
+        assert_eq!((poses[0].order, poses[1].order), (0, 1));
+        let tip = poses[0].world_from_camera * Point3::new(1.0, 0.0, 0.0);
+        assert!((tip.coords - Vector3::new(1.0, 3.0, 3.0)).norm() < 1e-7, "{tip}");
+    }
+
+    #[test]
+    fn names_may_stand_in_place_of_times() {
+        let poses = parse("a/0001.png 1 2 3 0 0 0 1\n").expect("one pose");
+        assert_eq!((poses[0].label.as_str(), poses[0].time), ("a/0001.png", None));
+        let error = parse("a.png 0 0 0 0 0 0 1\n3.5 0 0 0 0 0 0 1\n").expect_err("mixed").to_string();
+        assert!(error.starts_with("line 2: ") && error.ends_with("truth.txt"), "{error}");
+    }
+
+    #[test]
+    fn lines_that_are_no_poses_are_named() {
+        for (line, words) in [
+            ("1 2 3", "3 values"),
+            ("1 0 0 0 0 0 0 1 7", "9 values"),
+            ("1 0 0 x 0 0 0 1", "'x' is not a number"),
+            ("1 0 0 nan 0 0 0 1", "'nan' is not a number"),
+            ("1 0 0 0 0 0 0 0", "length is 0.000"),
+            ("1 0 0 0 2 0 0 1", "length is 2.236"),
+        ] {
+            let error = parse(&format!("0 0 0 0 0 0 0 1\n{line}\n")).expect_err(line).to_string();
+            assert!(error.contains("line 2") && error.contains(words), "{error}");
+        }
+        assert!(matches!(parse("# nothing\n"), Err(PoseError::Empty { .. })));
+        let error = read_tum(Path::new("/nowhere/truth.txt")).expect_err("absent").to_string();
+        assert!(error.contains("no such file"), "{error}");
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_panics(text in "([0-9a-zé.,e# \n\t-]|nan|inf|1e308){0,200}") {
+            if let Ok(poses) = parse(&text) {
+                prop_assert!(poses.iter().all(|p| p.world_from_camera.translation.vector.iter().all(|x| x.is_finite())));
+            }
+        }
+    }
+}

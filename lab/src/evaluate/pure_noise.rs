@@ -1,0 +1,325 @@
+//! Detection on noise alone: the number of features found where all are false.
+//!
+//! Bursts of Gaussian noise around half of full scale are searched with the given parameters: white noise, unchanged
+//! and rounded to the levels of a converter, and noise as cameras and files produce it ([`NoiseCase`]). Every feature
+//! is false. The noise gate promises at most one of them in a million pixels of the image, for any noise and any number
+//! of slopes searched.
+
+use super::{EvaluateError, run_jobs};
+use crate::synth::NoiseCase;
+use crate::synth::noise::{quantisation_step, quantised_word};
+use crate::synth::random::Stream;
+use burstscope_core::burst::Burst;
+use burstscope_core::detect::detect;
+use burstscope_core::detector::noise::gate_factor;
+use burstscope_core::detector::{DetectorParams, SlopeGrid};
+use burstscope_core::monitor::Monitor;
+use burstscope_core::plane::Plane;
+use serde::Serialize;
+
+/// One kind of noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct NoiseLevel {
+    /// Standard deviation in one frame, fraction of full scale.
+    pub sigma: f64,
+    /// Bits of the converter that rounds it, 4 … 16; `None` without rounding.
+    pub bits: Option<u32>,
+    /// Deviation from white noise; only white noise is rounded to `bits`.
+    pub case: NoiseCase,
+    /// Grey level of the frames, fraction of full scale.
+    pub mean: f64,
+}
+
+/// A search and its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseSearch {
+    /// Name in a table, such as "BuFF 1D".
+    pub label: String,
+    /// The detector's parameters.
+    pub detector: DetectorParams,
+}
+
+/// Kinds of noise and searches of a study on noise alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseStudy {
+    /// Kinds of noise, one row for each.
+    pub levels: Vec<NoiseLevel>,
+    /// Searches, one column for each.
+    pub searches: Vec<NoiseSearch>,
+    /// Columns of a frame.
+    pub width: usize,
+    /// Rows of a frame.
+    pub height: usize,
+    /// Frames of a burst.
+    pub frames: usize,
+    /// Minimum number of pixels of the image to be searched for each row and column, in millions; whole bursts are
+    /// searched.
+    pub megapixels: f64,
+    /// Number of bursts for each row and column; `None` for as many as `megapixels` needs.
+    pub seeds: Option<usize>,
+    /// The seed of the first burst; others count up from it.
+    pub first_seed: u64,
+}
+
+impl NoiseStudy {
+    /// The searches of BuFF 1D and 2D as charts have them: 13 slopes, and 7×7, over ±3 px/frame.
+    pub fn searches(detector: &DetectorParams) -> Vec<NoiseSearch> {
+        let search = |label: &str, slopes: SlopeGrid| NoiseSearch {
+            label: label.to_owned(),
+            detector: DetectorParams { slopes, ..detector.clone() },
+        };
+        vec![
+            search("BuFF 1D", SlopeGrid::line(-3.0..=3.0, 13)),
+            search("BuFF 2D", SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7)),
+        ]
+    }
+}
+
+impl Default for NoiseStudy {
+    /// Weak, medium and strong white noise, exact and rounded to 8 bits; 50 million pixels each.
+    fn default() -> Self {
+        let levels =
+            [None, Some(8)].into_iter().flat_map(|bits| [0.002, 0.02, 0.1].map(|sigma| NoiseLevel::white(sigma, bits)));
+        Self {
+            levels: levels.collect(),
+            searches: Self::searches(&DetectorParams::default()),
+            width: 800,
+            height: 600,
+            frames: 10,
+            megapixels: 50.0,
+            seeds: None,
+            first_seed: 1,
+        }
+    }
+}
+
+/// Report of a study on noise alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseReport {
+    /// Columns of a frame.
+    pub width: usize,
+    /// Rows of a frame.
+    pub height: usize,
+    /// Frames of a burst.
+    pub frames: usize,
+    /// The seed of the first burst.
+    pub first_seed: u64,
+    /// Number of bursts searched for each row.
+    pub bursts: usize,
+    /// Pixels of the image that were searched for each row, in millions.
+    pub megapixels: f64,
+    /// One row for each kind of noise.
+    pub rows: Vec<NoiseRow>,
+}
+
+/// Results for one kind of noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseRow {
+    /// The noise.
+    pub level: NoiseLevel,
+    /// Results of the searches, in the study's order.
+    pub searches: Vec<NoiseCount>,
+}
+
+/// Result of one search in one kind of noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseCount {
+    /// The search's name.
+    pub label: String,
+    /// Number of slopes searched.
+    pub slopes: usize,
+    /// The noise gate's factor.
+    pub noise_gate_factor: f32,
+    /// Number of features, all of them false.
+    pub false_features: usize,
+    /// Number of features in each burst, from the first seed on.
+    pub of_bursts: Vec<usize>,
+    /// Number of features per million pixels of the image.
+    pub per_megapixel: f64,
+    /// Standard error of that, for independent features: √count over the millions of pixels.
+    pub standard_error: f64,
+    /// Mean of the estimated noise of a frame over the true one (with its rounding), for white noise.
+    pub noise_estimate_ratio: Option<f64>,
+}
+
+impl NoiseStudy {
+    fn check(&self) -> Result<(), EvaluateError> {
+        for level in &self.levels {
+            if !(level.sigma.is_finite() && level.sigma > 0.0 && level.sigma <= 0.1) {
+                let remedy =
+                    "give standard deviations above 0 and up to 0.1, so that nothing is cut off at black or white";
+                return Err(EvaluateError::param("sigma", level.sigma.to_string(), remedy));
+            }
+            if !(level.mean > 0.0 && level.mean < 1.0) {
+                let remedy = "give a level between 0 and 1";
+                return Err(EvaluateError::param("case_level", level.mean.to_string(), remedy));
+            }
+            if level.bits.is_some() && level.case != NoiseCase::White {
+                let remedy = "round white noise only";
+                return Err(EvaluateError::param("bits", format!("{:?} of {}", level.bits, level.case.name()), remedy));
+            }
+            if level.bits.is_some_and(|bits| !(4..=16).contains(&bits)) {
+                return Err(EvaluateError::param("bits", format!("{:?}", level.bits), "give 4 to 16"));
+            }
+        }
+        if self.levels.is_empty() || self.searches.is_empty() {
+            return Err(EvaluateError::param("sigma", "no noise or no search is given", "give one or more"));
+        }
+        let pixels = self.width as f64 * self.height as f64;
+        if !(16..=32768).contains(&self.width) || !(16..=32768).contains(&self.height) || pixels > 1e8 {
+            let problem = format!("{}×{} pixels", self.width, self.height);
+            return Err(EvaluateError::param("width", problem, "give 16 to 32768 a side, 100 million at most"));
+        }
+        if !(1..=4096).contains(&self.frames) || pixels * self.frames as f64 > 2e9 {
+            let problem = format!("{} frames of {}×{}", self.frames, self.width, self.height);
+            return Err(EvaluateError::param("frames", problem, "give 1 to 4096 frames, 2000 million pixels at most"));
+        }
+        if self.seeds.is_some_and(|seeds| !(1..=1_000_000).contains(&seeds)) {
+            return Err(EvaluateError::param("seeds", format!("{:?}", self.seeds), "give 1 to a million"));
+        }
+        if !(self.megapixels > 0.0 && self.megapixels <= 1e6) {
+            let remedy = "give millions of pixels, above 0 and up to a million";
+            return Err(EvaluateError::param("megapixels", self.megapixels.to_string(), remedy));
+        }
+        for search in &self.searches {
+            search.detector.validate_for(self.frames, (self.width, self.height))?;
+        }
+        Ok(())
+    }
+
+    /// Makes the bursts, searches them and counts the features.
+    ///
+    /// # Errors
+    /// A parameter of study or detector that makes no sense, or [`EvaluateError::Cancelled`].
+    pub fn run(&self, monitor: &Monitor) -> Result<NoiseReport, EvaluateError> {
+        self.check()?;
+        let burst_megapixels = (self.width * self.height) as f64 * 1e-6;
+        let bursts = self.seeds.unwrap_or((self.megapixels / burst_megapixels).ceil().max(1.0) as usize);
+        let jobs: Vec<(NoiseLevel, u64)> = self
+            .levels
+            .iter()
+            .flat_map(|&level| (0..bursts as u64).map(move |i| (level, self.first_seed.wrapping_add(i))))
+            .collect();
+        let found = run_jobs(&jobs, self.searches.len(), monitor, |&(level, seed), monitor, steps| {
+            let burst = noise_burst(level, (self.width, self.height), self.frames, seed, monitor)?;
+            let search = |search: &NoiseSearch| {
+                let detection = detect(&burst, &search.detector, monitor)?;
+                steps.done();
+                Ok((detection.features.len(), f64::from(detection.frame_noise)))
+            };
+            self.searches.iter().map(search).collect::<Result<Vec<(usize, f64)>, EvaluateError>>()
+        })?;
+        let megapixels = bursts as f64 * burst_megapixels;
+        let row = |(&level, found): (&NoiseLevel, &[Vec<(usize, f64)>])| NoiseRow {
+            level,
+            searches: (self.searches.iter().enumerate())
+                .map(|(i, search)| {
+                    let false_features = found.iter().map(|burst| burst[i].0).sum::<usize>();
+                    let noise = found.iter().map(|burst| burst[i].1).sum::<f64>() / bursts as f64;
+                    NoiseCount {
+                        label: search.label.clone(),
+                        slopes: search.detector.used_slopes().len(),
+                        noise_gate_factor: gate_factor(&search.detector),
+                        false_features,
+                        of_bursts: found.iter().map(|burst| burst[i].0).collect(),
+                        per_megapixel: false_features as f64 / megapixels,
+                        standard_error: (false_features as f64).sqrt() / megapixels,
+                        noise_estimate_ratio: (level.case == NoiseCase::White).then(|| noise / level.total_sigma()),
+                    }
+                })
+                .collect(),
+        };
+        Ok(NoiseReport {
+            width: self.width,
+            height: self.height,
+            frames: self.frames,
+            first_seed: self.first_seed,
+            bursts,
+            megapixels,
+            rows: self.levels.iter().zip(found.chunks(bursts)).map(row).collect(),
+        })
+    }
+}
+
+impl NoiseLevel {
+    /// White noise.
+    pub fn white(sigma: f64, bits: Option<u32>) -> Self {
+        Self { sigma, bits, case: NoiseCase::White, mean: NoiseCase::LEVEL }
+    }
+
+    /// The standard deviation including rounding, whose variance is a twelfth of a step².
+    fn total_sigma(self) -> f64 {
+        self.sigma.hypot(self.bits.map_or(0.0, quantisation_step) / 12f64.sqrt())
+    }
+}
+
+/// Makes frames of noise around half of full scale, modified by the case.
+fn noise_burst(
+    level: NoiseLevel,
+    size: (usize, usize),
+    frames: usize,
+    seed: u64,
+    monitor: &Monitor,
+) -> Result<Burst, EvaluateError> {
+    if level.case != NoiseCase::White {
+        return Ok(level.case.burst_at(level.mean, size, frames, level.sigma, seed, monitor)?);
+    }
+    let mut planes = Vec::with_capacity(frames);
+    for t in 0..frames {
+        monitor.check()?;
+        let mut stream = Stream::new(seed, t as u64);
+        let value = |_, _| {
+            let value = level.mean + level.sigma * stream.normal();
+            match level.bits {
+                Some(bits) => f32::from(quantised_word(value, bits)) / 65535.0,
+                None => value as f32,
+            }
+        };
+        planes.push(Plane::from_fn(size.0, size.1, value));
+    }
+    let mut burst = Burst::from_planes("noise", planes);
+    burst.quantisation_step = level.bits.map_or(0.0, quantisation_step) as f32;
+    Ok(burst)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bursts_have_the_noise_asked_for() {
+        for (sigma, bits) in [(0.02, None), (0.002, Some(8)), (0.02, Some(6))] {
+            let level = NoiseLevel::white(sigma, bits);
+            let burst = noise_burst(level, (200, 150), 2, 3, &Monitor::default()).expect("not cancelled");
+            let values: Vec<f64> = burst.frames.iter().flat_map(|f| f.data()).map(|&x| f64::from(x)).collect();
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let measured = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
+            assert!((measured / level.total_sigma() - 1.0).abs() < 0.03, "{level:?}: {measured}");
+            assert_ne!(burst.frames[0], burst.frames[1]);
+        }
+    }
+
+    #[test]
+    fn nonsense_is_named_with_its_remedy() {
+        let good = NoiseStudy::default;
+        let with = |sigma, bits| vec![NoiseLevel::white(sigma, bits)];
+        let cases = [
+            (NoiseStudy { levels: with(0.2, None), ..good() }, "sigma: "),
+            (NoiseStudy { levels: with(f64::NAN, None), ..good() }, "sigma: "),
+            (NoiseStudy { levels: with(0.1, Some(2)), ..good() }, "bits: "),
+            (NoiseStudy { levels: Vec::new(), ..good() }, "sigma: "),
+            (
+                NoiseStudy { levels: vec![NoiseLevel { mean: 1.0, ..NoiseLevel::white(0.02, None) }], ..good() },
+                "case_level: ",
+            ),
+            (NoiseStudy { seeds: Some(0), ..good() }, "seeds: "),
+            (NoiseStudy { width: 3, ..good() }, "width: "),
+            (NoiseStudy { frames: 0, ..good() }, "frames: "),
+            (NoiseStudy { megapixels: f64::NAN, ..good() }, "megapixels: "),
+        ];
+        for (study, start) in cases {
+            let error = study.run(&Monitor::default()).expect_err(start).to_string();
+            assert!(error.starts_with(start), "{error}");
+        }
+    }
+}

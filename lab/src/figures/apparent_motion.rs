@@ -1,0 +1,232 @@
+//! Fig. 2: features tracked through a burst, frame by frame, and the straight lines that approximate their motion.
+//!
+//! The burst is in good light, and each frame is searched by itself: the measurement does not use the burst search,
+//! which assumes uniform motion.
+
+use super::drawing::Panel;
+use super::record::Pieces;
+use super::{FigureSize, FiguresError, Made, MakeFigure};
+use crate::evaluate::statistics::quantile;
+use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
+use burstscope_core::burst::Burst;
+use burstscope_core::detect::detect;
+use burstscope_core::detector::{Detection, DetectorParams, FrameRange, Method};
+use burstscope_core::export::sheet::{Anchor, Sheet};
+use burstscope_core::matching::{Geometry, MatchParams, match_detections};
+use burstscope_core::monitor::{Monitor, Stage};
+use burstscope_core::plane::Plane;
+use burstscope_core::plane::display::Display;
+use std::fmt::Write;
+
+const WIDTH: f64 = 960.0;
+const GAP: f64 = 14.0;
+/// Okabe and Ito's yellow, visible on grey.
+const TRACK: &str = "#f0e442";
+const FITTED: &str = "#56b4e9";
+/// Maximum number of tracks drawn, evenly over the picture.
+const MAX_DRAWN: usize = 150;
+
+/// Parameters of the bursts and of their search.
+#[derive(Debug)]
+pub(super) struct ApparentMotion {
+    /// Trajectories forward and sideways.
+    ways: [TrajectoryParams; 2],
+    burst: usize,
+    /// Largest step of a feature from one frame to the next, as a multiple of the largest apparent motion.
+    reach: f64,
+    detector: DetectorParams,
+    matching: MatchParams,
+}
+
+impl ApparentMotion {
+    pub fn new(size: FigureSize) -> Self {
+        let (width, height) = size.pick((480, 360), (240, 180));
+        let way = |motion| TrajectoryParams {
+            width,
+            height,
+            bursts: 4,
+            motion,
+            light: Light::Electrons(8000.0),
+            ..TrajectoryParams::default()
+        };
+        Self {
+            ways: [way(Motion::TwoD), way(Motion::OneD)],
+            burst: 1,
+            reach: 1.5,
+            detector: DetectorParams { method: Method::Sift, max_orientations: 1, ..DetectorParams::default() },
+            matching: MatchParams { geometry: Geometry::None, ..MatchParams::default() },
+        }
+    }
+}
+
+/// Track of a feature through every frame of a burst.
+#[derive(Debug, Clone, PartialEq)]
+struct Track {
+    /// Positions (u, v) in each frame.
+    places: Vec<[f64; 2]>,
+    /// Position (u, v) at mid-burst and slope of the best-fitting uniform motion.
+    place: [f64; 2],
+    slope: [f64; 2],
+    /// Root mean square distance of the positions from that motion, pixels.
+    deviation_px: f64,
+}
+
+impl Track {
+    fn of(places: Vec<[f64; 2]>) -> Self {
+        let n = places.len() as f64;
+        let t0 = (n - 1.0) / 2.0;
+        let times = || (0..places.len()).map(|t| t as f64 - t0);
+        let spread: f64 = times().map(|t| t * t).sum();
+        let mean = |axis: usize| places.iter().map(|p| p[axis]).sum::<f64>() / n;
+        let rate = |axis: usize| times().zip(&places).map(|(t, p)| t * p[axis]).sum::<f64>() / spread;
+        let (place, slope) = ([mean(0), mean(1)], [rate(0), rate(1)]);
+        let off = times()
+            .zip(&places)
+            .map(|(t, p)| (0..2).map(|axis| (p[axis] - place[axis] - t * slope[axis]).powi(2)).sum::<f64>());
+        let deviation_px = (off.sum::<f64>() / n).sqrt();
+        Self { places, place, slope, deviation_px }
+    }
+
+    /// The start and the end of the uniform motion.
+    fn ends(&self) -> [[f64; 2]; 2] {
+        let half = (self.places.len() as f64 - 1.0) / 2.0;
+        [-half, half].map(|t| [0, 1].map(|axis| self.place[axis] + t * self.slope[axis]))
+    }
+}
+
+impl ApparentMotion {
+    /// Tracks of features that are found in every frame and linked from each to the next.
+    fn tracks(&self, burst: &Burst, max_step: f64, monitor: &Monitor) -> Result<Vec<Track>, FiguresError> {
+        let found: Vec<Detection> = (0..burst.len())
+            .map(|t| {
+                let frames = Some(FrameRange { start: t, end: t + 1 });
+                detect(burst, &DetectorParams { frames, ..self.detector.clone() }, monitor)
+            })
+            .collect::<Result<_, _>>()?;
+        let place = |t: usize, index: usize| {
+            let feature = &found[t].features[index];
+            [f64::from(feature.u), f64::from(feature.v)]
+        };
+        let mut chains: Vec<Vec<usize>> = (0..found[0].features.len()).map(|index| vec![index]).collect();
+        for t in 1..burst.len() {
+            let linked = match_detections(&found[t - 1], &found[t], &self.matching, monitor)?;
+            let mut next = vec![None; found[t - 1].features.len()];
+            for m in &linked.matches {
+                let (from, to) = (place(t - 1, m.a), place(t, m.b));
+                if (from[0] - to[0]).hypot(from[1] - to[1]) <= max_step {
+                    next[m.a] = Some(m.b);
+                }
+            }
+            chains.retain_mut(|chain| match next[chain[t - 1]] {
+                Some(index) => {
+                    chain.push(index);
+                    true
+                }
+                None => false,
+            });
+        }
+        let track =
+            |chain: Vec<usize>| Track::of(chain.into_iter().enumerate().map(|(t, index)| place(t, index)).collect());
+        Ok(chains.into_iter().map(track).collect())
+    }
+}
+
+impl MakeFigure for ApparentMotion {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
+        let silent = monitor.silent();
+        let mut sheet = Sheet::new(WIDTH, "Apparent motion");
+        let mut csv = String::from("motion,track,frame,u,v,line_u,line_v,slope_u,slope_v,deviation_px\n");
+        let half = (WIDTH - 3.0 * GAP) / 2.0;
+        let mut end: f64 = 0.0;
+        for (column, way) in self.ways.iter().enumerate() {
+            monitor.report(Stage::Synth, 0.5 * column as f32);
+            let scene = Trajectory::new(way, &silent)?;
+            let burst = scene.burst(self.burst, &silent)?;
+            monitor.report(Stage::Evaluate, 0.5 * column as f32 + 0.25);
+            let tracks = self.tracks(&burst, self.reach * way.max_slope * 2f64.sqrt(), &silent)?;
+            let (word, name) = match way.motion {
+                Motion::TwoD => ("2d", "forward: in all directions (2D)"),
+                Motion::OneD => ("1d", "sideways: parallel (1D)"),
+            };
+            write_csv(&mut csv, word, &tracks);
+            let at = (GAP + (half + GAP) * column as f64, 34.0);
+            let middle: &Plane = &burst.frames[burst.len() / 2];
+            let panel = draw(&mut sheet, at, half, middle, &tracks, name);
+            end = end.max(panel.area.bottom());
+            let deviations = sorted(tracks.iter().map(|track| track.deviation_px));
+            let text = format!(
+                "{} features followed through {} frames; off a straight line at constant speed: median {:.2} px, 95 % below {:.2} px",
+                tracks.len(),
+                burst.len(),
+                quantile(&deviations, 0.5),
+                quantile(&deviations, 0.95)
+            );
+            sheet.paragraph((at.0, panel.area.bottom() + 20.0), 12.0, half, &text);
+        }
+        let key = "yellow: where each frame by itself shows it; blue: the uniform motion that fits, with its direction";
+        sheet.text((GAP, end + 62.0), 12.0, Anchor::Start, key);
+        Ok(Made { svg: sheet.finish(end + 74.0), csv, notes: Vec::new() })
+    }
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+fn write_csv(csv: &mut String, motion: &str, tracks: &[Track]) {
+    for (index, track) in tracks.iter().enumerate() {
+        let t0 = (track.places.len() as f64 - 1.0) / 2.0;
+        for (t, [u, v]) in track.places.iter().enumerate() {
+            let line = [0, 1].map(|axis| track.place[axis] + (t as f64 - t0) * track.slope[axis]);
+            // Writing into a string cannot fail.
+            let _ = writeln!(
+                csv,
+                "{motion},{index},{t},{u:.3},{v:.3},{:.3},{:.3},{:.4},{:.4},{:.4}",
+                line[0], line[1], track.slope[0], track.slope[1], track.deviation_px
+            );
+        }
+    }
+}
+
+fn draw(sheet: &mut Sheet, at: (f64, f64), width: f64, frame: &Plane, tracks: &[Track], title: &str) -> Panel {
+    // Dimmed, so that lines stand out.
+    let dim = Display { max: 1.8, ..Display::default() };
+    let panel = Panel::draw(sheet, at, width, frame, &dim, title);
+    let step = tracks.len().div_ceil(MAX_DRAWN).max(1);
+    sheet.clipped(panel.area, |sheet| {
+        for track in tracks.iter().step_by(step) {
+            let [from, to] = track.ends().map(|place| panel.at(place));
+            sheet.line(from, to, FITTED, r#"stroke-width="3.5" stroke-opacity="0.75" stroke-linecap="round""#);
+            let (du, dv) = (to.0 - from.0, to.1 - from.1);
+            let length = du.hypot(dv);
+            if length > 4.0 {
+                let (x, y) = (du / length, dv / length);
+                for side in [-1.0, 1.0] {
+                    let barb = (to.0 - 6.0 * x + 3.5 * side * y, to.1 - 6.0 * y - 3.5 * side * x);
+                    sheet.line(to, barb, FITTED, r#"stroke-width="2""#);
+                }
+            }
+            let points = track.places.iter().map(|&place| Some(panel.at(place)));
+            sheet.polyline(points, &format!(r#"stroke="{TRACK}" stroke-width="1.3""#));
+        }
+    });
+    panel
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_fitted_and_what_is_off_it_is_measured() {
+        let straight = Track::of((0..5).map(|t| [3.0 + 2.0 * f64::from(t), 10.0 - f64::from(t)]).collect());
+        assert_eq!((straight.place, straight.slope), ([7.0, 8.0], [2.0, -1.0]));
+        assert!(straight.deviation_px < 1e-12);
+        assert_eq!(straight.ends(), [[3.0, 10.0], [11.0, 6.0]]);
+        // A bump of 1 at the middle of five: the mean takes a fifth of it.
+        let bent = Track::of([0.0, 0.0, 1.0, 0.0, 0.0].map(|v| [0.0, v]).to_vec());
+        assert!((bent.deviation_px - (0.8f64 / 5.0).sqrt()).abs() < 1e-12, "{}", bent.deviation_px);
+    }
+}

@@ -1,0 +1,272 @@
+//! Figs. 4 to 6: charts of discs. Fig. 4 shows one chart with the features that each method finds on it; Figs. 5 and
+//! 6 are curves over many charts, measured and drawn by [`crate::evaluate`].
+
+use super::drawing::{Panel, RIGHT, WRONG, stretched};
+use super::record::Pieces;
+use super::{FigureSize, FiguresError, Made, MakeFigure};
+use crate::evaluate::figure::{frames_svg, roc_svg};
+use crate::evaluate::statistics::Mean;
+use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, FramesStudy, Ranking, Searches, motion_name};
+use crate::synth::{ChartParams, Motion, synth_chart};
+use burstscope_core::burst::Burst;
+use burstscope_core::detector::{Detection, DetectorParams, NoiseGate, SlopeGrid};
+use burstscope_core::export::sheet::{Sheet, stacked};
+use burstscope_core::inspect::score::{Curve, Judged, judge};
+use burstscope_core::monitor::{Monitor, Stage};
+use burstscope_core::plane::Plane;
+use std::fmt::Write;
+
+/// A study of charts of this size.
+fn study(size: FigureSize, snrs: Vec<f64>) -> ChartStudy {
+    let small =
+        ChartParams { width: 260, height: 200, discs: 9, radius: 3.6..=12.0, max_slope: 2.0, ..ChartParams::default() };
+    let full = ChartStudy::default();
+    let quick = ChartStudy {
+        chart: small,
+        slopes_1d: SlopeGrid::line(-2.0..=2.0, 9),
+        slopes_2d: SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5),
+        ..ChartStudy::default()
+    };
+    // As on the charts of docs/MEASUREMENTS.md: at most one false feature in a megapixel of noise.
+    let detector = DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() };
+    ChartStudy { snrs, detector, seeds: size.pick(3, 1), ..size.pick(full, quick) }
+}
+
+/// Discs found against false features, for motion in one dimension and in two.
+#[derive(Debug)]
+pub(super) struct RocFigure {
+    studies: [ChartStudy; 2],
+}
+
+impl RocFigure {
+    pub fn new(size: FigureSize) -> Self {
+        let study = study(size, size.pick(vec![0.2, 0.35, 0.6], vec![0.6]));
+        let moving = |motion| ChartStudy { chart: ChartParams { motion, ..study.chart.clone() }, ..study.clone() };
+        Self { studies: [moving(Motion::OneD), moving(Motion::TwoD)] }
+    }
+}
+
+impl MakeFigure for RocFigure {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
+        let mut csv = String::from("motion,snr,method,false_features,discs_found\n");
+        let mut drawn = Vec::with_capacity(2);
+        let mut notes = Vec::new();
+        for (index, study) in self.studies.iter().enumerate() {
+            let report = study.run(&monitor.part(0.5 * index as f32, 0.5))?;
+            let motion = motion_name(study.chart.motion);
+            write_curves(&mut csv, motion, &report);
+            notes.push(format!("Motion in {}: {}.", motion.to_uppercase(), counts(&report)));
+            drawn.push(roc_svg(&report));
+        }
+        Ok(Made { svg: stacked("Discs found against false features", &drawn), csv, notes })
+    }
+}
+
+fn write_curves(csv: &mut String, motion: &str, report: &ChartReport) {
+    for row in &report.rows {
+        for method in &row.methods {
+            for (count, found) in method.roc.iter().enumerate() {
+                // Writing into a string cannot fail.
+                let _ = writeln!(csv, "{motion},{},{},{count},{found}", row.snr, method.method.name());
+            }
+        }
+    }
+}
+
+/// The discs found where a tenth is false, as a sentence without its end.
+fn counts(report: &ChartReport) -> String {
+    let of_row = |row: &crate::evaluate::chart::ChartRow| {
+        let of_method =
+            |m: &crate::evaluate::chart::MethodReport| format!("{} {:.1}", m.method.label(), m.true_positives.mean);
+        format!("at SNR {} {}", row.snr, row.methods.iter().map(of_method).collect::<Vec<_>>().join(", "))
+    };
+    let rows: Vec<String> = report.rows.iter().map(of_row).collect();
+    format!(
+        "discs of {} found where {} % are false, {}",
+        report.chart.discs,
+        report.setup.false_fraction * 100.0,
+        rows.join("; ")
+    )
+}
+
+/// Discs found over the number of frames.
+#[derive(Debug)]
+pub(super) struct FramesFigure {
+    study: FramesStudy,
+}
+
+impl FramesFigure {
+    pub fn new(size: FigureSize) -> Self {
+        let methods =
+            [BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d, BurstMethod::Buff2d].to_vec();
+        let frame_counts = size.pick(crate::evaluate::frames::FRAME_COUNTS.to_vec(), vec![2, 5, 10]);
+        let charts = ChartStudy { methods, ..study(size, vec![size.pick(0.35, 0.6)]) };
+        Self { study: FramesStudy { charts, frame_counts } }
+    }
+}
+
+impl MakeFigure for FramesFigure {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
+        let mut csv = String::from(
+            "frames,method,discs_found,discs_found_error,default_discs_found,default_discs_found_error,default_false,default_false_error\n",
+        );
+        let report = self.study.run(monitor)?;
+        for (row, method) in report.rows.iter().flat_map(|row| row.methods.iter().map(move |method| (row, method))) {
+            let pair = |mean: Mean| {
+                let error = mean.standard_error.map_or(String::new(), |error| format!("{error:.4}"));
+                format!("{:.4},{error}", mean.mean)
+            };
+            // Writing into a string cannot fail.
+            let _ = writeln!(
+                csv,
+                "{},{},{},{},{}",
+                row.frames,
+                method.method.name(),
+                pair(method.true_positives),
+                pair(method.default_true_positives),
+                pair(method.default_false_features)
+            );
+        }
+        Ok(Made { svg: stacked("The number of frames of a burst", &[frames_svg(&report)]), csv, notes: Vec::new() })
+    }
+}
+
+const WIDTH: f64 = 1080.0;
+const GAP: f64 = 14.0;
+
+/// Parameters of the chart in good light and in the dark, and the methods.
+#[derive(Debug)]
+pub(super) struct TestTarget {
+    chart: ChartParams,
+    /// Signal-to-noise ratio of the bright copy.
+    bright_snr: f64,
+    methods: Vec<BurstMethod>,
+    detector: DetectorParams,
+    false_fraction: f64,
+    /// Columns and rows that are drawn; the numbers are of the whole chart.
+    part: (usize, usize),
+}
+
+impl TestTarget {
+    pub fn new(size: FigureSize) -> Self {
+        let small = ChartParams { width: 300, height: 220, discs: 14, radius: 3.6..=14.0, ..ChartParams::default() };
+        Self {
+            chart: ChartParams { snr: 0.35, ..size.pick(ChartParams::default(), small) },
+            bright_snr: 20.0,
+            methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(),
+            detector: DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() },
+            false_fraction: 0.1,
+            part: size.pick((420, 315), (300, 220)),
+        }
+    }
+}
+
+/// A method's features at the threshold.
+struct FoundOnTarget {
+    label: String,
+    word: String,
+    /// Features at the threshold, strongest first.
+    kept: Vec<Judged>,
+    /// Whether there is a threshold with so few false features; otherwise all features that pass the gate are kept.
+    has_threshold: bool,
+    detection: Detection,
+}
+
+impl MakeFigure for TestTarget {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
+        let silent = monitor.silent();
+        let (dark, truth) = synth_chart(&self.chart, &silent)?;
+        // The same discs: noise comes from separate random streams.
+        let (bright, _) = synth_chart(&ChartParams { snr: self.bright_snr, ..self.chart.clone() }, &silent)?;
+        let study = ChartStudy::default();
+        let searches = Searches {
+            detector: &self.detector,
+            slopes_1d: study.slopes_1d,
+            slopes_2d: study.slopes_2d,
+            direction_deg: None,
+        };
+        let mut all: Vec<(FoundOnTarget, Burst)> = Vec::new();
+        let jobs = std::iter::once((BurstMethod::SiftFrame, true)).chain(self.methods.iter().map(|&m| (m, false)));
+        for (index, (method, is_bright)) in jobs.enumerate() {
+            monitor.report(Stage::Evaluate, index as f32 / (self.methods.len() + 1) as f32);
+            let burst = if is_bright { &bright } else { &dark };
+            let detection = searches.search(method, burst, &silent)?.detection;
+            let judged = judge(&detection.features, &truth, Ranking::Strength);
+            let point = Curve::of(&judged).at_false_fraction(self.false_fraction);
+            let has_threshold = point.true_positives > 0;
+            let kept = judged.into_iter().filter(|one| !has_threshold || one.worth >= point.threshold).collect();
+            let (label, word) = match is_bright {
+                true => ("SIFT in good light".to_owned(), "sift-bright".to_owned()),
+                false => (method.label().to_owned(), method.name().to_owned()),
+            };
+            all.push((FoundOnTarget { label, word, kept, has_threshold, detection }, burst.clone()));
+        }
+        let found: Vec<(&FoundOnTarget, &Burst)> = all.iter().map(|(found, burst)| (found, burst)).collect();
+        let svg = self.draw(&found, truth.features.len());
+        Ok(Made { svg, csv: found_csv(&found), notes: Vec::new() })
+    }
+}
+
+impl TestTarget {
+    fn draw(&self, all: &[(&FoundOnTarget, &Burst)], discs: usize) -> String {
+        let mut sheet = Sheet::new(WIDTH, "The test target");
+        let third = (WIDTH - 4.0 * GAP) / 3.0;
+        let (mut y, mut end) = (34.0, 0.0);
+        for (row, found) in all.chunks(3).enumerate() {
+            if row > 0 {
+                y = end + 34.0;
+            }
+            for (column, (found, burst)) in found.iter().enumerate() {
+                let frame: &Plane = &burst.frames[burst.len() / 2];
+                let right = found.kept.iter().filter(|one| one.disc.is_some()).count();
+                let mark = if found.has_threshold { "" } else { "*" };
+                let wrong = found.kept.len() - right;
+                let title = format!("{}: {right} of {discs} discs, {wrong} false{mark}", found.label);
+                let at = (GAP + (third + GAP) * column as f64, y);
+                let panel =
+                    Panel::draw_part(&mut sheet, at, third, (frame, [0, 0], self.part), &stretched(frame), &title);
+                sheet.clipped(panel.area, |sheet| {
+                    for one in &found.kept {
+                        let colour = if one.disc.is_some() { RIGHT } else { WRONG };
+                        panel.feature(sheet, &found.detection.features[one.feature], colour);
+                    }
+                });
+                end = panel.area.bottom();
+            }
+        }
+        let text = format!(
+            "The middle frame, SNR {} (stretched), its upper left {}×{} of {}×{} pixels; numbers are of the whole chart, at the threshold where {} % are false (*: there is none, so at the default)",
+            self.chart.snr,
+            self.part.0.min(self.chart.width),
+            self.part.1.min(self.chart.height),
+            self.chart.width,
+            self.chart.height,
+            self.false_fraction * 100.0
+        );
+        let end = sheet.paragraph((GAP, end + 20.0), 12.0, WIDTH - 2.0 * GAP, &text);
+        sheet.finish(end)
+    }
+}
+
+fn found_csv(all: &[(&FoundOnTarget, &Burst)]) -> String {
+    let mut csv = String::from("method,u,v,sigma,slope_u,slope_v,strength,disc\n");
+    for (found, _) in all {
+        for one in &found.kept {
+            let f = &found.detection.features[one.feature];
+            let disc = one.disc.map_or(String::new(), |disc| disc.to_string());
+            // Writing into a string cannot fail.
+            let _ = writeln!(
+                csv,
+                "{},{},{},{},{},{},{},{disc}",
+                found.word,
+                f.u,
+                f.v,
+                f.sigma,
+                f.slope.u,
+                f.slope.v,
+                f.strength()
+            );
+        }
+    }
+    csv
+}

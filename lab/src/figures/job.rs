@@ -1,0 +1,210 @@
+//! Making figures one after the other into a folder, and the page that shows all figures there.
+
+use super::record::{FigureRecord, KeptFigure, Pieces, begin, check_folder, read_record};
+use super::{FigureSize, FiguresError, Made, PaperFigure};
+use burstscope_core::export::{Escaped, ExportError, MadeFrom, OutputRules, Record, Records, write_text, write_whole};
+use burstscope_core::files::lock::FolderLock;
+use burstscope_core::files::mark::{Checksum, Kind, sealed};
+use burstscope_core::monitor::Monitor;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Figures to make, and their folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FiguresJob {
+    /// Folder of the figures; created if missing.
+    pub out: PathBuf,
+    /// Figures to make; empty for all.
+    pub only: Vec<PaperFigure>,
+    /// Size of the material.
+    pub size: FigureSize,
+    /// COLMAP's program for the figures that need it; without it the notes say that those columns are missing.
+    pub colmap: Option<PathBuf>,
+}
+
+/// Event of a job.
+#[derive(Debug)]
+pub enum FiguresEvent<'a> {
+    /// A figure was started.
+    Begin {
+        /// The figure.
+        figure: PaperFigure,
+        /// Index among the figures that are made, from 0.
+        index: usize,
+        /// Number of figures that are made.
+        count: usize,
+    },
+    /// A figure was finished, now or by an earlier run.
+    Done(&'a FigureReport),
+}
+
+/// A finished figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FigureReport {
+    /// The figure.
+    pub figure: PaperFigure,
+    /// Files of its picture and its numbers.
+    pub files: Vec<PathBuf>,
+    /// Notes for the reader, such as missing columns; sentences.
+    pub notes: Vec<String>,
+    /// Whether an earlier run had made it.
+    pub resumed: bool,
+    /// Time that making it took, in this or an earlier run, seconds.
+    pub seconds: f64,
+}
+
+/// Result of a job.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FiguresReport {
+    /// Path of the page that shows all figures.
+    pub page: PathBuf,
+    /// Size of the material.
+    pub size: FigureSize,
+    /// The requested figures.
+    pub figures: Vec<FigureReport>,
+}
+
+/// COLMAP's program in the system's search path; `None` where it is not installed.
+pub fn find_colmap() -> Option<PathBuf> {
+    let names: &[&str] = if cfg!(windows) { &["colmap.exe", "COLMAP.bat"] } else { &["colmap"] };
+    let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
+    folders.iter().flat_map(|folder| names.iter().map(|name| folder.join(name))).find(|path| path.is_file())
+}
+
+impl FiguresJob {
+    /// The figures to make, in order, each once.
+    fn wanted(&self) -> Vec<PaperFigure> {
+        let is_wanted = |figure: &PaperFigure| self.only.is_empty() || self.only.contains(figure);
+        PaperFigure::ALL.into_iter().filter(is_wanted).collect()
+    }
+
+    /// Makes the figures that are not finished yet, and the page. `on` is called with every event.
+    ///
+    /// # Errors
+    /// See [`FiguresError`]. Files are written completely or not at all; finished figures stay finished.
+    pub fn run(&self, on: &mut dyn FnMut(FiguresEvent<'_>), monitor: &Monitor) -> Result<FiguresReport, FiguresError> {
+        check_folder(&self.out)?;
+        let lock = FolderLock::take(&self.out).map_err(ExportError::from)?;
+        begin(&self.out)?;
+        let pieces = Pieces::of(&self.out);
+        let wanted = self.wanted();
+        let total: f32 = wanted.iter().map(|figure| figure.cost_secs(self.size)).sum();
+        let mut figures = Vec::with_capacity(wanted.len());
+        let mut done = 0.0;
+        for (index, &figure) in wanted.iter().enumerate() {
+            monitor.check()?;
+            on(FiguresEvent::Begin { figure, index, count: wanted.len() });
+            let cost = figure.cost_secs(self.size);
+            let report = self.one(figure, &pieces, &lock, &monitor.part(done / total, cost / total))?;
+            done += cost;
+            on(FiguresEvent::Done(&report));
+            figures.push(report);
+        }
+        lock.check().map_err(ExportError::from)?;
+        let page = write_page(&self.out, self.size)?;
+        Ok(FiguresReport { page, size: self.size, figures })
+    }
+
+    /// One figure: the finished one if it is up to date, otherwise made and written.
+    fn one(
+        &self,
+        figure: PaperFigure,
+        pieces: &Pieces,
+        lock: &FolderLock,
+        monitor: &Monitor,
+    ) -> Result<FigureReport, FiguresError> {
+        let maker = figure.maker(self.size, self.colmap.as_deref());
+        let made_from = MadeFrom::new(format!("{maker:?}"));
+        let kept = read_record(&self.out, figure).filter(|record| record.made_from == made_from);
+        let resumed = kept.is_some();
+        let record = match kept {
+            Some(record) => record,
+            None => {
+                let started = Instant::now();
+                let made = maker.make(pieces, monitor)?;
+                monitor.check()?;
+                lock.check().map_err(ExportError::from)?;
+                self.write(figure, made, made_from, started.elapsed().as_secs_f64())?
+            }
+        };
+        let KeptFigure { files, notes, seconds, .. } = record.of;
+        let files = files.iter().map(|(name, _)| self.out.join(name)).collect();
+        Ok(FigureReport { figure, files, notes, resumed, seconds })
+    }
+
+    fn write(
+        &self,
+        figure: PaperFigure,
+        made: Made,
+        made_from: MadeFrom,
+        seconds: f64,
+    ) -> Result<FigureRecord, FiguresError> {
+        let records = Records::of(&self.out);
+        let earlier = records.read::<KeptFigure>(figure.name()).map(|record| record.of);
+        let mut earlier = earlier.map_or_else(Vec::new, |of| [of.files, of.earlier].concat());
+        earlier.retain(|(name, content)| content.is_of(&self.out.join(name)));
+        let name = |ending: &str| format!("{}.{ending}", figure.name());
+        let texts = [(name("svg"), sealed(made.svg, Kind::Drawing)), (name("csv"), made.csv)];
+        for (name, _) in &texts {
+            let known = earlier.iter().filter(|(of, _)| of == name).map(|(_, content)| *content).collect::<Vec<_>>();
+            OutputRules::default().check_own(&self.out.join(name), &known)?;
+        }
+        let files = texts.iter().map(|(name, text)| (name.clone(), Checksum::of(text.as_bytes()))).collect();
+        let record = Record { made_from, of: KeptFigure { figure, files, earlier, notes: made.notes, seconds } };
+        records.write(figure.name(), &record)?;
+        for (name, text) in texts {
+            write_whole(&self.out.join(name), |out| out.write_all(text.as_bytes()))?;
+        }
+        Ok(record)
+    }
+}
+
+/// Writes `index.html` into `folder`: every finished figure there, with its caption, notes and numbers.
+pub(super) fn write_page(folder: &Path, size: FigureSize) -> Result<PathBuf, FiguresError> {
+    let records: Vec<KeptFigure> =
+        PaperFigure::ALL.into_iter().filter_map(|f| Some(read_record(folder, f)?.of)).collect();
+    let path = folder.join("index.html");
+    OutputRules::default().check_own(&path, &[])?;
+    write_text(&path, Kind::Page, page(&records, size))?;
+    Ok(path)
+}
+
+fn page(records: &[KeptFigure], size: FigureSize) -> String {
+    let mut html = String::from(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>The figures of the BuFF paper, remade by Burstscope</title>\n\
+         <style>body{font-family:Helvetica,Arial,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;color:#24292f;background:#fff;line-height:1.45}\n\
+         img{max-width:100%;border:1px solid #e4e8ec}h2{margin-top:2em}.note{color:#57606a}</style>\n</head>\n<body>\n\
+         <h1>The figures of the BuFF paper, remade</h1>\n",
+    );
+    let about = match size {
+        FigureSize::Full => "The material is our own: charts, scenes and trajectories whose truth is known.",
+        FigureSize::Quick => {
+            "Made with --quick: the material is so small that these pictures show what there is, not how good it is."
+        }
+    };
+    // Writing into a string cannot fail.
+    let _ = writeln!(
+        html,
+        "<p>A. Ravendran, M. Bryson, D. G. Dansereau: “BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction”, \
+         arXiv 2209.09470. {about} Burstscope {}.</p>",
+        env!("CARGO_PKG_VERSION")
+    );
+    for record in records {
+        let (name, title) = (record.figure.name(), Escaped(record.figure.title()));
+        let _ = writeln!(html, "<h2 id=\"{name}\">{title}</h2>\n<p>{}</p>", Escaped(record.figure.caption()));
+        let _ = writeln!(html, "<p><a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{title}\"></a></p>");
+        for note in &record.notes {
+            let _ = writeln!(html, "<p class=\"note\">{}</p>", Escaped(note));
+        }
+        let _ = writeln!(
+            html,
+            "<p class=\"note\"><a href=\"{name}.csv\">{name}.csv</a>: the numbers. Made in {:.0} s.</p>",
+            record.seconds.max(1.0)
+        );
+    }
+    html.push_str("</body>\n</html>\n");
+    html
+}

@@ -1,0 +1,189 @@
+//! Figs. 7 and 9: pictures of single bursts. Fig. 7 shows a view in good light, without noise, and in the dark; Fig.
+//! 9 aliasing and low contrast, on two of the program's examples.
+
+use super::drawing::{Panel, RIGHT, WRONG, stretched};
+use super::record::Pieces;
+use super::{FigureSize, FiguresError, Made, MakeFigure};
+use crate::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD, disc_place};
+use crate::synth::{Example, FrameLevels, Trajectory, TrajectoryParams};
+use burstscope_core::burst::Burst;
+use burstscope_core::detect::detect;
+use burstscope_core::detector::view::stack_view;
+use burstscope_core::detector::{DetectorParams, Feature, Slope, SlopeGrid};
+use burstscope_core::export::sheet::{Anchor, Sheet};
+use burstscope_core::monitor::{Monitor, Stage};
+use burstscope_core::plane::Plane;
+use burstscope_core::plane::display::Display;
+use burstscope_core::plane::statistics::{Region, summary};
+use std::fmt::Write;
+
+const WIDTH: f64 = 900.0;
+const GAP: f64 = 16.0;
+/// Number of discs of the low-contrast example.
+const DISCS: usize = 9;
+/// Distance to a disc within which a feature finds it, pixels.
+const NEAR_PX: f32 = 4.0;
+
+/// The two examples, which bring their own search parameters.
+#[derive(Debug)]
+pub(super) struct Failures;
+
+fn params(example: Example) -> DetectorParams {
+    let (range, count) = example.slopes_u();
+    DetectorParams { slopes: SlopeGrid::line(range, count), ..DetectorParams::default() }
+}
+
+impl MakeFigure for Failures {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
+        let mut sheet = Sheet::new(WIDTH, "Failure cases");
+        let mut csv = String::from("case,u,v,sigma,slope_u,response,snr,is\n");
+        let end = aliasing(&mut sheet, &mut csv, monitor)?;
+        monitor.report(Stage::Evaluate, 0.5);
+        let end = low_contrast(&mut sheet, &mut csv, end + 52.0, monitor)?;
+        Ok(Made { svg: sheet.finish(end + 40.0), csv, notes: Vec::new() })
+    }
+}
+
+fn write_feature(csv: &mut String, case: &str, f: &Feature, is: &str) {
+    // Writing into a string cannot fail.
+    let _ = writeln!(csv, "{case},{},{},{},{},{},{},{is}", f.u, f.v, f.sigma, f.slope.u, f.response, f.snr);
+}
+
+/// Width of each of two pictures side by side, pixels.
+fn half() -> f64 {
+    (WIDTH - 3.0 * GAP) / 2.0
+}
+
+fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f64, FiguresError> {
+    let silent = monitor.silent();
+    let (burst, params) = (Example::Aliasing.burst(), params(Example::Aliasing));
+    let detection = detect(&burst, &params, &silent)?;
+    // One period per frame too slow: each lamp lies on its neighbour.
+    let wrong = Slope::new(ALIASING_SLOPE - GARLAND_PERIOD, 0.0);
+    let frame = &burst.frames[burst.len() / 2];
+    let title = "(a) one frame: small lamps every 8 px, larger ones apart";
+    Panel::draw(sheet, (GAP, 34.0), half(), frame, &stretched(frame), title);
+    let stack = stack_view(&burst, &params, wrong, &silent)?;
+    let title = format!("the motion stack at −{:.0} px/frame: nothing moves so", wrong.u.abs());
+    let panel = Panel::draw(sheet, (2.0 * GAP + half(), 34.0), half(), &stack, &stretched(&stack), &title);
+    let is_false = |f: &&Feature| (f.slope.u - wrong.u).abs() < 0.5;
+    sheet.clipped(panel.area, |sheet| {
+        detection.features.iter().filter(is_false).for_each(|f| panel.feature(sheet, f, WRONG));
+    });
+    for f in &detection.features {
+        let is = match f.slope.u {
+            u if (u - ALIASING_SLOPE).abs() < 0.5 => "true slope",
+            u if (u - wrong.u).abs() < 0.5 => "alias",
+            _ => "other slope",
+        };
+        write_feature(csv, "aliasing", f, is);
+    }
+    let count = detection.features.iter().filter(is_false).count();
+    let text = format!("orange: {count} features at that slope; the lamps move by {ALIASING_SLOPE} px/frame");
+    sheet.text((2.0 * GAP + half(), panel.area.bottom() + 16.0), 12.0, Anchor::Start, &text);
+    Ok(panel.area.bottom())
+}
+
+fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) -> Result<f64, FiguresError> {
+    let silent = monitor.silent();
+    let (burst, params) = (Example::LowContrast.burst(), params(Example::LowContrast));
+    let detection = detect(&burst, &params, &silent)?;
+    let frame = &burst.frames[burst.len() / 2];
+    let title = "(b) one frame: nine discs, each fainter than the one before";
+    Panel::draw(sheet, (GAP, y), half(), frame, &stretched(frame), title);
+    let stack = stack_view(&burst, &params, Slope::new(1.0, 0.0), &silent)?;
+    let title = "the motion stack at their slope, and what is found";
+    let panel = Panel::draw(sheet, (2.0 * GAP + half(), y), half(), &stack, &stretched(&stack), title);
+    let mut found = 0;
+    for index in 0..DISCS {
+        let [u, v] = disc_place(index);
+        let near = |f: &&Feature| (f.u - u).hypot(f.v - v) <= NEAR_PX;
+        let is_found = detection.features.iter().any(|f| near(&f));
+        found += usize::from(is_found);
+        let (colour, dashes) = if is_found { (RIGHT, "") } else { (WRONG, r#"stroke-dasharray="4 3""#) };
+        let style = format!(r#"stroke-width="1.8" {dashes}"#);
+        panel.circle(sheet, [f64::from(u), f64::from(v)], 10.0, colour, &style);
+    }
+    for f in &detection.features {
+        let disc = (0..DISCS).find(|&index| {
+            let [u, v] = disc_place(index);
+            (f.u - u).hypot(f.v - v) <= NEAR_PX
+        });
+        write_feature(csv, "low-contrast", f, &disc.map_or("false".to_owned(), |disc| format!("disc {disc}")));
+    }
+    let text = format!("blue: found ({found} of {DISCS}); orange, dashed: missed");
+    sheet.text((2.0 * GAP + half(), panel.area.bottom() + 16.0), 12.0, Anchor::Start, &text);
+    Ok(panel.area.bottom())
+}
+
+/// Parameters of the scene in two lights.
+#[derive(Debug)]
+pub(super) struct Light {
+    dark: TrajectoryParams,
+    /// Electrons at scene white in good light.
+    bright_electrons: f64,
+    burst: usize,
+}
+
+impl Light {
+    pub fn new(size: FigureSize) -> Self {
+        let (width, height) = size.pick((480, 360), (240, 180));
+        let light = crate::synth::Light::Snr(0.35);
+        let dark = TrajectoryParams { width, height, light, ..TrajectoryParams::default() };
+        Self { dark, bright_electrons: 2000.0, burst: 3 }
+    }
+}
+
+impl MakeFigure for Light {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
+        let silent = monitor.silent();
+        let dark = Trajectory::new(&self.dark, &silent)?;
+        monitor.report(Stage::Synth, 0.4);
+        let light = crate::synth::Light::Electrons(self.bright_electrons);
+        let bright = Trajectory::new(&TrajectoryParams { light, ..self.dark.clone() }, &silent)?;
+        monitor.report(Stage::Synth, 0.8);
+        let middle = |way: &Trajectory| -> Result<Plane, FiguresError> {
+            let burst = way.burst(self.burst, &silent)?;
+            Ok((*burst.frames[burst.len() / 2]).clone())
+        };
+        let (frame, lit, gold) = (middle(&dark)?, middle(&bright)?, dark.gold(self.burst, &silent)?);
+        let mut sheet = Sheet::new(WIDTH, "Bright, gold and dark frames");
+        let mut csv = String::from("picture,electrons_at_white,snr,mean,standard_deviation,min,max\n");
+        let half = (WIDTH - 3.0 * GAP) / 2.0;
+        let rows: [(&str, &str, &Plane, Display, Option<&Trajectory>); 4] = [
+            ("bright", "a frame in good light", &lit, stretched(&lit), Some(&bright)),
+            ("gold", "the gold standard: no noise", &gold, Display::default(), None),
+            ("dark", "a frame in the dark, as it is recorded", &frame, Display::default(), Some(&dark)),
+            ("dark-stretched", "the same, stretched", &frame, stretched(&frame), Some(&dark)),
+        ];
+        let mut end = 0.0;
+        let mut y = 34.0;
+        for (index, (word, title, plane, display, way)) in rows.into_iter().enumerate() {
+            if index == 2 {
+                y = end + 60.0;
+            }
+            let at = (GAP + (half + GAP) * (index % 2) as f64, y);
+            let panel = Panel::draw(&mut sheet, at, half, plane, &display, title);
+            end = panel.area.bottom();
+            let range = summary(plane, &Region::whole(plane)).range();
+            let mut levels = FrameLevels::default();
+            levels.add(&Burst::from_planes(word, vec![plane.clone()]), &silent)?;
+            let light = way.map_or("no noise".to_owned(), |way| {
+                format!("{:.1} electrons at scene white, SNR {:.2} of a pixel", way.electrons, way.snr)
+            });
+            sheet.text((at.0, end + 16.0), 12.0, Anchor::Start, &light);
+            let known = |value: fn(&Trajectory) -> f64| way.map_or(String::new(), |way| format!("{:.4}", value(way)));
+            let (min, max) = range.unwrap_or_default();
+            // Writing into a string cannot fail.
+            let _ = writeln!(
+                csv,
+                "{word},{},{},{:.6},{:.6},{min:.6},{max:.6}",
+                known(|way| way.electrons),
+                known(|way| way.snr),
+                levels.mean(),
+                levels.standard_deviation()
+            );
+        }
+        Ok(Made { svg: sheet.finish(end + 30.0), csv, notes: Vec::new() })
+    }
+}

@@ -1,0 +1,210 @@
+//! The trajectories, the methods, and their runs.
+
+use super::mapper::{self, How, Matched, Reconstructed, Run};
+use crate::evaluate::{BurstMethod, EvaluateError, MatchMethod, MatchStudy, Searches, Shot, motion_name};
+use crate::figures::record::Pieces;
+use crate::figures::{FigureSize, FiguresError};
+use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
+use burstscope_core::burst::Burst;
+use burstscope_core::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
+use burstscope_core::matching::{MatchParams, PairSelection};
+use burstscope_core::monitor::{Cancelled, Monitor, Stage};
+use burstscope_core::plane::Plane;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Trajectories to reconstruct, and the methods' parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Study {
+    /// Parameters of the trajectories; motion and seed are set by the study.
+    pub way: TrajectoryParams,
+    /// Number of trajectories of each motion, with seeds from 1.
+    pub seeds: u64,
+    /// The detector's parameters, for all methods.
+    pub detector: DetectorParams,
+    /// Slopes of BuFF 1D.
+    pub slopes_1d: SlopeGrid,
+    /// Slopes of BuFF 2D.
+    pub slopes_2d: SlopeGrid,
+    /// Parameters of matching.
+    pub matching: MatchParams,
+}
+
+/// A trajectory with its pictures, drawn once for all methods.
+struct Drawn {
+    way: Trajectory,
+    bursts: Vec<Burst>,
+    gold: Vec<Plane>,
+}
+
+impl Study {
+    pub fn new(size: FigureSize) -> Self {
+        let full = TrajectoryParams { light: Light::Snr(0.3), ..TrajectoryParams::default() };
+        let quick =
+            TrajectoryParams { width: 200, height: 150, bursts: 3, frames: 6, light: Light::Snr(0.8), ..full.clone() };
+        Self {
+            way: size.pick(full, quick),
+            seeds: size.pick(2, 1),
+            detector: DetectorParams::default(),
+            slopes_1d: SlopeGrid::line(-3.0..=3.0, 13),
+            slopes_2d: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7),
+            // As the paper matches.
+            matching: MatchParams { guided: false, ..MatchParams::default() },
+        }
+    }
+
+    /// The methods for a motion, in the order of the tables. BuFF 1D searches one direction, and is only used for
+    /// motion in one.
+    pub fn methods(motion: Motion) -> Vec<MatchMethod> {
+        let burst = [BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d, BurstMethod::Buff2d];
+        let is_meant = |method: &BurstMethod| motion == Motion::OneD || *method != BurstMethod::Buff1d;
+        let found = std::iter::once(BurstMethod::BuffAuto);
+        let of_bursts = burst.into_iter().filter(is_meant).chain(found).map(MatchMethod::Burst);
+        std::iter::once(MatchMethod::Gold).chain(of_bursts).collect()
+    }
+
+    fn way(&self, motion: Motion, seed: u64) -> TrajectoryParams {
+        TrajectoryParams { motion, seed, ..self.way.clone() }
+    }
+
+    /// The runs: stored ones unchanged, the others made now and stored.
+    pub fn runs(&self, pieces: &Pieces, colmap: Option<&Path>, monitor: &Monitor) -> Result<Vec<Run>, FiguresError> {
+        let ways: Vec<(Motion, u64)> = [Motion::OneD, Motion::TwoD]
+            .into_iter()
+            .flat_map(|m| (1..=self.seeds).map(move |seed| (m, seed)))
+            .collect();
+        let total: usize = ways.iter().map(|(motion, _)| Self::methods(*motion).len()).sum();
+        let mut runs = Vec::with_capacity(total);
+        for (motion, seed) in ways {
+            let params = self.way(motion, seed);
+            let truth_piece = format!("way-{}-{seed}", motion_name(motion));
+            let mut drawn: Option<Drawn> = None;
+            let true_centres: Vec<[f64; 3]> = match pieces.get(&truth_piece, &format!("{params:?}")) {
+                Some(centres) => centres,
+                None => {
+                    let made = Drawn::new(&params, monitor)?;
+                    let centre =
+                        |c: &crate::synth::trajectory::BurstCamera| c.world_from_camera.translation.vector.into();
+                    let centres = made.way.cameras.iter().map(centre).collect();
+                    pieces.keep(&truth_piece, &format!("{params:?}"), &centres)?;
+                    drawn = Some(made);
+                    centres
+                }
+            };
+            for method in Self::methods(motion) {
+                monitor.report(Stage::Evaluate, runs.len() as f32 / total as f32);
+                let name = format!("{}-{}-{seed}", method.name(), motion_name(motion));
+                let settings = format!("{method:?} {params:?} {self:?}");
+                let matched: Matched = match pieces.get(&name, &settings) {
+                    Some(matched) => matched,
+                    None => {
+                        let drawn = Drawn::of(&mut drawn, &params, monitor)?;
+                        let matched = self.matched(method, drawn, monitor)?;
+                        pieces.keep(&name, &settings, &matched)?;
+                        matched
+                    }
+                };
+                let reconstructed: Option<Reconstructed> = match colmap {
+                    None => None,
+                    Some(program) => {
+                        let name = format!("colmap-{name}");
+                        Some(match pieces.get(&name, &settings) {
+                            Some(reconstructed) => reconstructed,
+                            None => {
+                                let drawn = Drawn::of(&mut drawn, &params, monitor)?;
+                                let folder = pieces.temporary()?;
+                                let made = mapper::reconstruct(
+                                    program,
+                                    &self.how(method),
+                                    &drawn.way,
+                                    &folder.new_path(),
+                                    monitor,
+                                )?;
+                                pieces.keep(&name, &settings, &made)?;
+                                made
+                            }
+                        })
+                    }
+                };
+                let bursts = params.bursts;
+                let true_centres = true_centres.clone();
+                runs.push(Run { motion, seed, method, bursts, matched, reconstructed, true_centres });
+            }
+        }
+        Ok(runs)
+    }
+
+    /// The search and matching parameters of a method.
+    fn how(&self, method: MatchMethod) -> How {
+        let searches = Searches {
+            detector: &self.detector,
+            slopes_1d: self.slopes_1d,
+            slopes_2d: self.slopes_2d,
+            direction_deg: None,
+        };
+        let search = match method {
+            MatchMethod::Burst(BurstMethod::BuffAuto) => {
+                SearchParams { detector: self.detector.clone(), slopes: SlopeChoice::AUTO }
+            }
+            MatchMethod::Burst(method) => searches.params(method).into(),
+            MatchMethod::Gold => searches.params(BurstMethod::SiftFrame).into(),
+        };
+        How { is_gold: method == MatchMethod::Gold, search, matching: self.matching.clone() }
+    }
+
+    /// Finds the features of all bursts by `method` and matches every pair.
+    fn matched(&self, method: MatchMethod, drawn: &Drawn, monitor: &Monitor) -> Result<Matched, FiguresError> {
+        let study = MatchStudy {
+            methods: vec![method],
+            has_gold: method == MatchMethod::Gold,
+            detector: self.detector.clone(),
+            slopes_1d: self.slopes_1d,
+            slopes_2d: self.slopes_2d,
+            direction_deg: None,
+            matching: self.matching.clone(),
+            pairs: PairSelection::default(),
+        };
+        let names: Vec<String> = (0..drawn.bursts.len()).map(Trajectory::name).collect();
+        let started = Instant::now();
+        let open = |k: usize, shot: Shot| -> Result<Burst, EvaluateError> {
+            Ok(match shot {
+                Shot::Burst => drawn.bursts[k].clone(),
+                Shot::Gold => Burst::from_planes("gold", vec![drawn.gold[k].clone()]),
+            })
+        };
+        let report = study.run(&names, open, &monitor.silent())?;
+        let seconds = started.elapsed().max(Duration::from_millis(1)).as_secs_f64();
+        let counts = &report.methods[0].counts;
+        Ok(Matched {
+            keypoints: counts.keypoints_per_image,
+            putative: counts.putative_per_image,
+            inliers: counts.inliers_per_image,
+            match_ratio: counts.match_ratio,
+            match_score: counts.match_score,
+            precision: counts.precision,
+            seconds,
+        })
+    }
+}
+
+impl Drawn {
+    fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self, FiguresError> {
+        let silent = monitor.silent();
+        let way = Trajectory::new(params, &silent)?;
+        let bursts = (0..params.bursts).map(|k| way.burst(k, &silent)).collect::<Result<_, Cancelled>>()?;
+        let gold = (0..params.bursts).map(|k| way.gold(k, &silent)).collect::<Result<_, Cancelled>>()?;
+        Ok(Self { way, bursts, gold })
+    }
+
+    /// The drawn trajectory, which is drawn now if it is not yet.
+    fn of<'a>(
+        drawn: &'a mut Option<Self>,
+        params: &TrajectoryParams,
+        monitor: &Monitor,
+    ) -> Result<&'a Self, FiguresError> {
+        if drawn.is_none() {
+            *drawn = Some(Self::new(params, monitor)?);
+        }
+        Ok(drawn.as_ref().expect("it was drawn just now"))
+    }
+}

@@ -1,0 +1,405 @@
+//! The study as Tables 1 to 3, means over the trajectories of each motion, and as Fig. 8: the cameras' positions,
+//! true and estimated, for the first trajectory of each motion.
+
+use super::mapper::{Reconstructed, Run};
+use super::study::Study;
+use crate::evaluate::figure::method_line;
+use crate::evaluate::poses::Projection;
+use crate::evaluate::{MatchMethod, motion_name};
+use crate::figures::Made;
+use crate::figures::drawing::{Cell, Table};
+use crate::synth::{Light, Motion};
+use burstscope_core::export::sheet::{Anchor, Area, Sheet};
+use burstscope_core::export::{Plot, Series, SeriesPoint};
+use std::fmt::Write;
+
+/// Minimum number of images with a pose of a reconstruction that converged.
+const MIN_REGISTERED: usize = 3;
+
+/// The runs of one method and motion.
+type Group<'a> = Vec<&'a Run>;
+
+fn groups(runs: &[Run]) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    for run in runs {
+        match groups.iter_mut().find(|g| (g[0].motion, g[0].method) == (run.motion, run.method)) {
+            Some(group) => group.push(run),
+            None => groups.push(vec![run]),
+        }
+    }
+    groups
+}
+
+/// The mean of the known values; `None` without any.
+fn mean(group: &Group<'_>, value: impl Fn(&Run) -> Option<f64>) -> Option<f64> {
+    let known: Vec<f64> = group.iter().filter_map(|run| value(run)).collect();
+    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+}
+
+fn of_model(group: &Group<'_>, value: impl Fn(&Reconstructed, &Run) -> Option<f64>) -> Option<f64> {
+    mean(group, |run| run.reconstructed.as_ref().and_then(|model| value(model, run)))
+}
+
+fn names(group: &Group<'_>) -> [Cell; 2] {
+    [motion_name(group[0].motion).to_uppercase(), group[0].method.label().to_owned()].map(Cell::Text)
+}
+
+/// Description of the trajectories, as a sentence.
+fn material(study: &Study) -> String {
+    let way = &study.way;
+    let light = match way.light {
+        Light::Snr(snr) => format!("SNR {snr} of a pixel"),
+        Light::Electrons(electrons) => format!("{electrons} electrons at scene white"),
+    };
+    format!(
+        "{} of each motion, {} bursts of {} frames of {}×{}, {light}, motion up to {} px/frame.",
+        if study.seeds == 1 { "One trajectory".to_owned() } else { format!("{} trajectories", study.seeds) },
+        way.bursts,
+        way.frames,
+        way.width,
+        way.height,
+        way.max_slope
+    )
+}
+
+fn made(table: Table) -> Made {
+    Made { svg: table.svg(), csv: table.csv(), notes: table.notes }
+}
+
+/// Notes under every table: the material, and what is missing in the table and why.
+fn notes(study: &Study, runs: &[Run], missing: Option<&str>) -> Vec<String> {
+    std::iter::once(material(study)).chain(missing.map(str::to_owned)).chain(without_model(runs)).collect()
+}
+
+/// The number of runs in which COLMAP gave up, with its message in the first of them.
+pub(super) fn without_model<'a>(runs: &'a [Run]) -> Option<String> {
+    let said = |run: &'a Run| Some((run, run.reconstructed.as_ref()?.gave_up.as_deref()?));
+    let mut gave_up = runs.iter().filter_map(said);
+    let (first, words) = gave_up.next()?;
+    let count = 1 + gave_up.count();
+    let name = format!("{} on motion in {}", first.method.label(), motion_name(first.motion).to_uppercase());
+    Some(format!("COLMAP gave up without a model in {count} of {} runs, first with {name}: “{words}”.", runs.len()))
+}
+
+/// Table 1.
+pub(super) fn matching(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
+    let row = |group: &Group<'_>| {
+        let matched = |value: fn(&super::mapper::Matched) -> f64| mean(group, |run| Some(value(&run.matched)));
+        let [motion, method] = names(group);
+        vec![
+            motion,
+            method,
+            Cell::of(of_model(group, |m, _| Some(f64::from(u8::from(m.registered >= MIN_REGISTERED)))), 2),
+            Cell::of(of_model(group, |m, run| Some(100.0 * m.registered as f64 / run.bursts as f64)), 0),
+            Cell::of(matched(|m| m.keypoints), 0),
+            Cell::of(matched(|m| m.putative), 1),
+            Cell::of(matched(|m| m.inliers), 1),
+            Cell::of(matched(|m| m.match_ratio), 3),
+            Cell::of(matched(|m| m.match_score), 3),
+            Cell::of(mean(group, |run| run.matched.precision), 3),
+            Cell::of(of_model(group, |m, _| m.points_per_image), 1),
+        ]
+    };
+    made(Table {
+        title: "Matching and reconstruction of dark bursts".into(),
+        columns: vec![
+            (["motion", ""], "motion"),
+            (["method", ""], "method"),
+            (["conver-", "gence"], "convergence_rate"),
+            (["images", "pass, %"], "images_pass_percent"),
+            (["keypoints", "/image"], "keypoints_per_image"),
+            (["putative", "/image"], "putative_per_image"),
+            (["inliers", "/image"], "inliers_per_image"),
+            (["match", "ratio"], "match_ratio"),
+            (["match", "score"], "match_score"),
+            (["precision", ""], "precision"),
+            (["3D points", "/image"], "points_per_image"),
+        ],
+        rows: groups(runs).iter().map(row).collect(),
+        notes: notes(study, runs, missing),
+    })
+}
+
+/// Table 2.
+pub(super) fn poses(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
+    let row = |group: &Group<'_>| {
+        let [motion, method] = names(group);
+        let error = |errors: fn(&Reconstructed) -> Option<[f64; 2]>, part: usize, factor: f64| {
+            of_model(group, |m, _| errors(m).map(|e| factor * e[part]))
+        };
+        vec![
+            motion,
+            method,
+            Cell::of(error(|m| m.absolute, 0, 100.0), 2),
+            Cell::of(error(|m| m.absolute, 1, 1.0), 3),
+            Cell::of(error(|m| m.relative, 0, 100.0), 2),
+            Cell::of(error(|m| m.relative, 1, 1.0), 3),
+        ]
+    };
+    made(Table {
+        title: "Mean errors of the camera poses against the true ones".into(),
+        columns: vec![
+            (["motion", ""], "motion"),
+            (["method", ""], "method"),
+            (["absolute", "place, cm"], "absolute_translation_cm"),
+            (["absolute", "rotation, °"], "absolute_rotation_deg"),
+            (["relative", "place, cm"], "relative_translation_cm"),
+            (["relative", "rotation, °"], "relative_rotation_deg"),
+        ],
+        rows: groups(runs).iter().map(row).collect(),
+        notes: notes(study, runs, missing),
+    })
+}
+
+/// Table 3.
+pub(super) fn time(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
+    let row = |group: &Group<'_>| {
+        let [motion, method] = names(group);
+        let features = mean(group, |run| Some(run.matched.seconds));
+        let mapper = of_model(group, |m, _| Some(m.mapper_secs));
+        let whole = features.zip(mapper).map(|(a, b)| a + b);
+        vec![motion, method, Cell::of(features, 2), Cell::of(mapper, 2), Cell::of(whole, 2)]
+    };
+    let is_timed = |group: &&Group<'_>| group[0].method != MatchMethod::Gold;
+    let mut notes = notes(study, runs, missing);
+    let threads = rayon::current_num_threads();
+    notes.push(format!(
+        "Seconds for one trajectory with {}, finding and matching features from frames in memory; times of a machine that does other things too are longer.",
+        if threads == 1 { "one thread".to_owned() } else { format!("{threads} threads") }
+    ));
+    made(Table {
+        title: "Time for one trajectory, seconds".into(),
+        columns: vec![
+            (["motion", ""], "motion"),
+            (["method", ""], "method"),
+            (["features and", "matches"], "features_and_matches_secs"),
+            (["COLMAP's", "mapper"], "mapper_secs"),
+            (["together", ""], "together_secs"),
+        ],
+        rows: groups(runs).iter().filter(is_timed).map(row).collect(),
+        notes,
+    })
+}
+
+const WIDTH: f64 = 960.0;
+
+/// Factors by which errors can be enlarged.
+const ENLARGEMENTS: [u32; 7] = [2, 5, 10, 20, 50, 100, 200];
+/// Maximum distance of an enlarged error from its true position, as a share of the trajectory's length.
+const FARTHEST: f64 = 0.1;
+/// Note where errors are enlarged.
+const ENLARGED: &str = "Estimated places are drawn farther from the true ones than they are, as the titles say, so that \
+                        they can be told apart; the table of numbers has them as they are.";
+
+/// Index of a camera on the trajectory, and its centre, metres.
+type Centre = (usize, [f64; 3]);
+
+/// The estimated cameras of a run, if there are any.
+fn centres_of(run: &Run) -> Option<Vec<Centre>> {
+    let centres = run.reconstructed.as_ref()?.centres.iter().copied();
+    let known: Vec<Centre> = centres.filter(|centre| centre.0 < run.true_centres.len()).collect();
+    (!known.is_empty()).then_some(known)
+}
+
+/// Draws the trajectories; `missing` is the reason why there are no estimates.
+pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
+    let mut sheet = Sheet::new(WIDTH, "Trajectories");
+    let mut csv = String::from("motion,method,index,x,y,z\n");
+    let title = "The camera's way past the scene: true places, and those that COLMAP found";
+    sheet.styled_text((20.0, 28.0), 15.0, Anchor::Start, r#"font-weight="bold""#, title);
+    let mut legend: Vec<Series> = Vec::new();
+    let mut enlarged = false;
+    for (column, motion) in [Motion::OneD, Motion::TwoD].into_iter().enumerate() {
+        let of_way: Vec<&Run> = runs.iter().filter(|run| run.motion == motion && run.seed == 1).collect();
+        let Some(truth) = of_way.first().map(|run| &run.true_centres) else { continue };
+        let axes = Projection::Principal.axes(truth);
+        let numbered: Vec<Centre> = truth.iter().copied().enumerate().collect();
+        write_centres(&mut csv, motion, "truth", &numbered);
+        let project = |&(_, centre): &Centre| axes.project(centre);
+        let places: Vec<[f64; 2]> = numbered.iter().map(project).collect();
+        let estimates: Vec<(MatchMethod, Vec<Centre>)> =
+            of_way.iter().filter_map(|run| Some((run.method, centres_of(run)?))).collect();
+        let all_centres = estimates.iter().flat_map(|(_, centres)| centres);
+        let factor = enlargement(&places, all_centres.map(|centre| (centre.0, project(centre))));
+        enlarged |= factor > 1;
+        let drawn = |centre: &Centre| {
+            let ([x, y], [true_x, true_y]) = (project(centre), places[centre.0]);
+            let factor = f64::from(factor);
+            (true_x + factor * (x - true_x), true_y + factor * (y - true_y), None)
+        };
+        let series = |label: &str, (colour, dashes, width), centres: &[Centre]| Series {
+            label: label.to_owned(),
+            colour,
+            dashes,
+            width,
+            points: centres.iter().map(drawn).collect(),
+        };
+        let mut all = vec![series("true places", ("#24292f", "", 1.6), &numbered)];
+        for (method, centres) in &estimates {
+            let style = match method {
+                MatchMethod::Burst(method) => method_line(*method),
+                MatchMethod::Gold => ("#e69f00", "2 2", 2.0),
+            };
+            write_centres(&mut csv, motion, method.name(), centres);
+            all.push(series(method.label(), style, centres));
+        }
+        let area = Area { x: 76.0 + 480.0 * column as f64, y: 110.0, width: 380.0, height: 300.0 };
+        let (range_x, range_y) = ranges(&all, area.width / area.height);
+        let name = match motion {
+            Motion::OneD => "sideways (1D)",
+            Motion::TwoD => "forward (2D)",
+        };
+        let title = match factor {
+            1 => name.to_owned(),
+            _ => format!("{name}, errors {factor} times as large"),
+        };
+        let plot = Plot {
+            title: &title,
+            label_x: "along the way, m",
+            label_y: "across it, m",
+            range_x,
+            range_y,
+            has_dots: true,
+            series: &all,
+        };
+        sheet.plot(area, &plot);
+        for one in all {
+            if legend.iter().all(|known| known.label != one.label) {
+                legend.push(one);
+            }
+        }
+    }
+    sheet.legend((20.0, 54.0), WIDTH - 40.0, &legend);
+    let mut end = 470.0;
+    let enlarged = enlarged.then(|| ENLARGED.to_owned());
+    let notes: Vec<String> =
+        enlarged.into_iter().chain(missing.map(str::to_owned)).chain(without_model(runs)).collect();
+    for note in &notes {
+        end = sheet.paragraph((20.0, end), 12.0, WIDTH - 40.0, note) + 4.0;
+    }
+    Made { svg: sheet.finish(end), csv, notes }
+}
+
+/// Factor by which errors are enlarged, so that good estimates can be told apart: the largest of [`ENLARGEMENTS`] with
+/// which none exceeds [`FARTHEST`] of the trajectory's length; 1 if there is none. `places` are the true positions.
+fn enlargement(places: &[[f64; 2]], estimates: impl Iterator<Item = (usize, [f64; 2])>) -> u32 {
+    let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let farthest = estimates.map(|(k, at)| distance(at, places[k])).fold(0.0, f64::max);
+    let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return 1 };
+    let room = FARTHEST * distance(first, last);
+    let fits = |factor: &&u32| f64::from(**factor) * farthest <= room;
+    ENLARGEMENTS.iter().filter(|_| farthest > 0.0).rfind(fits).copied().unwrap_or(1)
+}
+
+fn write_centres(csv: &mut String, motion: Motion, method: &str, centres: &[Centre]) {
+    for (index, [x, y, z]) in centres {
+        // Writing into a string cannot fail.
+        let _ = writeln!(csv, "{},{method},{index},{x:.6},{y:.6},{z:.6}", motion_name(motion));
+    }
+}
+
+/// Ranges of the axes that contain all points with a margin and have one scale, for an area of this shape.
+fn ranges(all: &[Series], width_over_height: f64) -> ((f64, f64), (f64, f64)) {
+    let range = |value: fn(&SeriesPoint) -> f64| {
+        let values = all.iter().flat_map(|series| &series.points).map(value);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let (x, y) = (range(|p| p.0), range(|p| p.1));
+    let half = (0.55 * (x.1 - x.0)).max(0.55 * (y.1 - y.0) * width_over_height).max(1e-3);
+    let around = |range: (f64, f64), half: f64| (0.5 * (range.0 + range.1) - half, 0.5 * (range.0 + range.1) + half);
+    (around(x, half), around(y, half / width_over_height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mapper::{Matched, Reconstructed};
+    use super::*;
+    use crate::evaluate::BurstMethod;
+    use crate::figures::FigureSize;
+
+    fn run(motion: Motion, seed: u64, method: MatchMethod, reconstructed: Option<Reconstructed>) -> Run {
+        let k = seed as f64;
+        let matched = Matched {
+            keypoints: 100.0 * k,
+            putative: 10.0 * k,
+            inliers: 8.0 * k,
+            match_ratio: 0.1,
+            match_score: 0.08,
+            precision: (seed > 1).then_some(0.8),
+            seconds: k,
+        };
+        Run { motion, seed, method, bursts: 8, matched, reconstructed, true_centres: Vec::new() }
+    }
+
+    #[test]
+    fn trajectories_of_one_motion_are_averaged_and_what_is_missing_stays_missing() {
+        let study = Study::new(FigureSize::Quick);
+        let buff = MatchMethod::Burst(BurstMethod::Buff1d);
+        let model = Reconstructed {
+            registered: 6,
+            points_per_image: Some(50.0),
+            absolute: Some([0.02, 1.0]),
+            relative: Some([0.01, 0.5]),
+            centres: Vec::new(),
+            mapper_secs: 4.0,
+            gave_up: None,
+        };
+        let none = Reconstructed { gave_up: Some("ERROR: no pair".into()), ..Reconstructed::default() };
+        let runs = [
+            run(Motion::OneD, 1, MatchMethod::Gold, None),
+            run(Motion::OneD, 1, buff, Some(model.clone())),
+            run(Motion::OneD, 2, buff, Some(none)),
+        ];
+        let table = matching(&study, &runs, Some("no COLMAP"));
+        let lines: Vec<&str> = table.csv.lines().collect();
+        assert_eq!(lines[1], "1D,gold standard,,,100,10,8,0.1,0.08,,");
+        // One of two converged; six of eight images and none of eight; precision where there is one.
+        assert_eq!(lines[2], "1D,BuFF 1D,0.5,37.5,150,15,12,0.1,0.08,0.8,50");
+        assert!(table.notes.iter().any(|note| note == "no COLMAP"));
+        assert!(
+            table.notes.iter().any(|note| note.contains("1 of 3 runs, first with BuFF 1D on motion in 1D: “ERROR"))
+        );
+        let errors = poses(&study, &runs, None);
+        assert_eq!(errors.csv.lines().nth(2), Some("1D,BuFF 1D,2,1,1,0.5"));
+        let times = time(&study, &runs, None);
+        assert_eq!(times.csv.lines().collect::<Vec<_>>()[1..], ["1D,BuFF 1D,1.5,2,3.5"]);
+    }
+
+    #[test]
+    fn errors_are_enlarged_until_they_are_seen_and_no_farther() {
+        let places = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]];
+        let of = |error: f64| enlargement(&places, [(1, [1.0, error]), (2, [2.0, 0.0])].into_iter());
+        assert_eq!((of(0.003), of(0.02), of(0.5), of(0.0), of(1e-9)), (50, 10, 1, 1, 200));
+    }
+
+    #[test]
+    fn cameras_that_are_not_registered_leave_the_others_at_their_numbers() {
+        let model = Reconstructed {
+            registered: 2,
+            centres: vec![(0, [0.0, 0.0, 0.0]), (2, [2.0, 0.01, 0.0])],
+            ..Reconstructed::default()
+        };
+        let run = Run {
+            motion: Motion::OneD,
+            seed: 1,
+            method: MatchMethod::Gold,
+            bursts: 3,
+            matched: Matched::default(),
+            reconstructed: Some(model),
+            true_centres: vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
+        };
+        let made = trajectories(&[run], None);
+        let rows: Vec<&str> = made.csv.lines().filter(|line| line.starts_with("1d,gold")).collect();
+        assert_eq!(rows, ["1d,gold,0,0.000000,0.000000,0.000000", "1d,gold,2,2.000000,0.010000,0.000000"]);
+        assert!(made.svg.contains("errors 20 times as large") && made.notes == [ENLARGED]);
+    }
+
+    #[test]
+    fn both_axes_have_one_scale_and_hold_all_points() {
+        let points = vec![(0.0, 0.0, None), (4.0, 1.0, None)];
+        let series = Series { label: "a".into(), colour: "#000000", dashes: "", width: 1.0, points };
+        let (x, y) = ranges(&[series], 2.0);
+        assert!(((x.1 - x.0) / (y.1 - y.0) - 2.0).abs() < 1e-12);
+        assert!(x.0 < 0.0 && x.1 > 4.0 && y.0 < 0.0 && y.1 > 1.0);
+    }
+}

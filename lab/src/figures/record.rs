@@ -1,0 +1,139 @@
+//! Records of finished figures, so that an interrupted run continues: see [`Records`].
+//!
+//! `records/NAME.json` names all that a figure was made from and the checksums of its files. [`Pieces`] stores, in the
+//! same way, parts that take long and are used by several figures.
+
+use super::{FiguresError, PaperFigure};
+use burstscope_core::export::{ExportError, MadeFrom, RECORDS_FOLDER, Record, Records, may_begin, write_whole};
+use burstscope_core::files::mark::{Checksum, Kind, claiming};
+use burstscope_core::files::unfinished::{Unfinished, remove_abandoned};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::path::Path;
+
+/// Folder of pieces among the records.
+const PIECES_FOLDER: &str = "pieces";
+
+/// Record of a finished figure.
+pub(super) type FigureRecord = Record<KeptFigure>;
+
+/// Facts about a finished figure, kept in its record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct KeptFigure {
+    /// The figure.
+    pub figure: PaperFigure,
+    /// Names and checksums of its files.
+    pub files: Vec<(String, Checksum)>,
+    /// Names and checksums of the files that these replace. The record is written before them, so if a run is killed in
+    /// between, there are some of both.
+    #[serde(default)]
+    pub earlier: Vec<(String, Checksum)>,
+    /// Notes for the reader.
+    pub notes: Vec<String>,
+    /// Time that it took, seconds.
+    pub seconds: f64,
+}
+
+/// Reads the record of a figure in `folder`, if there is one whose files are unchanged.
+pub(super) fn read_record(folder: &Path, figure: PaperFigure) -> Option<FigureRecord> {
+    let record: FigureRecord = Records::of(folder).read(figure.name())?;
+    let is_whole = |(name, content): &(String, Checksum)| content.is_of(&folder.join(name));
+    (record.of.figure == figure && record.of.files.iter().all(is_whole)).then_some(record)
+}
+
+/// Checks that `folder` is free or holds figures that this program began.
+///
+/// # Errors
+/// [`FiguresError::Occupied`] when `folder` holds files but not the mark of a folder of figures: it belongs to somebody
+/// else; [`ExportError::Link`] when a folder of records is a link.
+pub(super) fn check_folder(folder: &Path) -> Result<(), FiguresError> {
+    let parts = [RECORDS_FOLDER, &format!("{RECORDS_FOLDER}/{PIECES_FOLDER}")];
+    if may_begin(folder, Kind::Figures, &parts)? { Ok(()) } else { Err(FiguresError::Occupied(folder.into())) }
+}
+
+/// Writes the folder's mark, creates the folders of records, and removes files that killed runs have left.
+pub(super) fn begin(folder: &Path) -> Result<(), ExportError> {
+    remove_abandoned(folder);
+    write_whole(&folder.join(Kind::Figures.file()), |out| out.write_all(claiming(Kind::Figures, &()).as_bytes()))?;
+    Records::of(folder).begin()?;
+    Pieces::of(folder).records.begin()
+}
+
+/// Stored parts of figures.
+#[derive(Debug, Clone)]
+pub(super) struct Pieces {
+    records: Records,
+}
+
+/// Part of a figure, as its record keeps it.
+#[derive(Serialize, Deserialize)]
+struct Piece<T> {
+    value: T,
+}
+
+impl Pieces {
+    /// The pieces of the figures in `folder`.
+    pub fn of(folder: &Path) -> Self {
+        Self { records: Records::of(folder).below(PIECES_FOLDER) }
+    }
+
+    /// The piece `name` if it was made from these settings.
+    pub fn get<T: DeserializeOwned>(&self, name: &str, settings: &str) -> Option<T> {
+        let Record { made_from, of } = self.records.read::<Piece<T>>(name)?;
+        (made_from == MadeFrom::new(settings)).then_some(of.value)
+    }
+
+    /// Stores the piece `name`.
+    pub fn keep<T: Serialize>(&self, name: &str, settings: &str, value: &T) -> Result<(), ExportError> {
+        self.records.write(name, &Record { made_from: MadeFrom::new(settings), of: Piece { value } })
+    }
+
+    /// A folder for files that are needed only while a piece is made: [`Unfinished::new_path`], which exists.
+    pub fn temporary(&self) -> Result<Unfinished, ExportError> {
+        let place = self.records.folder().join("work");
+        let made = Unfinished::beside(&place).and_then(|made| std::fs::create_dir(made.new_path()).map(|()| made));
+        made.map_err(|error| ExportError::write(&place, &error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_speaks_of_the_files_that_are_there() {
+        let home = tempfile::tempdir().expect("a folder");
+        begin(home.path()).expect("begun");
+        let path = home.path().join("fig7.svg");
+        std::fs::write(&path, "<svg/>").expect("written");
+        let of = KeptFigure {
+            figure: PaperFigure::Fig7,
+            files: vec![("fig7.svg".into(), Checksum::of(b"<svg/>"))],
+            earlier: Vec::new(),
+            notes: Vec::new(),
+            seconds: 1.0,
+        };
+        let record = Record { made_from: MadeFrom::new("all"), of };
+        Records::of(home.path()).write(PaperFigure::Fig7.name(), &record).expect("written");
+        assert_eq!(read_record(home.path(), PaperFigure::Fig7), Some(record));
+        assert_eq!(read_record(home.path(), PaperFigure::Fig8), None);
+        std::fs::write(&path, "<svg></svg>").expect("altered");
+        assert_eq!(read_record(home.path(), PaperFigure::Fig7), None, "another content");
+    }
+
+    #[test]
+    fn pieces_are_of_their_settings_and_other_peoples_folders_are_left_alone() {
+        let home = tempfile::tempdir().expect("a folder");
+        std::fs::write(home.path().join("thesis.txt"), "").expect("written");
+        assert!(matches!(check_folder(home.path()), Err(FiguresError::Occupied(_))));
+        assert!(check_folder(&home.path().join("new")).is_ok());
+        begin(home.path()).expect("begun");
+        assert!(check_folder(home.path()).is_ok());
+        let pieces = Pieces::of(home.path());
+        pieces.keep("row", "seed 1", &vec![1.5, 2.0]).expect("kept");
+        assert_eq!(pieces.get::<Vec<f64>>("row", "seed 1"), Some(vec![1.5, 2.0]));
+        assert_eq!(pieces.get::<Vec<f64>>("row", "seed 2"), None);
+        assert_eq!(pieces.get::<String>("row", "seed 1"), None, "it is no text");
+    }
+}

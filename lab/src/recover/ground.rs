@@ -1,0 +1,198 @@
+//! A burst before anything is planted: its own search, its noise and brightness by place, and the places
+//! where something may be planted.
+
+use super::thing::LightNoise;
+use super::{Planted, RecoverStudy};
+use crate::evaluate::EvaluateError;
+use crate::synth::random::Stream;
+use burstscope_core::burst::Burst;
+use burstscope_core::detector::noise_model::{ForSearch, NoiseModel, examine};
+use burstscope_core::detector::scale_space::{ScaleSpace, searched_octaves};
+use burstscope_core::detector::{Feature, Method, SearchParams, Slope};
+use burstscope_core::inspect::ProbeCache;
+use burstscope_core::inspect::score::finds;
+use burstscope_core::monitor::{Cancelled, Monitor};
+use burstscope_core::plane::Plane;
+use burstscope_core::plane::blur::smoothed;
+use burstscope_core::plane::sample::bilinear;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Side of a cell of the map of noise, pixels.
+const CELL_PX: f32 = 16.0;
+/// σ, pixels, with which the brightness of the scene is smoothed.
+const BRIGHTNESS_SIGMA_PX: f64 = 6.0;
+/// SNR of a feature, in noise gates, from which it is strong.
+const STRONG_GATES: f32 = 1.5;
+/// Attempts to find a place for one thing.
+const ATTEMPTS: usize = 60;
+
+/// The burst as it is.
+#[derive(Debug)]
+pub struct Ground {
+    /// The search of the burst itself.
+    pub cache: ProbeCache,
+    /// Parameters of the search of a copy: those that were asked for, with the slopes that were searched.
+    pub params: SearchParams,
+    /// Indices of the frames that take part.
+    pub used: Range<usize>,
+    /// Noise of light.
+    pub light: LightNoise,
+    /// Brightness of each used frame relative to the others.
+    gains: Vec<f64>,
+    /// σ of one frame's noise, in cells.
+    sigma: Plane,
+    /// Brightness of the scene, smoothed.
+    brightness: Plane,
+}
+
+impl Ground {
+    /// Searches `burst` and measures its noise.
+    ///
+    /// # Errors
+    /// Parameters that make no sense, a burst without noise, or cancellation.
+    pub fn new(study: &RecoverStudy, burst: &Burst, monitor: &Monitor) -> Result<Self, EvaluateError> {
+        let params = &study.search;
+        if params.detector.method == Method::Merge {
+            return Err(super::param(
+                "method",
+                "planted things are not searched for in a merged frame",
+                "give buff or sift",
+            ));
+        }
+        let cache = ProbeCache::new(burst, params, monitor)?;
+        let params = SearchParams::from(cache.made_with());
+        let detector = &params.detector;
+        let used = detector.used_frames(burst.len());
+        let noise = Self::noise(&cache, burst, monitor)?;
+        let middle = &burst.frames[used.start + used.len() / 2];
+        let brightness = smoothed(middle, BRIGHTNESS_SIGMA_PX, monitor)?;
+        let sigma = noise.sigma_map(burst.size(), CELL_PX);
+        if noise.frame_noise <= 0.0 {
+            let remedy = "take frames of a camera, or add noise with 'burstscope synth noisy'";
+            return Err(super::param("snr", "the burst has no noise, so that no ratio to it can be planted", remedy));
+        }
+        let gains = (0..used.len()).map(|t| noise.frames.get(t).map_or(1.0, |facts| f64::from(facts.gain))).collect();
+        let light = LightNoise {
+            per_brightness: f64::from(noise.transfer.slope),
+            dark: f64::from(noise.transfer.dark).max(0.0),
+            step: f64::from(burst.quantisation_step),
+        };
+        Ok(Self { cache, params, used, light, gains, sigma, brightness })
+    }
+
+    /// The noise model of the search; where that has one strength only, the burst is examined.
+    fn noise(cache: &ProbeCache, burst: &Burst, monitor: &Monitor) -> Result<NoiseModel, EvaluateError> {
+        let of_search = cache.trail.noise();
+        if of_search.is_local {
+            return Ok((**of_search).clone());
+        }
+        let params = cache.params();
+        let slopes: Vec<Slope> = params.used_slopes().slopes().collect();
+        let space = ScaleSpace::of(params);
+        let search = ForSearch {
+            space: &space,
+            octaves: searched_octaves(params, burst.size()),
+            slopes: &slopes,
+            flicker: params.flicker,
+        };
+        let frames: Vec<Arc<Plane>> = burst.frames.clone();
+        let examined = examine(&frames, burst.quantisation_step, &search, monitor)?;
+        Ok(examined.map_or_else(|| (**of_search).clone(), |examined| examined.model))
+    }
+
+    /// σ of one frame's noise at (u, v), fraction of full scale.
+    pub fn sigma_at(&self, u: f64, v: f64) -> f64 {
+        let cell = |x: f64| (x as f32 / CELL_PX - 0.5).max(0.0);
+        let (width, height) = self.sigma.size();
+        let at = (cell(u).min((width - 1) as f32), cell(v).min((height - 1) as f32));
+        bilinear(&self.sigma, at.0, at.1).map_or(f64::from(self.cache.detection().frame_noise), f64::from)
+    }
+
+    /// Brightness of the scene at (u, v), fraction of full scale.
+    pub fn brightness_at(&self, u: f64, v: f64) -> f64 {
+        bilinear(&self.brightness, u as f32, v as f32).map_or(0.0, f64::from)
+    }
+
+    /// Relative brightness of the used frame `t`.
+    pub fn gain(&self, t: usize) -> f64 {
+        self.gains[t]
+    }
+
+    /// Time of the used frame `t` from mid-burst, frames.
+    pub fn time(&self, t: usize) -> f64 {
+        t as f64 - 0.5 * (self.used.len() as f64 - 1.0)
+    }
+
+    /// Draws a place for a thing of `radius` and `slope` that is away from the `others`; `None` where there is none.
+    pub fn place(
+        &self,
+        study: &RecoverStudy,
+        (radius, slope): (f64, Slope),
+        others: &[Planted],
+        stream: &mut Stream,
+        monitor: &Monitor,
+    ) -> Result<Option<(f64, f64)>, Cancelled> {
+        let (width, height) = self.cache.trail.size_image();
+        let half_span = 0.5 * (self.used.len() as f64 - 1.0);
+        let rim = |along: f32| {
+            if study.inside { study.shape.reach(radius) + 2.0 + half_span * f64::from(along).abs() } else { 1.0 }
+        };
+        let (du, dv) = (rim(slope.u), rim(slope.v));
+        let (room_u, room_v) = ((width - 1) as f64 - 2.0 * du, (height - 1) as f64 - 2.0 * dv);
+        for _ in 0..ATTEMPTS {
+            monitor.check()?;
+            let (x, y) = (stream.uniform(), stream.uniform());
+            if room_u <= 0.0 || room_v <= 0.0 {
+                return Ok(None);
+            }
+            let (u, v) = (du + x * room_u, dv + y * room_v);
+            if self.is_free(study, (u, v), (radius, slope), others) {
+                return Ok(Some((u, v)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether a thing may be planted at a place.
+    fn is_free(
+        &self,
+        study: &RecoverStudy,
+        (u, v): (f64, f64),
+        (radius, slope): (f64, Slope),
+        others: &[Planted],
+    ) -> bool {
+        let thing = super::truth_of_thing(0, (u, v), radius, slope, 1);
+        let gate = self.cache.detection().noise_gate_factor;
+        let is_in_way = |feature: &Feature| {
+            let away = (f64::from(feature.u) - u).hypot(f64::from(feature.v) - v);
+            let is_strong = feature.snr >= STRONG_GATES * gate;
+            // What is there already must not count as found.
+            finds(feature, &thing)
+                || (!study.on_features && is_strong && away < radius + 2.0 * f64::from(feature.sigma))
+        };
+        if self.cache.detection().features.iter().any(is_in_way) {
+            return false;
+        }
+        others.iter().all(|other| {
+            let (sigma, other_sigma) = (study.shape.sigma(radius), other.truth.sigma);
+            let apart = radius + other.truth.radius + 2.0 * (sigma + other_sigma) + 3.0;
+            (0..self.used.len()).all(|t| {
+                let dt = self.time(t);
+                let (ou, ov) = other.truth.position(dt);
+                (u + dt * f64::from(slope.u) - ou).hypot(v + dt * f64::from(slope.v) - ov) >= apart
+            })
+        })
+    }
+
+    /// Number of the used frames in which the centre of a thing is inside the image.
+    pub fn frames_inside(&self, (u, v): (f64, f64), slope: Slope) -> usize {
+        let (width, height) = self.cache.trail.size_image();
+        let inside = |x: f64, n: usize| x >= 0.0 && x <= (n - 1) as f64;
+        let shows = |t: &usize| {
+            let dt = self.time(*t);
+            inside(u + dt * f64::from(slope.u), width) && inside(v + dt * f64::from(slope.v), height)
+        };
+        (0..self.used.len()).filter(shows).count()
+    }
+}

@@ -1,0 +1,130 @@
+//! The plots of a report of planted things, in the form of those of the studies, and the figure with its map.
+
+use super::report::{LevelShare, RecoverReport};
+use super::{Planted, Varied};
+use crate::evaluate::curves::{StudyCurve, StudyCurvePoint, StudyPlot, curves_svg};
+use burstscope_core::export::sheet::{Anchor, Area, BLUE, GREEN, INK, RED, Sheet, stacked};
+use burstscope_core::plane::display::{ColourMap, Display};
+
+/// Number of points of the fitted curve.
+const CURVE_POINTS: usize = 60;
+
+impl Varied {
+    /// Title of the plot of the share found.
+    pub fn plot_title(self) -> &'static str {
+        match self {
+            Self::Snr => "Planted things found against SNR",
+            Self::Slope => "Planted things found against slope",
+            Self::Size => "Planted things found against radius",
+        }
+    }
+
+    /// Label of the axis, with its unit.
+    fn label(self) -> &'static str {
+        match self {
+            Self::Snr => "SNR of one pixel in one frame",
+            Self::Slope => "slope, px/frame",
+            Self::Size => "radius, px",
+        }
+    }
+}
+
+/// The plots of a report: shares found over SNR, slope and radius, each with what noise and gate let expect.
+pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
+    let plot = |varied: Varied| {
+        let shares = report.shares_over(varied);
+        let curve = |label: &str, (colour, dashes), point: &dyn Fn(&LevelShare) -> StudyCurvePoint| StudyCurve {
+            method: None,
+            label: label.to_owned(),
+            colour,
+            dashes,
+            points: shares.iter().map(point).collect(),
+        };
+        let found = |share: &LevelShare| StudyCurvePoint {
+            x: share.level,
+            y: 100.0 * share.share(),
+            spread: Some(share.interval.map(|end| 100.0 * end)),
+            row_value: share.level,
+        };
+        let expected = |share: &LevelShare| StudyCurvePoint {
+            x: share.level,
+            y: 100.0 * share.expected,
+            spread: None,
+            row_value: share.level,
+        };
+        let mut curves =
+            vec![curve("found", (BLUE, ""), &found), curve("expected of noise and gate", (RED, "7 4"), &expected)];
+        if varied == Varied::Snr && report.half.is_some() {
+            curves.push(fitted_curve(report));
+        }
+        StudyPlot {
+            title: varied.plot_title().to_owned(),
+            x_label: varied.label(),
+            y_label: "found, %".to_owned(),
+            marks_points: true,
+            spread: "bars: 68 %",
+            curves,
+        }
+    };
+    Varied::ALL.into_iter().map(plot).filter(|plot| !plot.curves[0].points.is_empty()).collect()
+}
+
+fn fitted_curve(report: &RecoverReport) -> StudyCurve {
+    let snrs = &report.levels.snrs;
+    let (first, last) = (snrs.first().copied().unwrap_or(0.1), snrs.last().copied().unwrap_or(1.0));
+    let point = |i: usize| {
+        let x = first * (last / first).powf(i as f64 / (CURVE_POINTS - 1) as f64);
+        StudyCurvePoint { x, y: 100.0 * report.curve.share(x), spread: None, row_value: x }
+    };
+    let points = (0..CURVE_POINTS).map(point).collect();
+    StudyCurve { method: None, label: "fitted".to_owned(), colour: GREEN, dashes: "2 3", points }
+}
+
+/// The report as an SVG figure: its curves, and the map with the things on it.
+pub fn recover_svg(report: &RecoverReport) -> String {
+    let curves = curves_svg(&[(report.burst.clone(), recover_plots(report))]);
+    let title = format!("Would it have been seen in {}?", report.burst);
+    stacked(&title, &[map_svg(report), curves])
+}
+
+/// Width of the figure, pixels.
+const WIDTH: f64 = 880.0;
+
+fn map_svg(report: &RecoverReport) -> String {
+    let mut sheet = Sheet::new(WIDTH, "How faint a thing is seen at each place");
+    let heading = format!("Would it have been seen in {}?", report.burst);
+    sheet.styled_text((70.0, 28.0), 15.0, Anchor::Start, r#"font-weight="bold""#, &heading);
+    let mut top = 48.0;
+    for line in report.text().lines().skip(1).take(2) {
+        top = sheet.paragraph((70.0, top), 12.0, WIDTH - 140.0, line.trim());
+    }
+    let Some([min, max]) = report.map_range() else { return sheet.finish(top + 10.0) };
+    let [columns, rows] = report.size.map(|n| n as f64);
+    let scale = (560.0 / columns).min(420.0 / rows);
+    let area = Area { x: 70.0, y: top + 14.0, width: columns * scale, height: rows * scale };
+    let plane = &*report.map.plane;
+    let cells = [plane.width() as f64, plane.height() as f64].map(|n| n * report.map.cell_px * scale);
+    let display =
+        Display { map: ColourMap::Viridis, ..Display::default() }.with_range(min as f32, max.max(1.001 * min) as f32);
+    sheet.clipped(area, |sheet| {
+        sheet.picture(Area { width: cells[0], height: cells[1], ..area }, plane, &display);
+        let mut dot = |one: &Planted| {
+            let place = (area.x + (one.truth.u + 0.5) * scale, area.y + (one.truth.v + 0.5) * scale);
+            let style = match one.found {
+                Some(_) => r##"fill="#ffffff" stroke="#24292f" stroke-width="0.7""##,
+                None => r##"fill="none" stroke="#ffffff" stroke-width="1""##,
+            };
+            sheet.circle(place, 1.8, style);
+        };
+        report.planted.iter().filter(|one| one.is_in_range).for_each(&mut dot);
+    });
+    sheet.rectangle(area, &format!(r#"fill="none" stroke="{INK}""#));
+    let percent = |x: f64| burstscope_core::export::sheet::short((1e5 * x).round() / 1e3);
+    let legend = format!(
+        "How faint: half are found from {} % of full scale (dark) to {} % (bright). Dots: found; rings: missed.",
+        percent(min),
+        percent(max)
+    );
+    let below = sheet.paragraph((70.0, area.bottom() + 20.0), 12.0, WIDTH - 140.0, &legend);
+    sheet.finish(below + 10.0)
+}

@@ -1,0 +1,464 @@
+//! The report of a study of planted things: the shares found over SNR, slope and size, the SNR of which half are found,
+//! the tests at which the others failed, and how faint a thing is seen at each place.
+
+use super::fit::{FittedCurve, Outcome, Prior, fitted, share_interval};
+use super::ground::Ground;
+use super::{Contrast, Levels, Planted, RecoverStudy, RecoverTimes, Shape, Varied};
+use burstscope_core::burst::Burst;
+use burstscope_core::detector::{DetectorParams, Slope, SlopeGrid, Test};
+use burstscope_core::export::PLANTED_COLUMNS;
+use burstscope_core::inspect::words::{counted, number};
+use burstscope_core::plane::Plane;
+use serde::Serialize;
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// Report of a study, complete or partial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecoverReport {
+    /// Name of the burst.
+    pub burst: String,
+    /// Columns and rows of the frames.
+    pub size: [usize; 2],
+    /// Number of frames that take part.
+    pub frames: usize,
+    /// Parameters of the search, with the slopes that were searched.
+    pub detector: DetectorParams,
+    /// Slopes that were searched.
+    pub grid: SlopeGrid,
+    /// Factor of the noise gate.
+    pub noise_gate_factor: f32,
+    /// σ of one frame's noise, fraction of full scale.
+    pub frame_noise: f32,
+    /// Features of the burst itself.
+    pub features: usize,
+    /// Shape of the things.
+    pub shape: Shape,
+    /// Brightness of the things relative to what is around them.
+    pub contrast: Contrast,
+    /// Levels at which they are planted.
+    pub levels: Levels,
+    /// Number of copies of the whole study.
+    pub copies: u64,
+    /// Number of copies that were searched.
+    pub copies_done: u64,
+    /// Shares found over SNR, of things in the range of the slopes.
+    pub over_snr: Vec<LevelShare>,
+    /// Shares found over slope.
+    pub over_slope: Vec<LevelShare>,
+    /// Shares found over radius, of things in the range of the slopes.
+    pub over_size: Vec<LevelShare>,
+    /// Curve of the share found over SNR.
+    pub curve: FittedCurve,
+    /// SNR of which half are found; `None` where it lies beyond those that were planted.
+    pub half: Option<HalfFound>,
+    /// Tests that things failed, most frequent first.
+    pub fates: Vec<FateCount>,
+    /// Amplitude of which half are found, by place.
+    pub map: FaintnessMap,
+    /// Times.
+    pub times: RecoverTimes,
+    /// The things.
+    pub planted: Vec<Planted>,
+}
+
+/// Share found at one level.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LevelShare {
+    /// SNR, slope (px/frame) or radius (px).
+    pub level: f64,
+    /// Number of things planted.
+    pub planted: usize,
+    /// Number of those that were found.
+    pub found: usize,
+    /// Ends of the 68 % interval of the share, 0 … 1.
+    pub interval: [f64; 2],
+    /// Mean of the shares that noise and gate let expect, 0 … 1.
+    pub expected: f64,
+}
+
+impl LevelShare {
+    /// Share found, 0 … 1.
+    pub fn share(&self) -> f64 {
+        self.found as f64 / self.planted.max(1) as f64
+    }
+}
+
+/// SNR of which half are found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct HalfFound {
+    /// SNR of one pixel in one frame.
+    pub snr: f64,
+    /// Standard error.
+    pub error: f64,
+}
+
+/// Number of things that failed a test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FateCount {
+    /// The test; `None` for things without a candidate.
+    pub test: Option<Test>,
+    /// Reason in words.
+    pub reason: &'static str,
+    /// Number of things.
+    pub count: usize,
+}
+
+/// Amplitude of a thing of the study's radius of which half are found, by place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FaintnessMap {
+    /// Side of a cell, pixels.
+    pub cell_px: f64,
+    /// Amplitudes by row and column, fraction of full scale; `None` where too little was planted.
+    pub rows: Vec<Vec<Option<f64>>>,
+    /// The amplitudes as a picture: one pixel for each cell, NaN where too little was planted.
+    #[serde(skip)]
+    pub plane: Arc<Plane>,
+}
+
+/// Ratio of the SNR of which half are found to the one that noise and gate let expect, above which something other
+/// than noise decides.
+const HIDDEN: f64 = 1.5;
+/// Number of cells along the longer side of the map, about.
+const CELLS: f64 = 16.0;
+/// Standard deviation, in cells, within which things count for a cell.
+const CELL_SIGMA: f64 = 1.0;
+/// Sum of weights from which a cell is told.
+const MIN_WEIGHT: f64 = 2.5;
+/// Standard deviation of a cell's logarithm around that of the whole picture, as it is assumed beforehand.
+const CELL_DEVIATION: f64 = 0.5;
+
+impl RecoverReport {
+    pub(super) fn begun(study: &RecoverStudy, burst: &Burst, ground: &Ground, levels: Levels) -> Self {
+        let (width, height) = burst.size();
+        let detection = ground.cache.detection();
+        let factor = f64::from(detection.noise_gate_factor);
+        let prior = Prior::of_gate(factor, levels.expected_half.max(1e-9).ln());
+        Self {
+            burst: burst.name.clone(),
+            size: [width, height],
+            frames: ground.used.len(),
+            detector: ground.params.detector.clone(),
+            grid: ground.cache.params().used_slopes(),
+            noise_gate_factor: detection.noise_gate_factor,
+            frame_noise: detection.frame_noise,
+            features: detection.features.len(),
+            shape: study.shape,
+            contrast: study.contrast,
+            levels,
+            copies: study.copies,
+            copies_done: 0,
+            over_snr: Vec::new(),
+            over_slope: Vec::new(),
+            over_size: Vec::new(),
+            curve: fitted(&[], &prior),
+            half: None,
+            fates: Vec::new(),
+            map: FaintnessMap {
+                cell_px: (width.max(height) as f64 / CELLS).max(8.0),
+                rows: Vec::new(),
+                plane: Arc::new(Plane::zeros(1, 1)),
+            },
+            times: RecoverTimes::default(),
+            planted: Vec::new(),
+        }
+    }
+
+    /// Adds a searched copy.
+    pub(super) fn add(&mut self, ground: &Ground, planted: Vec<Planted>, times: RecoverTimes) {
+        self.planted.extend(planted);
+        self.copies_done += 1;
+        self.times.plant_secs += times.plant_secs;
+        self.times.search_secs += times.search_secs;
+        self.times.fate_secs += times.fate_secs;
+        self.over_snr = self.shares(Varied::Snr);
+        self.over_slope = self.shares(Varied::Slope);
+        self.over_size = self.shares(Varied::Size);
+        self.fit();
+        self.fates = self.fate_counts();
+        self.map.rows = self.map_rows(ground);
+        let rows = &self.map.rows;
+        let value = |x: usize, y: usize| rows[y][x].map_or(f32::NAN, |value| value as f32);
+        self.map.plane = Arc::new(Plane::from_fn(rows.first().map_or(1, Vec::len), rows.len(), value));
+    }
+
+    /// Shares found of the things that vary a quantity.
+    pub fn shares_over(&self, varied: Varied) -> &[LevelShare] {
+        match varied {
+            Varied::Snr => &self.over_snr,
+            Varied::Slope => &self.over_slope,
+            Varied::Size => &self.over_size,
+        }
+    }
+
+    /// Value of a thing on the axis of its group.
+    pub fn level_of(&self, one: &Planted) -> f64 {
+        match one.varied {
+            Varied::Snr => one.snr,
+            Varied::Size => one.truth.radius,
+            Varied::Slope => self.levels.slope_level(Slope::new(one.truth.slope_u as f32, one.truth.slope_v as f32)),
+        }
+    }
+
+    fn shares(&self, varied: Varied) -> Vec<LevelShare> {
+        let things: Vec<(f64, &Planted)> =
+            self.planted.iter().filter(|one| one.varied == varied).map(|one| (self.level_of(one), one)).collect();
+        let share = |&level: &f64| {
+            let at: Vec<&Planted> = things
+                .iter()
+                .filter(|(value, _)| (value - level).abs() <= 1e-3 * level.abs().max(1e-2))
+                .map(|(_, one)| *one)
+                .collect();
+            let found = at.iter().filter(|one| one.found.is_some()).count();
+            let expected = at.iter().map(|one| self.expected_share(one)).sum::<f64>() / at.len() as f64;
+            let interval = share_interval(found, at.len());
+            (!at.is_empty()).then_some(LevelShare { level, planted: at.len(), found, interval, expected })
+        };
+        self.levels.values(varied).iter().filter_map(share).collect()
+    }
+
+    /// Probability that a thing's response with its noise passes the gate.
+    fn expected_share(&self, one: &Planted) -> f64 {
+        one.expected_snr_d.map_or(0.0, |snr| normal_share(snr - f64::from(self.noise_gate_factor)))
+    }
+
+    fn fit(&mut self) {
+        let of = |one: &Planted| Outcome { ln_strength: one.snr.ln(), is_found: one.found.is_some(), weight: 1.0 };
+        let outcomes: Vec<Outcome> =
+            self.planted.iter().filter(|one| one.varied == Varied::Snr && one.is_in_range).map(of).collect();
+        let prior = Prior::of_gate(f64::from(self.noise_gate_factor), self.levels.expected_half.max(1e-9).ln());
+        self.curve = fitted(&outcomes, &prior);
+        let (snr, error) = (self.curve.strength_at(0.5), self.curve.error_at_half());
+        let planted = self.levels.snrs.first().zip(self.levels.snrs.last());
+        let is_measured = planted.is_some_and(|(first, last)| (*first..=*last).contains(&snr));
+        let both = [true, false].iter().all(|is| outcomes.iter().any(|one| one.is_found == *is));
+        self.half = (is_measured && both).then_some(HalfFound { snr, error });
+    }
+
+    fn fate_counts(&self) -> Vec<FateCount> {
+        let missed: Vec<&Planted> = self.planted.iter().filter(|one| one.found.is_none()).collect();
+        let mut counts: Vec<FateCount> = Test::ALL
+            .into_iter()
+            .map(Some)
+            .chain([None])
+            .map(|test| {
+                let reason = test.map_or("no candidate of its size", Test::reason);
+                FateCount { test, reason, count: missed.iter().filter(|one| one.failed == test).count() }
+            })
+            .filter(|one| one.count > 0)
+            .collect();
+        counts.sort_by_key(|one| std::cmp::Reverse(one.count));
+        counts
+    }
+
+    fn map_rows(&self, ground: &Ground) -> Vec<Vec<Option<f64>>> {
+        let cell = self.map.cell_px;
+        let trail = &ground.cache.trail;
+        let centre = (0.5 * self.size[0] as f64, 0.5 * self.size[1] as f64);
+        let still = self.grid.slopes().min_by(|a, b| a.magnitude().total_cmp(&b.magnitude())).unwrap_or_default();
+        let factor = f64::from(self.noise_gate_factor);
+        let amplitude_of =
+            |radius: f64| super::expected(trail, self.shape, radius, centre, still).map(|one| one.amplitude_at(factor));
+        let of_radius: Vec<(f64, f64)> = (self.levels.radii.iter().chain([&self.levels.at_radius]))
+            .filter_map(|&radius| Some((radius, amplitude_of(radius)?)))
+            .collect();
+        // Amplitudes relative to what is expected of the size, at the noise of the whole picture.
+        let things: Vec<([f64; 2], f64, bool)> = (self.planted.iter().filter(|one| one.is_in_range))
+            .filter_map(|one| {
+                let (_, amplitude) = of_radius.iter().find(|(radius, _)| *radius == one.truth.radius)?;
+                let ln = (one.amplitude.abs() / amplitude).ln();
+                Some(([one.truth.u, one.truth.v], ln, one.found.is_some()))
+            })
+            .collect();
+        let outcome =
+            |&(_, ln_strength, is_found): &([f64; 2], f64, bool), weight| Outcome { ln_strength, is_found, weight };
+        let whole = Prior { steepness: self.curve.steepness, steepness_deviation: 0.0, ..Prior::of_gate(factor, 0.0) };
+        let all: Vec<Outcome> = things.iter().map(|thing| outcome(thing, 1.0)).collect();
+        let middle = fitted(&all, &whole).middle;
+        let prior = Prior { middle, middle_deviation: CELL_DEVIATION, ..whole };
+        let cells = |n: usize| (n as f64 / cell).ceil() as usize;
+        let at = |x: usize, y: usize| {
+            let place = [(x as f64 + 0.5) * cell, (y as f64 + 0.5) * cell];
+            let weighted: Vec<Outcome> = things
+                .iter()
+                .filter_map(|thing| {
+                    let away = (thing.0[0] - place[0]).hypot(thing.0[1] - place[1]) / (CELL_SIGMA * cell);
+                    (away < 3.0).then(|| outcome(thing, (-0.5 * away * away).exp()))
+                })
+                .collect();
+            let weight: f64 = weighted.iter().map(|one| one.weight).sum();
+            let amplitude = fitted(&weighted, &prior).middle.exp() * self.levels.expected_amplitude;
+            (weight >= MIN_WEIGHT).then_some(amplitude)
+        };
+        (0..cells(self.size[1])).map(|y| (0..cells(self.size[0])).map(|x| at(x, y)).collect()).collect()
+    }
+
+    /// Number of frames from which `share` of the things of `snr` are found, at the motions of the search: the noise of
+    /// the mean falls with the root of the number. `None` where the SNR of which half are found is not known.
+    pub fn frames_needed(&self, snr: f64, share: f64) -> Option<usize> {
+        self.half?;
+        let ratio = self.curve.strength_at(share) / snr;
+        Some(((self.frames as f64 * ratio * ratio).ceil() as usize).max(2))
+    }
+
+    /// Changes in the world that it takes for nine of ten things of half of [`HalfFound::snr`] to be found, a
+    /// sentence. Where the scene hides more than the noise does, it says that instead.
+    pub fn outlook(&self) -> Option<String> {
+        let half = self.half?;
+        if half.snr - 2.0 * half.error > HIDDEN * self.levels.expected_half {
+            return Some(format!(
+                "9 of 10 are found at SNR {}; the scene hides more than the noise, so that more frames or light help little",
+                number(self.curve.strength_at(0.9) as f32, 2)
+            ));
+        }
+        let [same, faint] = [half.snr, 0.5 * half.snr];
+        let needed = |snr: f64| self.frames_needed(snr, 0.9);
+        Some(format!(
+            "9 of 10 are found at SNR {}; at {} it takes {} at the same motions, at {} it takes {} (now {})",
+            number(self.curve.strength_at(0.9) as f32, 2),
+            number(same as f32, 2),
+            counted(needed(same)?, "frame"),
+            number(faint as f32, 2),
+            needed(faint)?,
+            self.frames
+        ))
+    }
+
+    /// Smallest and largest amplitude of the map, fraction of full scale.
+    pub fn map_range(&self) -> Option<[f64; 2]> {
+        let values = || self.map.rows.iter().flatten().flatten().copied();
+        let first = values().next()?;
+        Some([values().fold(first, f64::min), values().fold(first, f64::max)])
+    }
+
+    /// The answer in one line.
+    pub fn summary(&self) -> String {
+        let half = match self.half {
+            Some(half) => {
+                format!("half found at SNR {} ± {}", number(half.snr as f32, 3), number(half.error as f32, 3))
+            }
+            None => format!("half expected at SNR {}", number(self.levels.expected_half as f32, 3)),
+        };
+        format!(
+            "{}: {half}, radius {} px; {} things in {} of {} copies",
+            self.burst,
+            number(self.levels.at_radius as f32, 1),
+            self.planted.len(),
+            self.copies_done,
+            self.copies
+        )
+    }
+
+    /// The report as text.
+    pub fn text(&self) -> String {
+        let mut out = String::new();
+        // Writing into a string cannot fail.
+        let _ = self.write_text(&mut out);
+        out
+    }
+
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        let found = self.planted.iter().filter(|one| one.found.is_some()).count();
+        writeln!(
+            out,
+            "{}: {} of {} {}s found in {}; {} at {}, gate {} σ",
+            self.burst,
+            found,
+            self.planted.len(),
+            self.shape.name(),
+            counted(self.copies_done as usize, "copy").replace("copys", "copies"),
+            counted(self.frames, "frame"),
+            counted(self.grid.len(), "slope"),
+            number(self.noise_gate_factor, 2),
+        )?;
+        match self.half {
+            Some(half) => writeln!(
+                out,
+                "  half are found at SNR {} ± {} of one pixel in one frame (radius {} px); noise and gate let expect {}",
+                number(half.snr as f32, 3),
+                number(half.error as f32, 3),
+                number(self.levels.at_radius as f32, 1),
+                number(self.levels.expected_half as f32, 3),
+            )?,
+            None => writeln!(
+                out,
+                "  the SNR of which half are found is not among those planted; noise and gate let expect {}",
+                number(self.levels.expected_half as f32, 3)
+            )?,
+        }
+        if let Some(outlook) = self.outlook() {
+            writeln!(out, "  {outlook}")?;
+        }
+        for (varied, name) in [(Varied::Snr, "SNR"), (Varied::Slope, "slope"), (Varied::Size, "radius")] {
+            writeln!(out, "  {name:>8}  planted  found     share  expected")?;
+            for share in self.shares_over(varied) {
+                let percent = |x: f64| format!("{:.0} %", 100.0 * x);
+                writeln!(
+                    out,
+                    "  {:>8}  {:>7} {:>6}  {:>8} {:>9}  {}",
+                    number(share.level as f32, 3),
+                    share.planted,
+                    share.found,
+                    percent(share.share()),
+                    percent(share.expected),
+                    "#".repeat((20.0 * share.share()).round() as usize)
+                )?;
+            }
+        }
+        if let Some([min, max]) = self.map_range() {
+            let percent = |x: f64| number((100.0 * x) as f32, 3);
+            writeln!(
+                out,
+                "  over the picture half are found from {} % to {} % of full scale, by place",
+                percent(min),
+                percent(max)
+            )?;
+        }
+        if !self.fates.is_empty() {
+            let told: Vec<String> = self.fates.iter().map(|fate| format!("{} {}", fate.count, fate.reason)).collect();
+            writeln!(out, "  missed: {}", told.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+/// Share of the standard normal distribution below `x`.
+fn normal_share(x: f64) -> f64 {
+    0.5 * libm::erfc(-x / std::f64::consts::SQRT_2)
+}
+
+/// The things as a table, one row each.
+pub fn planted_csv(planted: &[Planted]) -> String {
+    let mut out = format!("{PLANTED_COLUMNS}\n");
+    for one in planted {
+        let varied = match one.varied {
+            Varied::Snr => "snr",
+            Varied::Slope => "slope",
+            Varied::Size => "size",
+        };
+        let found = one
+            .found
+            .map_or_else(|| "0,,,".to_owned(), |found| format!("1,{},{},{}", found.slope.u, found.slope.v, found.snr));
+        let t = &one.truth;
+        // Writing into a string cannot fail.
+        let _ = writeln!(
+            out,
+            "{},{},{varied},{:.3},{:.3},{},{},{},{},{},{:.6},{},{},{found},{},\"{}\"",
+            one.seed,
+            t.id,
+            t.u,
+            t.v,
+            t.radius,
+            t.slope_u,
+            t.slope_v,
+            t.contrast_sign,
+            one.snr,
+            one.amplitude,
+            one.frames,
+            one.expected_snr_d.map_or_else(String::new, |snr| format!("{snr:.3}")),
+            one.failed.map_or("", Test::reason),
+            one.why.replace('"', "\"\""),
+        );
+    }
+    out
+}

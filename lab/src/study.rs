@@ -1,0 +1,258 @@
+//! All studies with curves, as one type: for the Lab, which runs them, shows them growing, and opens single charts.
+
+use super::recover::plots::recover_plots;
+use super::recover::{RecoverReport, RecoverStudy};
+use crate::evaluate::curves::{StudyPlot, accuracy_plots, burst_frames_plots, chart_plots, frames_plots};
+use crate::evaluate::{
+    AccuracyReport, AccuracyStudy, BurstFramesReport, BurstFramesStudy, BurstMethod, ChartReport, ChartStudy,
+    EvaluateError, FramesReport, FramesStudy, LookedChart,
+};
+use crate::synth::{ChartParams, Truth};
+use burstscope_core::baseline::plain_mean;
+use burstscope_core::burst::Burst;
+use burstscope_core::inspect::score::{Curve, Judged};
+use burstscope_core::monitor::Monitor;
+use burstscope_core::plane::Plane;
+use std::sync::Arc;
+
+/// A study.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Study {
+    /// Detection in the dark, over ratios: ROC curves, discs found, false features.
+    Chart(Box<ChartStudy>),
+    /// Detection over numbers of frames, at one ratio.
+    Frames(Box<FramesStudy>),
+    /// Errors of positions, scales and slopes, over ratios.
+    Accuracy(Box<AccuracyStudy>),
+    /// Detection in the middle frames of a given burst.
+    BurstFrames(Box<BurstFramesStudy>, BurstsOfStudy),
+    /// Things planted in a given burst.
+    Recover(Box<RecoverStudy>, BurstsOfStudy),
+}
+
+/// The bursts of [`Study::BurstFrames`] and [`Study::Recover`]. Only identical ones are equal, not ones with equal
+/// content.
+#[derive(Debug, Clone)]
+pub struct BurstsOfStudy {
+    /// The burst.
+    pub burst: Arc<Burst>,
+    /// Second burst, with which the first is matched.
+    pub second: Option<Arc<Burst>>,
+    /// Truth of the burst, if known.
+    pub truth: Option<Arc<Truth>>,
+}
+
+impl PartialEq for BurstsOfStudy {
+    fn eq(&self, other: &Self) -> bool {
+        let same_second = match (&self.second, &other.second) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        Arc::ptr_eq(&self.burst, &other.burst) && same_second
+    }
+}
+
+/// Report of a study, complete or partial.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StudyReport {
+    /// Report of [`Study::Chart`].
+    Chart(Box<ChartReport>),
+    /// Report of [`Study::Frames`].
+    Frames(Box<FramesReport>),
+    /// Report of [`Study::Accuracy`].
+    Accuracy(Box<AccuracyReport>),
+    /// Report of [`Study::BurstFrames`].
+    BurstFrames(Box<BurstFramesReport>),
+    /// Report of [`Study::Recover`].
+    Recover(Box<RecoverReport>),
+}
+
+/// Point of a curve: identifies the charts that it is the mean of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StudyPoint {
+    /// Value of its row: a ratio, or a number of frames.
+    pub row_value: f64,
+    /// Method; `None` for the one search of a study of accuracy.
+    pub method: Option<BurstMethod>,
+}
+
+/// One chart of a study, identified by a point and a seed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartOfStudy {
+    /// The study.
+    pub study: Study,
+    /// Point of a curve.
+    pub point: StudyPoint,
+    /// The chart's seed.
+    pub seed: u64,
+}
+
+/// A chart of a study that was made and searched again, for a look at it. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct ShownChart {
+    /// Identity of the chart.
+    pub of: ChartOfStudy,
+    /// The chart and its search.
+    pub looked: Arc<LookedChart>,
+    /// Plain mean of its frames.
+    pub mean: Arc<Plane>,
+}
+
+impl ShownChart {
+    /// The judged features at the threshold where the share of false ones is that of the study's curves; all features
+    /// if `all` is set, or where the study has no such share.
+    pub fn judged(&self, all: bool) -> Vec<Judged> {
+        let fraction = match &self.of.study {
+            Study::Chart(study) => Some(study.false_fraction),
+            Study::Frames(study) => Some(study.charts.false_fraction),
+            Study::Accuracy(_) | Study::BurstFrames(..) | Study::Recover(..) => None,
+        };
+        let judged = &self.looked.judged;
+        let threshold = fraction.filter(|_| !all).map(|share| Curve::of(judged).at_false_fraction(share).threshold);
+        judged.iter().filter(|one| threshold.is_none_or(|threshold| one.worth >= threshold)).copied().collect()
+    }
+}
+
+impl ChartOfStudy {
+    /// Makes the chart again and searches it again, as the study did.
+    ///
+    /// # Errors
+    /// As [`Study::run_telling`].
+    pub fn show(self, monitor: &Monitor) -> Result<ShownChart, EvaluateError> {
+        let StudyPoint { row_value, method } = self.point;
+        let looked = match &self.study {
+            Study::Accuracy(study) => study.look(row_value, self.seed, monitor)?,
+            study => {
+                let no_chart = || EvaluateError::Param {
+                    parameter: "study",
+                    problem: "has no charts".to_owned(),
+                    remedy: "look at a point of charts",
+                };
+                let (study, snr) = study.charts_of_row(row_value).ok_or_else(no_chart)?;
+                let method = method.or_else(|| study.methods.first().copied()).unwrap_or(BurstMethod::Buff1d);
+                study.look(snr, self.seed, method, monitor)?
+            }
+        };
+        let mean = plain_mean(&looked.burst, monitor)?.frames[0].clone();
+        Ok(ShownChart { of: self, looked: Arc::new(looked), mean })
+    }
+
+    /// The parameters of the chart; `None` for a study of a given burst.
+    pub fn params(&self) -> Option<ChartParams> {
+        if let Study::Accuracy(study) = &self.study {
+            return Some(study.chart_of(self.point.row_value, self.seed));
+        }
+        self.study.charts_of_row(self.point.row_value).map(|(study, snr)| study.chart_of(snr, self.seed))
+    }
+}
+
+impl Study {
+    /// Runs the study; calls `tell` with the report so far whenever a chart is finished.
+    ///
+    /// # Errors
+    /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
+    pub fn run_telling(
+        &self,
+        monitor: &Monitor,
+        tell: &(dyn Fn(StudyReport) + Sync),
+    ) -> Result<StudyReport, EvaluateError> {
+        match self {
+            Self::Chart(study) => {
+                let wrapped = |report| StudyReport::Chart(Box::new(report));
+                study.run_telling(monitor, &|report| tell(wrapped(report))).map(wrapped)
+            }
+            Self::Frames(study) => {
+                let wrapped = |report| StudyReport::Frames(Box::new(report));
+                study.run_telling(monitor, &|report| tell(wrapped(report))).map(wrapped)
+            }
+            Self::Accuracy(study) => {
+                let wrapped = |report| StudyReport::Accuracy(Box::new(report));
+                study.run_telling(monitor, &|report| tell(wrapped(report))).map(wrapped)
+            }
+            Self::BurstFrames(study, BurstsOfStudy { burst, second, truth }) => {
+                let wrapped = |report| StudyReport::BurstFrames(Box::new(report));
+                let tell = |report| tell(wrapped(report));
+                study.run_telling(burst, second.as_deref(), truth.as_deref(), monitor, &tell).map(wrapped)
+            }
+            Self::Recover(study, BurstsOfStudy { burst, .. }) => {
+                let wrapped = |report| StudyReport::Recover(Box::new(report));
+                study.run_telling(burst, monitor, &|report| tell(wrapped(report))).map(wrapped)
+            }
+        }
+    }
+
+    /// The first seed, and the number of seeds; `None` for a study of a given burst.
+    pub fn seeds(&self) -> Option<(u64, u64)> {
+        match self {
+            Self::Chart(study) => Some((study.first_seed, study.seeds)),
+            Self::Frames(study) => Some((study.charts.first_seed, study.charts.seeds)),
+            Self::Accuracy(study) => Some((study.first_seed, study.seeds)),
+            Self::BurstFrames(..) | Self::Recover(..) => None,
+        }
+    }
+
+    /// The study in the dark of a row's charts, and their ratio.
+    fn charts_of_row(&self, row_value: f64) -> Option<(ChartStudy, f64)> {
+        match self {
+            Self::Chart(study) => Some(((**study).clone(), row_value)),
+            Self::Frames(study) => Some((study.charts_of(row_value as usize), study.charts.snrs[0])),
+            Self::Accuracy(_) | Self::BurstFrames(..) | Self::Recover(..) => None,
+        }
+    }
+}
+
+impl StudyReport {
+    /// The plots of the report; ROC curves are those of the row `roc_row`.
+    pub fn plots(&self, roc_row: usize) -> Vec<StudyPlot> {
+        match self {
+            Self::Chart(report) => chart_plots(report, roc_row),
+            Self::Frames(report) => frames_plots(report, roc_row),
+            Self::Accuracy(report) => accuracy_plots(report),
+            Self::BurstFrames(report) => burst_frames_plots(report),
+            Self::Recover(report) => recover_plots(report),
+        }
+    }
+
+    /// Labels of the rows that have ROC curves.
+    pub fn roc_rows(&self) -> Vec<String> {
+        match self {
+            Self::Chart(report) => report.rows.iter().map(|row| self.row_label(row.snr)).collect(),
+            Self::Frames(report) => report.rows.iter().map(|row| self.row_label(row.frames as f64)).collect(),
+            Self::Accuracy(_) | Self::BurstFrames(_) | Self::Recover(_) => Vec::new(),
+        }
+    }
+
+    /// Label of a row: its value with a name.
+    pub fn row_label(&self, row_value: f64) -> String {
+        match self {
+            Self::Chart(_) | Self::Accuracy(_) => format!("SNR {row_value}"),
+            Self::Frames(_) | Self::BurstFrames(_) => format!("{row_value} frames"),
+            Self::Recover(_) => row_value.to_string(),
+        }
+    }
+
+    /// The subject of the study, in a few words.
+    pub fn summary(&self) -> String {
+        let chart = match self {
+            Self::Chart(report) => &report.chart,
+            Self::Frames(report) => &report.chart,
+            Self::Accuracy(report) => &report.chart,
+            Self::BurstFrames(report) => {
+                return format!("{}: {} features in all frames", report.burst, report.features);
+            }
+            Self::Recover(report) => return report.summary(),
+        };
+        format!(
+            "{} discs of {} to {} px, contrast {}, {} frames of {}×{}, up to ±{} px/frame in {}",
+            chart.discs,
+            chart.radius[0],
+            chart.radius[1],
+            chart.contrast,
+            chart.frames,
+            chart.width,
+            chart.height,
+            chart.max_slope,
+            chart.motion.to_uppercase(),
+        )
+    }
+}

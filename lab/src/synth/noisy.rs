@@ -1,0 +1,371 @@
+//! Noisy copies of real frames: the same view as captured by our camera with less light.
+//!
+//! The frames are taken as the signal: their own noise, which is small in a picture taken in good light, counts as part
+//! of the scene. Each frame is captured again by a [`Camera`], with shot noise, read noise and rounding, so that
+//! methods can be compared on real structure and real motion at any noise level, and the clean frames are the gold
+//! standard.
+//!
+//! # Signal-to-noise ratio
+//! As in [`super::noise`], with two levels for the contrast of the frames: half a standard deviation of all their
+//! pixels below and above the mean. So the ratio is that of the pixels' standard deviation to the noise's at their
+//! mean.
+
+use super::write::{WriteBurstError, io, write_folder, write_frame};
+use burstscope_core::burst::Burst;
+use burstscope_core::files::mark::Kind;
+use burstscope_core::monitor::{Cancelled, Monitor, Stage};
+use burstscope_core::plane::Plane;
+use burstscope_core::synth::noise::Camera;
+use burstscope_core::synth::random::Stream;
+use burstscope_core::synth::truth::NoiseTruth;
+use burstscope_core::synth::{SynthError, check_camera, check_snr};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Parameters of the noise of the copies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoisyParams {
+    /// Per-pixel signal-to-noise ratio; infinite for no noise.
+    pub snr: f64,
+    /// Standard deviation of the read noise, electrons.
+    pub read_noise: f64,
+    /// Bits of the converter, 4 … 16.
+    pub bits: u32,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Default for NoisyParams {
+    fn default() -> Self {
+        Self { snr: 1.0, read_noise: 3.0, bits: 12, seed: 1 }
+    }
+}
+
+/// Brightness statistics of frames, as fractions of full scale, from which the exposure is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrameLevels {
+    pixels: f64,
+    sum: f64,
+    sum_of_squares: f64,
+    max: f64,
+}
+
+impl FrameLevels {
+    /// Adds all frames of `burst`. The result does not depend on the order of the bursts, up to rounding.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn add(&mut self, burst: &Burst, monitor: &Monitor) -> Result<(), Cancelled> {
+        for frame in &burst.frames {
+            for v in 0..frame.height() {
+                monitor.check()?;
+                for &value in frame.row(v) {
+                    let value = f64::from(value).max(0.0);
+                    self.sum += value;
+                    self.sum_of_squares += value * value;
+                    self.max = self.max.max(value);
+                }
+            }
+            self.pixels += frame.data().len() as f64;
+        }
+        Ok(())
+    }
+
+    /// The mean of all pixels.
+    pub fn mean(&self) -> f64 {
+        self.sum / self.pixels
+    }
+
+    /// The maximum of all pixels.
+    pub fn max(&self) -> f64 {
+        self.max
+    }
+
+    /// The standard deviation of all pixels.
+    pub fn standard_deviation(&self) -> f64 {
+        (self.sum_of_squares / self.pixels - self.mean().powi(2)).max(0.0).sqrt()
+    }
+}
+
+/// Camera of the copies and the gain of the frames' values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoisyExposure {
+    /// Factor from the frame's value to the signal, at most 1: less where the noise around the brightest pixels would
+    /// be clipped.
+    pub gain: f64,
+    /// The camera.
+    pub camera: Camera,
+    /// Mean of the signal, fraction of full scale above black.
+    pub mean_signal: f64,
+}
+
+/// Distance of the noise from black and white, in standard deviations.
+const CLEARANCE_SIGMAS: f64 = 5.0;
+
+impl NoisyParams {
+    /// Checks the parameters alone, without frames.
+    ///
+    /// # Errors
+    /// The first one that makes no sense.
+    pub fn check(&self) -> Result<(), SynthError> {
+        check_snr(self.snr)?;
+        check_camera(self.read_noise, self.bits)
+    }
+
+    /// Computes the camera for frames of these levels, one for all bursts of a dataset.
+    ///
+    /// # Errors
+    /// [`SynthError::Param`] for parameters that make no sense, and for frames without any contrast.
+    pub fn exposure(&self, levels: &FrameLevels) -> Result<NoisyExposure, SynthError> {
+        self.check()?;
+        let (mean, contrast) = (levels.mean(), levels.standard_deviation());
+        if contrast.is_nan() || contrast <= 1e-6 {
+            let problem = "all pixels of the frames are alike, and a ratio to their contrast means nothing";
+            return Err(SynthError::param("snr", problem, "give frames that show something"));
+        }
+        let camera = |gain: f64| {
+            let level = |sign: f64| (gain * (mean + sign * 0.5 * contrast)).max(0.0);
+            Camera::for_snr(self.snr, level(-1.0), level(1.0), self.read_noise, 0.0, self.bits)
+        };
+        // Noise is proportional to the gain, except for rounding, which is small beside it: so the range that the noise
+        // needs at gain 1 determines the gain at which it fits.
+        let full = camera(1.0)?;
+        let needed = levels.max + CLEARANCE_SIGMAS * (full.sigma(levels.max) + full.sigma(0.0));
+        let gain = ((1.0 - 1.0 / 64.0) / needed).min(1.0);
+        let mut camera = camera(gain)?;
+        camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(1.0 / 64.0);
+        Ok(NoisyExposure { gain, camera, mean_signal: gain * mean })
+    }
+}
+
+impl NoisyExposure {
+    /// Captures the frames of `burst` with the camera. Frame t takes its noise from stream `first_stream + t` of the
+    /// seed, so that the result does not depend on threads or on other captures.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn capture(&self, burst: &Burst, seed: u64, first_stream: u64, monitor: &Monitor) -> Result<Burst, Cancelled> {
+        let frames = burst.frames.par_iter().enumerate().map(|(t, frame)| {
+            let (width, height) = frame.size();
+            let signal: Vec<f32> = frame.data().iter().map(|&x| (f64::from(x) * self.gain) as f32).collect();
+            let mut stream = Stream::new(seed, first_stream + t as u64);
+            Ok(Arc::new(self.camera.capture(&Plane::from_vec(width, height, signal), &mut stream, monitor)?))
+        });
+        Ok(Burst {
+            frames: frames.collect::<Result<_, Cancelled>>()?,
+            full_scale: 65535.0,
+            quantisation_step: self.camera.quantisation_step() as f32,
+            ..burst.clone()
+        })
+    }
+}
+
+/// Truth of a folder of noisy copies: the content of its `noise.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoisyTruth {
+    /// Requested per-pixel signal-to-noise ratio; absent (null) for none.
+    pub snr: Option<f64>,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Factor from the original frame's value to the signal.
+    pub gain: f64,
+    /// Pedestal under all values, fraction of full scale.
+    pub black_level: f64,
+    /// The camera's noise, at the mean of the signal; `None` (null) for noiseless copies.
+    pub noise: Option<NoiseTruth>,
+    /// Files of the frames, relative to the folder, with `/` between folder and file.
+    pub frames: Vec<String>,
+}
+
+/// Name of the file that describes a folder of noisy copies.
+const TRUTH_FILE: &str = "noise.json";
+
+/// Writes noisy copies of bursts into the folder `dir`: 16-bit PNG frames under the originals' names, those of each
+/// burst in a subfolder of its name if `subfolders` is true, and `noise.json`. `open` opens burst k of `names`. Earlier
+/// noisy copies in `dir` are replaced as a whole; a folder that holds anything else is left unchanged.
+///
+/// # Errors
+/// An error of `open`, or [`WriteBurstError`]; the folder is then unchanged.
+pub fn write_noisy<E: From<WriteBurstError> + From<Cancelled>>(
+    dir: &Path,
+    names: &[String],
+    subfolders: bool,
+    params: &NoisyParams,
+    exposure: &NoisyExposure,
+    mut open: impl FnMut(usize) -> Result<Burst, E>,
+    monitor: &Monitor,
+) -> Result<NoisyTruth, E> {
+    let mut truth = NoisyTruth {
+        snr: params.snr.is_finite().then_some(params.snr),
+        seed: params.seed,
+        gain: exposure.gain,
+        black_level: exposure.camera.black_level,
+        noise: NoiseTruth::of(&exposure.camera, exposure.mean_signal, None),
+        frames: Vec::new(),
+    };
+    let mut failure = None;
+    let written = write_folder(dir, Kind::NoisyCopies, |fresh| {
+        for (k, name) in names.iter().enumerate() {
+            let part = subfolders.then_some(name.as_str());
+            let burst = match open(k) {
+                Ok(burst) => burst,
+                Err(error) => {
+                    failure = Some(error);
+                    return Err(WriteBurstError::Cancelled(Cancelled));
+                }
+            };
+            let noisy = exposure.capture(&burst, params.seed, 1 + truth.frames.len() as u64, monitor)?;
+            truth.frames.extend(write_frames(fresh, part, &noisy)?);
+            monitor.report(Stage::Write, (k + 1) as f32 / names.len() as f32);
+            monitor.check()?;
+        }
+        let path = fresh.join(TRUTH_FILE);
+        let text = serde_json::to_string_pretty(&truth).map_err(std::io::Error::other).map_err(io(&path))?;
+        std::fs::write(&path, text + "\n").map_err(io(&path))
+    });
+    match (failure, written) {
+        (Some(error), _) => Err(error),
+        (None, Err(error)) => Err(error.into()),
+        (None, Ok(())) => Ok(truth),
+    }
+}
+
+/// Writes the frames of a burst into `dir`, or its subfolder `part`; returns their names for [`NoisyTruth::frames`].
+fn write_frames(dir: &Path, part: Option<&str>, burst: &Burst) -> Result<Vec<String>, WriteBurstError> {
+    let folder = part.map_or_else(|| dir.to_owned(), |part| dir.join(part));
+    std::fs::create_dir_all(&folder).map_err(io(&folder))?;
+    let names = frame_files(&burst.frame_names);
+    names.par_iter().zip(&burst.frames).try_for_each(|(name, frame)| write_frame(&folder.join(name), frame))?;
+    Ok(names.into_iter().map(|name| part.map_or_else(|| name.clone(), |part| format!("{part}/{name}"))).collect())
+}
+
+/// The copies' file names: the originals' with a new extension, or numbers where these are not all different or not
+/// those of files.
+fn frame_files(originals: &[String]) -> Vec<String> {
+    let png = |name: &String| PathBuf::from(name).with_extension("png").to_string_lossy().into_owned();
+    let names: Vec<String> = originals.iter().map(png).collect();
+    let different: BTreeSet<String> = names.iter().map(|n| n.to_lowercase()).collect();
+    let plain = |name: &String| !name.contains(['/', '\\', '[', ':']) && !name.starts_with('.') && name != ".png";
+    if different.len() == names.len() && names.iter().all(plain) {
+        names
+    } else {
+        (0..originals.len()).map(super::write::frame_name).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::noise::quantisation_step;
+
+    /// Three frames of a ramp from 0 to 1, whose standard deviation is 0.29.
+    fn ramp() -> Burst {
+        let frame = || Plane::from_fn(200, 100, |u, _| u as f32 / 199.0);
+        let mut burst = Burst::from_planes("ramp", vec![frame(), frame(), frame()]);
+        burst.frame_names = ["a.jpg", "b.jpg", "c.jpg"].map(str::to_owned).to_vec();
+        burst
+    }
+
+    fn exposure(params: &NoisyParams, burst: &Burst) -> NoisyExposure {
+        let mut levels = FrameLevels::default();
+        levels.add(burst, &Monitor::default()).expect("nobody cancels");
+        params.exposure(&levels).expect("a camera")
+    }
+
+    #[test]
+    fn the_noise_is_what_was_asked_for_and_nothing_is_cut_off() {
+        let burst = ramp();
+        for snr in [0.3, 1.0, 10.0] {
+            let params = NoisyParams { snr, ..NoisyParams::default() };
+            let exposure = exposure(&params, &burst);
+            let noisy = exposure.capture(&burst, 5, 1, &Monitor::default()).expect("not cancelled");
+            // Columns near the middle have approximately the mean level.
+            let offset = |u: usize, v: usize, t: usize| {
+                let clean = exposure.gain * f64::from(burst.frames[t].at(u, v)) + exposure.camera.black_level;
+                f64::from(noisy.frames[t].at(u, v)) - clean
+            };
+            let errors: Vec<f64> = (0..3)
+                .flat_map(|t| (90..110).flat_map(move |u| (0..100).map(move |v| (u, v, t))))
+                .map(|(u, v, t)| offset(u, v, t))
+                .collect();
+            let n = errors.len() as f64;
+            let mean = errors.iter().sum::<f64>() / n;
+            let sigma = (errors.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
+            let wanted = exposure.gain * (1.0f64 / 12.0).sqrt() / snr;
+            assert!((sigma / wanted - 1.0).abs() < 0.04, "snr {snr}: {sigma} for {wanted}");
+            assert!(mean.abs() < 4.0 * sigma / n.sqrt(), "snr {snr}: mean error {mean}");
+            let all = || noisy.frames.iter().flat_map(|f| f.data());
+            assert!(all().all(|&x| x > 0.0 && x < 1.0), "snr {snr}: noise is cut off");
+            assert_eq!(noisy.quantisation_step, quantisation_step(12) as f32);
+        }
+    }
+
+    #[test]
+    fn no_noise_is_a_copy_and_frames_are_independent() {
+        let burst = ramp();
+        let clean = exposure(&NoisyParams { snr: f64::INFINITY, ..NoisyParams::default() }, &burst);
+        let copy = clean.capture(&burst, 1, 1, &Monitor::default()).expect("not cancelled");
+        let lifted = f64::from(burst.frames[0].at(120, 3)) * clean.gain + clean.camera.black_level;
+        assert!((f64::from(copy.frames[0].at(120, 3)) - lifted).abs() < 1e-6);
+        let noisy = exposure(&NoisyParams::default(), &burst);
+        let at = |first| noisy.capture(&burst, 1, first, &Monitor::default()).expect("not cancelled");
+        let (from_1, from_2) = (at(1), at(2));
+        assert!(from_1.frames[0].data() != from_1.frames[1].data());
+        assert_eq!(from_1.frames[1].data(), from_2.frames[0].data());
+    }
+
+    #[test]
+    fn nonsense_is_named() {
+        let mut levels = FrameLevels::default();
+        let monitor = Monitor::default();
+        let grey = Burst::from_planes("grey", vec![Plane::from_fn(8, 8, |_, _| 0.5)]);
+        levels.add(&grey, &monitor).expect("nobody cancels");
+        let error = NoisyParams::default().exposure(&levels).expect_err("no contrast").to_string();
+        assert!(error.contains("alike"), "{error}");
+        levels.add(&ramp(), &monitor).expect("nobody cancels");
+        monitor.cancel();
+        assert_eq!(FrameLevels::default().add(&grey, &monitor), Err(Cancelled));
+        for (params, name) in [
+            (NoisyParams { snr: -1.0, ..NoisyParams::default() }, "snr"),
+            (NoisyParams { bits: 40, ..NoisyParams::default() }, "bits"),
+            (NoisyParams { read_noise: f64::NAN, ..NoisyParams::default() }, "read-noise"),
+        ] {
+            let error = params.exposure(&levels).expect_err(name).to_string();
+            assert!(error.starts_with(name), "{error}");
+        }
+    }
+
+    #[test]
+    fn copies_keep_their_names_and_replace_only_copies() {
+        let home = tempfile::tempdir().expect("a folder");
+        let dir = home.path().join("dark");
+        let burst = ramp();
+        let params = NoisyParams::default();
+        let exposure = exposure(&params, &burst);
+        let write = |subfolders| {
+            let names = ["night 1".to_owned(), "night 2".to_owned()];
+            let names = if subfolders { &names[..] } else { &names[..1] };
+            let open = |_| Ok::<_, WriteBurstError>(burst.clone());
+            write_noisy(&dir, names, subfolders, &params, &exposure, open, &Monitor::default())
+        };
+        assert_eq!(write(false).expect("written").frames, ["a.png", "b.png", "c.png"]);
+        assert_eq!(Burst::open(&dir).expect("a burst").frame_names, ["a.png", "b.png", "c.png"]);
+        let truth = write(true).expect("replaced");
+        assert_eq!(truth.frames[3..], ["night 2/a.png", "night 2/b.png", "night 2/c.png"]);
+        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 4);
+        write(true).expect("replaced again");
+        std::fs::write(dir.join("night 1/notes.txt"), "precious").expect("written");
+        assert!(matches!(write(false), Err(WriteBurstError::Occupied(_))));
+        assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1, "no leftovers");
+        assert_eq!(
+            frame_files(&["x/s.tif [0]".to_owned(), "x/s.tif [1]".to_owned()]),
+            ["frame_000.png", "frame_001.png"]
+        );
+        assert_eq!(frame_files(&["a.tif".to_owned(), "A.png".to_owned()]), ["frame_000.png", "frame_001.png"]);
+    }
+}

@@ -1,0 +1,398 @@
+//! Trajectories: bursts of a camera that moves past a scene, with the complete truth for a reconstruction.
+//!
+//! The scene is a wall and, before it at several depths, boards: [planes](ScenePlane) with textures that have structure
+//! at every scale. A pinhole camera ([`Lens`]) moves past it and takes a burst at each of its stations, moving on at
+//! constant speed meanwhile. Every frame is drawn from the camera's pose in it, so the apparent motion of each point
+//! follows from its depth, and no slope is used in drawing. Then a [`Camera`] captures the frames in the requested
+//! light.
+//!
+//! The truth consists of the lens, the pose of each mid-burst, each burst's motion, the planes, and the view at
+//! mid-burst without noise, the gold standard. [`write_trajectory`] writes it beside the folder of bursts, completely
+//! or not at all.
+
+mod leaves;
+#[cfg(test)]
+mod tests;
+pub mod world;
+
+pub use world::{BurstCamera, Lens, ScenePlane};
+
+use super::noisy::{FrameLevels, NoisyExposure};
+use crate::synth::write::{WriteBurstError, frame_name, io, write_folder, write_frame};
+use burstscope_core::burst::Burst;
+use burstscope_core::files::mark::Kind;
+use burstscope_core::monitor::{Cancelled, Monitor, Stage};
+use burstscope_core::plane::Plane;
+use burstscope_core::synth::noise::{Camera, quantisation_step};
+use burstscope_core::synth::truth::NoiseTruth;
+use burstscope_core::synth::{Motion, SynthError, check_common};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Amount of light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    /// Per-pixel signal-to-noise ratio of a frame: the standard deviation of all pixels of the scene over that of the
+    /// noise at their mean, as [`super::noisy`] defines it; infinite for no noise.
+    Snr(f64),
+    /// Electrons at scene white, the brightest painted value; infinite for no noise.
+    Electrons(f64),
+}
+
+/// Parameters of a trajectory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrajectoryParams {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Number of bursts, 1 … 1000.
+    pub bursts: usize,
+    /// Number of frames of each burst, N.
+    pub frames: usize,
+    /// Number of planes, 1 … 16; the farthest one is a wall that fills the frame.
+    pub planes: usize,
+    /// Motion of the camera: in one dimension sideways, so that everything moves horizontally; in two forward and
+    /// sideways, so that motion spreads in all directions.
+    pub motion: Motion,
+    /// Largest apparent motion on an axis, pixels per frame, as the mean over half a burst; the camera's speed is
+    /// chosen for it.
+    pub max_slope: f64,
+    /// Amount of light.
+    pub light: Light,
+    /// Standard deviation of the read noise, electrons.
+    pub read_noise: f64,
+    /// Bits of the converter, 4 … 16.
+    pub bits: u32,
+    /// Seed of scene, path and noise.
+    pub seed: u64,
+}
+
+impl Default for TrajectoryParams {
+    /// Eight bursts of ten frames of 640×480, a wall and boards at three depths, motion to the side up to 3 px/frame,
+    /// SNR 0.3.
+    fn default() -> Self {
+        Self {
+            width: 640,
+            height: 480,
+            bursts: 8,
+            frames: 10,
+            planes: 4,
+            motion: Motion::OneD,
+            max_slope: 3.0,
+            light: Light::Snr(0.3),
+            read_noise: 2.0,
+            bits: 12,
+            seed: 1,
+        }
+    }
+}
+
+/// Ratio of the focal length to the image's width.
+const FOCAL_SHARE: f64 = 0.9;
+/// Electrons at full scale at the highest useful gain, for a camera in the dark: 8 levels of 12 bits for each electron.
+/// In more light the gain is lower.
+const DARK_FULL_SCALE_ELECTRONS: f64 = 512.0;
+/// Distance of the noise from black and white, in standard deviations.
+const CLEARANCE_SIGMAS: f64 = 5.0;
+/// Signal of scene white in the noise-free views at mid-burst, fraction of full scale.
+pub const GOLD_WHITE: f64 = 0.9;
+
+/// A scene, the camera's path past it, and its exposure.
+#[derive(Debug, Clone)]
+pub struct Trajectory {
+    params: TrajectoryParams,
+    /// The lens.
+    pub lens: Lens,
+    /// The planes of the scene, far to near.
+    pub planes: Vec<ScenePlane>,
+    /// Camera of each burst.
+    pub cameras: Vec<BurstCamera>,
+    /// Minimum and maximum apparent motion of each burst on the axes u and v, pixels per frame.
+    pub slopes: Vec<[[f64; 2]; 2]>,
+    /// Sensor of the camera, and the signal of scene white.
+    pub exposure: NoisyExposure,
+    /// Per-pixel signal-to-noise ratio as [`Light::Snr`] defines it; infinite for no noise.
+    pub snr: f64,
+    /// Electrons at scene white; infinite for no noise.
+    pub electrons: f64,
+}
+
+impl TrajectoryParams {
+    fn check(&self) -> Result<(), SynthError> {
+        check_common(self.width, self.height, self.frames, self.max_slope, self.read_noise, self.bits)?;
+        if !(1..=1000).contains(&self.bursts) {
+            return Err(SynthError::param("bursts", format!("{} bursts", self.bursts), "give 1 to 1000"));
+        }
+        if !(1..=16).contains(&self.planes) {
+            return Err(SynthError::param("planes", format!("{} planes", self.planes), "give 1 to 16"));
+        }
+        let (name, value) = match self.light {
+            Light::Snr(snr) => ("snr", snr),
+            Light::Electrons(electrons) => ("electrons", electrons),
+        };
+        if value.is_nan() || value <= 0.0 {
+            return Err(SynthError::param(name, format!("{value}"), "give a number above 0, or inf for no noise"));
+        }
+        Ok(())
+    }
+
+    /// Variance of the read noise and of rounding at the highest gain, electrons².
+    fn dark_variance(&self) -> f64 {
+        self.read_noise.powi(2) + (DARK_FULL_SCALE_ELECTRONS * quantisation_step(self.bits)).powi(2) / 12.0
+    }
+
+    /// Electrons at scene white, and the signal-to-noise ratio, for a scene of these levels.
+    fn light(&self, levels: &FrameLevels) -> (f64, f64) {
+        let (mean, contrast, dark) = (levels.mean(), levels.standard_deviation(), self.dark_variance());
+        match self.light {
+            Light::Electrons(e) if e.is_infinite() => (e, f64::INFINITY),
+            Light::Snr(snr) if snr.is_infinite() => (f64::INFINITY, snr),
+            Light::Electrons(e) => (e, contrast * e / (mean * e + dark).sqrt()),
+            // The positive solution e of contrast²·e² = snr²·(mean·e + dark).
+            Light::Snr(snr) => {
+                let (a, b, c) = (contrast.powi(2), snr.powi(2) * mean, snr.powi(2) * dark);
+                ((b + (b * b + 4.0 * a * c).sqrt()) / (2.0 * a), snr)
+            }
+        }
+    }
+
+    /// The sensor for `electrons` at scene white.
+    fn exposure(&self, electrons: f64, levels: &FrameLevels) -> NoisyExposure {
+        let min_black = 1.0 / 64.0;
+        if electrons.is_infinite() {
+            let gain = GOLD_WHITE;
+            return NoisyExposure { gain, camera: Camera::noiseless(min_black), mean_signal: gain * levels.mean() };
+        }
+        let brightest = levels.max() * electrons;
+        let sigmas = (brightest + self.read_noise.powi(2)).sqrt() + self.read_noise;
+        let needed = (brightest + CLEARANCE_SIGMAS * sigmas) / (1.0 - min_black);
+        let full_scale_electrons = needed.max(DARK_FULL_SCALE_ELECTRONS);
+        let (read_noise_electrons, bits) = (self.read_noise, Some(self.bits));
+        let mut camera = Camera { full_scale_electrons, read_noise_electrons, black_level: 0.0, bits };
+        camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(min_black);
+        let gain = electrons / full_scale_electrons;
+        NoisyExposure { gain, camera, mean_signal: gain * levels.mean() }
+    }
+}
+
+impl Trajectory {
+    /// Lays out and paints the scene, computes the camera's path and its exposure.
+    ///
+    /// # Errors
+    /// A parameter that makes no sense, or [`SynthError::Cancelled`].
+    pub fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self, SynthError> {
+        params.check()?;
+        monitor.report(Stage::Synth, 0.0);
+        let lens = Lens { width: params.width, height: params.height, focal_px: FOCAL_SHARE * params.width as f64 };
+        let stations = world::stations(params);
+        let planes = world::planes(params, &lens, &stations, monitor)?;
+        let (mut cameras, mut slopes) = (Vec::new(), Vec::new());
+        for station in &stations {
+            let (camera, range) = world::burst_camera(params, &lens, &planes, station, monitor)?;
+            cameras.push(camera);
+            slopes.push(range);
+        }
+        let mut levels = FrameLevels::default();
+        for camera in &cameras {
+            let view = world::render(&planes, &lens, &camera.world_from_camera, monitor)?;
+            levels.add(&Burst::from_planes("view", vec![view]), monitor)?;
+        }
+        let (electrons, snr) = params.light(&levels);
+        let exposure = params.exposure(electrons, &levels);
+        Ok(Self { params: params.clone(), lens, planes, cameras, slopes, exposure, snr, electrons })
+    }
+
+    /// The name of burst `index`, for its folder and its views.
+    pub fn name(index: usize) -> String {
+        format!("burst_{index:03}")
+    }
+
+    /// The view of burst `index` at mid-burst without noise; scene white is [`GOLD_WHITE`] of full scale.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    ///
+    /// # Panics
+    /// When there are not that many bursts.
+    pub fn gold(&self, index: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
+        let mut view = world::render(&self.planes, &self.lens, &self.cameras[index].world_from_camera, monitor)?;
+        view.data_mut().iter_mut().for_each(|x| *x = (GOLD_WHITE * f64::from(*x)).clamp(0.0, 1.0) as f32);
+        Ok(view)
+    }
+
+    /// Burst `index` as the camera captures it. Each frame of all bursts has a random stream of its own, so the result
+    /// does not depend on the threads.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    ///
+    /// # Panics
+    /// When there are not that many bursts.
+    pub fn burst(&self, index: usize, monitor: &Monitor) -> Result<Burst, Cancelled> {
+        let (frames, camera) = (self.params.frames, self.cameras[index]);
+        let t0 = (frames as f64 - 1.0) / 2.0;
+        let drawn: Vec<Plane> = (0..frames)
+            .into_par_iter()
+            .map(|t| world::render(&self.planes, &self.lens, &camera.at(t as f64 - t0), monitor))
+            .collect::<Result<_, Cancelled>>()?;
+        let signal = Burst::from_planes(Self::name(index), drawn);
+        self.exposure.capture(&signal, self.params.seed, 1 + (index * frames) as u64, monitor)
+    }
+
+    /// The truth, without pictures, poses and lens.
+    pub fn truth(&self) -> TrajectoryTruth {
+        let params = &self.params;
+        let bursts = self.cameras.iter().zip(&self.slopes).enumerate().map(|(index, (camera, [u, v]))| BurstTruth {
+            name: Self::name(index),
+            world_from_camera: camera.tum(),
+            step: camera.step.into(),
+            slope_u: *u,
+            slope_v: *v,
+        });
+        let planes = self.planes.iter().map(|plane| PlaneTruth {
+            name: plane.name.clone(),
+            origin: plane.origin.coords.into(),
+            right: plane.right.into(),
+            down: plane.down.into(),
+        });
+        let NoisyExposure { gain, camera, mean_signal } = &self.exposure;
+        TrajectoryTruth {
+            width: params.width,
+            height: params.height,
+            frames: params.frames,
+            t0: (params.frames as f64 - 1.0) / 2.0,
+            seed: params.seed,
+            max_slope: params.max_slope,
+            camera_params: self.lens.colmap_params(),
+            electrons_at_white: self.electrons.is_finite().then_some(self.electrons),
+            noise: NoiseTruth::of(camera, *mean_signal, Some(self.snr)),
+            black_level: camera.black_level,
+            white: *gain,
+            gold_white: GOLD_WHITE,
+            planes: planes.collect(),
+            bursts: bursts.collect(),
+        }
+    }
+}
+
+/// Truth of a trajectory without pictures, poses and lens: the content of its `trajectory.json`. Lengths are metres,
+/// slopes pixels per frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrajectoryTruth {
+    /// Columns of a frame.
+    pub width: usize,
+    /// Rows of a frame.
+    pub height: usize,
+    /// Number of frames of a burst, N.
+    pub frames: usize,
+    /// Reference time, (N − 1)/2, in frames.
+    pub t0: f64,
+    /// Seed from which everything is derived.
+    pub seed: u64,
+    /// Largest apparent motion on an axis.
+    pub max_slope: f64,
+    /// fx, fy, cx, cy in COLMAP's convention: the centre of the first pixel is (0.5, 0.5).
+    pub camera_params: [f64; 4],
+    /// Electrons at scene white; `None` (null) for noiseless bursts.
+    pub electrons_at_white: Option<f64>,
+    /// The camera's noise, at the mean of the signal; `None` (null) for noiseless bursts.
+    pub noise: Option<NoiseTruth>,
+    /// Pedestal under all values, fraction of full scale.
+    pub black_level: f64,
+    /// Signal of scene white above black in the frames, fraction of full scale.
+    pub white: f64,
+    /// Signal of scene white in the views at mid-burst without noise, which have no pedestal.
+    pub gold_white: f64,
+    /// Planes of the scene, far to near.
+    pub planes: Vec<PlaneTruth>,
+    /// The bursts, in order.
+    pub bursts: Vec<BurstTruth>,
+}
+
+/// Truth of a plane of the scene: its pixel (p, q) is at origin + p·right + q·down in the world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneTruth {
+    /// Name of its content.
+    pub name: String,
+    /// Position of its pixel (0, 0).
+    pub origin: [f64; 3],
+    /// Step of one pixel to the right.
+    pub right: [f64; 3],
+    /// Step of one pixel down.
+    pub down: [f64; 3],
+}
+
+/// Truth of a burst of a trajectory.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BurstTruth {
+    /// Name of its folder.
+    pub name: String,
+    /// `tx ty tz qx qy qz qw` of the camera in the world at mid-burst.
+    pub world_from_camera: [f64; 7],
+    /// Motion of the camera from one frame to the next, in the world; it does not turn.
+    pub step: [f64; 3],
+    /// Minimum and maximum apparent motion to the right.
+    pub slope_u: [f64; 2],
+    /// Minimum and maximum apparent motion down.
+    pub slope_v: [f64; 2],
+}
+
+/// File that holds the folder's truth.
+const TRUTH_FILE: &str = "trajectory.json";
+
+/// Writes a trajectory into the folder `dir`, which is created: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
+/// (the views at mid-burst without noise, 16 bit), `poses.txt` (lines `timestamp tx ty tz qx qy qz qw`: the burst's
+/// number, the camera in the world at mid-burst), `lens.toml` (the camera) and `trajectory.json` (the truth). An
+/// earlier trajectory in `dir` is replaced as a whole; a folder that holds anything else is left unchanged.
+///
+/// # Errors
+/// See [`WriteBurstError`]; the folder is then unchanged.
+pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) -> Result<(), WriteBurstError> {
+    write_folder(dir, Kind::Trajectory, |fresh| {
+        let make = |folder: &Path| std::fs::create_dir(folder).map_err(io(folder));
+        let (bursts, gold) = (fresh.join("bursts"), fresh.join("gold"));
+        make(&bursts)?;
+        make(&gold)?;
+        let count = trajectory.cameras.len();
+        for index in 0..count {
+            let name = Trajectory::name(index);
+            let folder = bursts.join(&name);
+            make(&folder)?;
+            let burst = trajectory.burst(index, monitor)?;
+            for (t, frame) in burst.frames.iter().enumerate() {
+                monitor.check()?;
+                write_frame(&folder.join(frame_name(t)), frame)?;
+            }
+            write_frame(&gold.join(format!("{name}.png")), &trajectory.gold(index, monitor)?)?;
+            monitor.report(Stage::Write, (index + 1) as f32 / count as f32);
+        }
+        let truth = serde_json::to_string_pretty(&trajectory.truth()).map_err(std::io::Error::other);
+        let write = |name: &str, text: String| {
+            let path = fresh.join(name);
+            std::fs::write(&path, text).map_err(io(&path))
+        };
+        write(TRUTH_FILE, truth.map_err(io(&fresh.join(TRUTH_FILE)))? + "\n")?;
+        write("poses.txt", poses(trajectory))?;
+        write("lens.toml", trajectory.lens.to_toml())?;
+        Ok(monitor.check()?)
+    })
+}
+
+/// The text of the trajectory file.
+fn poses(trajectory: &Trajectory) -> String {
+    let mut text = String::from(
+        "# timestamp tx ty tz qx qy qz qw: the burst's number, the camera in the world at mid-burst, metres\n",
+    );
+    for (index, camera) in trajectory.cameras.iter().enumerate() {
+        let [tx, ty, tz, qx, qy, qz, qw] = camera.tum();
+        // Writing into a string cannot fail.
+        let _ = writeln!(text, "{index} {tx} {ty} {tz} {qx} {qy} {qz} {qw}");
+    }
+    text
+}

@@ -1,0 +1,193 @@
+//! Writing a synthetic burst: 16-bit PNG frames and `truth.json`, as a complete folder or not at all.
+//!
+//! Values of a converter with fewer than 16 bits are stored at the top of the 16-bit word (see [`super::noise`]), so
+//! that the files hold them exactly; values that were never rounded are rounded to 16 bits.
+//!
+//! Everything goes into a hidden folder beside the target ([`Unfinished`]), which then replaces the target. A lock
+//! beside the target keeps two processes from making the same folder. The mark of the folder claims all of its files: one to
+//! which anything was added, or in which anything was changed, is not replaced.
+
+use burstscope_core::burst::Burst;
+use burstscope_core::files::lock::{FolderLock, LockError};
+use burstscope_core::files::mark::{Kind, is_unchanged, seal_folder};
+use burstscope_core::files::unfinished::{Unfinished, is_free};
+use burstscope_core::files::write_problem;
+use burstscope_core::monitor::{Cancelled, Monitor, Stage};
+use burstscope_core::plane::Plane;
+use burstscope_core::synth::noise::quantised_word;
+use burstscope_core::synth::truth::Truth;
+use image::ImageFormat;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is created. An earlier
+/// synthetic burst in it is replaced as a whole; a folder that holds anything else is left unchanged.
+///
+/// # Errors
+/// See [`WriteBurstError`]; the folder is then unchanged.
+pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<(), WriteBurstError> {
+    write_folder(dir, Kind::Burst, |fresh| {
+        for (t, frame) in burst.frames.iter().enumerate() {
+            monitor.check()?;
+            write_frame(&fresh.join(frame_name(t)), frame)?;
+            monitor.report(Stage::Write, (t + 1) as f32 / burst.len() as f32);
+        }
+        let path = fresh.join("truth.json");
+        let text = serde_json::to_string_pretty(truth).map_err(std::io::Error::other).map_err(io(&path))?;
+        std::fs::write(&path, text + "\n").map_err(io(&path))?;
+        Ok(monitor.check()?)
+    })
+}
+
+/// Writes one frame as 16-bit PNG.
+pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<(), WriteBurstError> {
+    let words: Vec<u16> = frame.data().iter().map(|&x| quantised_word(f64::from(x), 16)).collect();
+    let picture =
+        image::ImageBuffer::<image::Luma<u16>, _>::from_raw(frame.width() as u32, frame.height() as u32, words)
+            .expect("a plane has width × height values");
+    // Through memory: a buffered file that the encoder closes would silently lose its last bytes where the disk is
+    // full.
+    let mut png = Cursor::new(Vec::new());
+    picture.write_to(&mut png, ImageFormat::Png).map_err(|e| std::io::Error::other(e.to_string())).map_err(io(path))?;
+    std::fs::write(path, png.into_inner()).map_err(io(path))
+}
+
+/// The file name of frame `t`.
+pub fn frame_name(t: usize) -> String {
+    format!("frame_{t:03}.png")
+}
+
+/// Reason why a burst was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteBurstError {
+    /// The folder holds files that this command did not write there, or that were changed since.
+    #[error("the folder holds files that this command did not write there, or that were changed since; name a new or an empty folder: {}", .0.display())]
+    Occupied(PathBuf),
+    /// Writing failed.
+    #[error("cannot write: {}: {}", write_problem(.source), .path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// The folder's name is that of a link, which the new folder would replace.
+    #[error("this is a link, and links are not followed; name the folder itself: {}", .0.display())]
+    Link(PathBuf),
+    /// Another process makes the folder.
+    #[error(transparent)]
+    Lock(#[from] LockError),
+    /// The work was cancelled; nothing was written.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Converter of a failure at `path` into an error.
+pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> WriteBurstError + use<> {
+    let path = path.to_owned();
+    move |source| WriteBurstError::Io { path: path.clone(), source }
+}
+
+/// Makes the folder `dir` by `fill`, which writes into the empty folder that it is given. An existing `dir` is replaced
+/// as a whole if it has an unchanged mark of this `kind` (an empty folder always is), and otherwise left unchanged.
+/// Meanwhile no other process can make it.
+///
+/// # Errors
+/// See [`WriteBurstError`]; the folder is then unchanged.
+pub(super) fn write_folder(
+    dir: &Path,
+    kind: Kind,
+    fill: impl FnOnce(&Path) -> Result<(), WriteBurstError>,
+) -> Result<(), WriteBurstError> {
+    if std::fs::symlink_metadata(dir).is_ok_and(|metadata| metadata.is_symlink()) {
+        return Err(WriteBurstError::Link(dir.to_owned()));
+    }
+    let _lock = FolderLock::beside(dir)?;
+    let may_go = |folder: &Path| Ok(is_free(folder)? || is_unchanged(folder, kind)?);
+    let occupied = || Err(WriteBurstError::Occupied(dir.to_owned()));
+    if !may_go(dir).map_err(io(dir))? {
+        return occupied();
+    }
+    let unfinished = Unfinished::beside(dir).map_err(io(dir))?;
+    let fresh = unfinished.new_path();
+    std::fs::create_dir(&fresh).map_err(io(&fresh))?;
+    fill(&fresh)?;
+    seal_folder(&fresh, kind).map_err(io(&fresh.join(kind.file())))?;
+    if unfinished.put_folder(dir, may_go).map_err(io(dir))? { Ok(()) } else { occupied() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ChartParams, synth_chart};
+    use super::*;
+
+    fn chart(seed: u64, frames: usize) -> (Burst, Truth) {
+        let params = ChartParams { width: 64, height: 48, discs: 2, frames, seed, ..ChartParams::default() };
+        let params = ChartParams { radius: 3.0..=5.0, max_slope: 1.0, ..params };
+        synth_chart(&params, &Monitor::default()).expect("a chart")
+    }
+
+    #[test]
+    fn files_hold_every_value_and_the_truth_exactly() {
+        let home = tempfile::tempdir().expect("a folder");
+        let dir = home.path().join("deep").join("chart");
+        let (burst, truth) = chart(1, 3);
+        write_burst(&dir, &burst, &truth, &Monitor::default()).expect("written");
+        for (t, frame) in burst.frames.iter().enumerate() {
+            let picture = image::open(dir.join(frame_name(t))).expect("a picture").into_luma16();
+            let read: Vec<f32> = picture.as_raw().iter().map(|&x| f32::from(x) / 65535.0).collect();
+            assert_eq!(read, frame.data());
+        }
+        let text = std::fs::read_to_string(dir.join("truth.json")).expect("a file");
+        // Numbers have all their digits (the JSON reader may be off by the last one).
+        assert_eq!(text.trim_end(), serde_json::to_string_pretty(&truth).expect("valid"));
+        assert_eq!(serde_json::from_str::<Truth>(&text).expect("valid").features.len(), truth.features.len());
+        assert_eq!(std::fs::read_dir(dir.parent().expect("it has one")).expect("a folder").count(), 1, "no leftovers");
+    }
+
+    #[test]
+    fn an_earlier_burst_is_replaced_whole_and_other_files_are_left_alone() {
+        let home = tempfile::tempdir().expect("a folder");
+        let dir = home.path().join("chart");
+        let (long, truth) = chart(1, 5);
+        write_burst(&dir, &long, &truth, &Monitor::default()).expect("written");
+        let (short, truth) = chart(2, 3);
+        write_burst(&dir, &short, &truth, &Monitor::default()).expect("replaced");
+        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 5);
+        std::fs::write(dir.join("thesis.txt"), "precious").expect("written");
+        let error = write_burst(&dir, &long, &truth, &Monitor::default()).expect_err("occupied").to_string();
+        assert!(error.contains("chart"), "{error}");
+        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 6);
+        // Pictures with a truth beside them belong to somebody else, if there is no mark that claims them.
+        let own = home.path().join("own");
+        std::fs::create_dir(&own).expect("made");
+        for name in ["frame_000.png", "truth.json"] {
+            std::fs::write(own.join(name), "mine").expect("written");
+        }
+        assert!(matches!(write_burst(&own, &long, &truth, &Monitor::default()), Err(WriteBurstError::Occupied(_))));
+        // So does what comes into the folder while the new one is made.
+        let late = home.path().join("late");
+        write_burst(&late, &short, &truth, &Monitor::default()).expect("written");
+        let added = |_: &Path| {
+            std::fs::write(late.join("thesis.txt"), "precious").expect("written");
+            Ok(())
+        };
+        assert!(matches!(write_folder(&late, Kind::Burst, added), Err(WriteBurstError::Occupied(_))));
+        assert_eq!(std::fs::read_to_string(late.join("thesis.txt")).expect("there"), "precious");
+        assert!(matches!(write_folder(&dir, Kind::Trajectory, |_| Ok(())), Err(WriteBurstError::Occupied(_))));
+    }
+
+    #[test]
+    fn cancelling_or_failing_leaves_nothing() {
+        let home = tempfile::tempdir().expect("a folder");
+        let monitor = Monitor::default();
+        let (burst, truth) = chart(1, 3);
+        monitor.cancel();
+        let result = write_burst(&home.path().join("chart"), &burst, &truth, &monitor);
+        assert!(matches!(result, Err(WriteBurstError::Cancelled(_))));
+        let file = home.path().join("file");
+        std::fs::write(&file, "").expect("written");
+        assert!(write_burst(&file.join("chart"), &burst, &truth, &Monitor::default()).is_err());
+        assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1);
+    }
+}

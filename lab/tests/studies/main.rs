@@ -1,0 +1,7 @@
+//! The studies of the detector, on small inputs with numbers that must be plausible: charts, accuracy, planted things,
+//! and matches along a trajectory.
+
+mod accuracy;
+mod evaluate;
+mod reconstruction;
+mod recover;
