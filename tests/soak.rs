@@ -28,8 +28,8 @@ const SETTLED: usize = 100;
 const CACHE_BYTES: usize = 64 << 10;
 /// Maximum size of one detection's trail of such a burst, however many features it found.
 const TRAIL_BYTES: usize = 64 << 10;
-/// Maximum growth of the program's memory from the hundred bursts after [`SETTLED`] to the last hundred: their names. 300
-/// bursts with their frames, pictures and trails are 4 MB.
+/// Maximum growth of the program's memory from the hundred bursts after [`SETTLED`] to the last hundred: their names.
+/// 300 bursts with their frames, pictures and trails are 4 MB.
 const GROWTH_BYTES: u64 = 256 << 10;
 
 /// Timeout of every wait.

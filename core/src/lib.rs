@@ -7,8 +7,8 @@
 //! keypoint for each blob, or, as in the paper, jointly over slope too. This is the method of Ravendran, Bryson and
 //! Dansereau, "BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction" (arXiv 2209.09470).
 //!
-//! This is the library for whoever wants burst features. The package `burstscope-lab` measures it, and `burstscope` adds
-//! the window and the command line. A module may use the modules below it, never those above:
+//! This is the library for whoever wants burst features. The package `burstscope-lab` measures it, and `burstscope`
+//! adds the window and the command line. A module may use the modules below it, never those above:
 //!
 //! ```text
 //! inspect             explanations: the fate of a candidate, the slopes a burst needs, the effect of a change

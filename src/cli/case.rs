@@ -15,8 +15,8 @@ use std::path::PathBuf;
 /// Write a burst, its settings and what is asked of it into one file.
 ///
 /// The file holds the frames, as opened and calibrated, with 16 bits for each pixel, or only what is around a place;
-/// the search, the place, a note, and what is known of the frames' truth. Commands and window open it like a burst, on any machine; 'detect FILE --params
-/// FILE' searches it with the settings in it.
+/// the search, the place, a note, and what is known of the frames' truth. Commands and window open it like a burst, on
+/// any machine; 'detect FILE --params FILE' searches it with the settings in it.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = CASE_HELP)]
 pub struct CaseArgs {

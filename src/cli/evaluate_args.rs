@@ -133,9 +133,10 @@ pub struct NoiseArgs {
     pub bits: Vec<Bits>,
     /// Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY (grey),
     /// colour-jpeg-QUALITY, correlated, black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels, gain-flicker,
-    /// clipped-black, saturated, constant-frame, constant, drifting-stripes-SPEED (px/frame), varying-TIMES (strength by
-    /// place), banding, still-banding, smoothed, flickering-pixels, noisy-columns, negative, fading-PERCENT and
-    /// breathing-PERCENT (level over time), cosmic-streaks, fixed-pattern-PERCENT (of the noise). Without it the white ones of --sigma and --bits, and all others.
+    /// clipped-black, saturated, constant-frame, constant, drifting-stripes-SPEED (px/frame), varying-TIMES (strength
+    /// by place), banding, still-banding, smoothed, flickering-pixels, noisy-columns, negative, fading-PERCENT and
+    /// breathing-PERCENT (level over time), cosmic-streaks, fixed-pattern-PERCENT (of the noise). Without it the white
+    /// ones of --sigma and --bits, and all others.
     #[arg(long, value_name = "CASE,…", value_delimiter = ',', value_parser = NoiseCase::from_str)]
     pub case: Vec<NoiseCase>,
     /// Standard deviation of the noise of the kinds of --case, fraction of full scale.
@@ -147,8 +148,8 @@ pub struct NoiseArgs {
     /// Millions of pixels of the image to be searched for each number of the table, at least.
     #[arg(long, value_name = "MPX", default_value_t = 50.0)]
     pub megapixels: f64,
-    /// Number of bursts for each number of the table, instead of --megapixels; the table then shows the largest count of
-    /// one of them.
+    /// Number of bursts for each number of the table, instead of --megapixels; the table then shows the largest count
+    /// of one of them.
     #[arg(long, value_name = "N", conflicts_with = "megapixels")]
     pub seeds: Option<usize>,
     /// The first burst's seed.

@@ -37,8 +37,8 @@ fn exit() {
     std::process::exit(INTERRUPTED.into());
 }
 
-/// Calls `end` at the first signal that asks the program to end, so that it finishes in order. A second request ends the
-/// program at once.
+/// Calls `end` at the first signal that asks the program to end, so that it finishes in order. A second request ends
+/// the program at once.
 ///
 /// # Errors
 /// When the system does not allow a signal handler.

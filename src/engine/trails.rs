@@ -2,8 +2,8 @@
 //!
 //! A trail costs as much as its detection. So the detection makes it in the same search and stores it here, for the
 //! probe, the spectrum of slopes, the map of winning slopes and the comparison with the truth. If it was not kept, the
-//! detection is repeated once for all of them. A detection that differs from a kept one only in its thresholds is judged
-//! from what that one's search left.
+//! detection is repeated once for all of them. A detection that differs from a kept one only in its thresholds is
+//! judged from what that one's search left.
 
 use crate::detector::{DetectorParams, SearchParams, memory};
 use crate::inspect::ProbeCache;

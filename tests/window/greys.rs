@@ -1,7 +1,7 @@
 //! Greys of a part of the window: a picture of it in 160 digits, which noise does not change.
 //!
-//! The pictures of a burst change a little with every change of the detector, because features are drawn over them. What
-//! must be seen is a picture that is missing, black, shifted, or another one.
+//! The pictures of a burst change a little with every change of the detector, because features are drawn over them.
+//! What must be seen is a picture that is missing, black, shifted, or another one.
 
 use egui::Rect;
 use image::RgbaImage;
@@ -91,8 +91,8 @@ impl Greys {
         (greys.cells.len() == (CELLS[0] * CELLS[1]) as usize).then_some((before, greys))
     }
 
-    /// Whether both can be of one picture, before and after a change of the features in it. All cells of an even picture
-    /// may be a step apart: rounding does that.
+    /// Whether both can be of one picture, before and after a change of the features in it. All cells of an even
+    /// picture may be a step apart: rounding does that.
     pub fn are_near(&self, other: &Self) -> bool {
         let are_near_but_for = |all: i32| {
             let pairs = self.cells.iter().zip(&other.cells);

@@ -182,7 +182,7 @@ fn about_lists_the_software_of_others_and_copies_its_licences() {
     let mut window = Start::nothing_open().open();
     window.run_action("about burstscope");
     assert!(window.shows("MIT or Apache-2.0, at your option.") && !window.shows("accesskit "));
-    window.click("Software of others");
+    window.harness.get_by_role_and_label(Role::DisclosureTriangle, "Software of others").click();
     window.harness.run_steps(30);
     assert!(packages > 300 && window.shows(&format!("{packages} packages, under licences of their own")));
     // The list is long: what is not in sight is not drawn.

@@ -1,5 +1,5 @@
-//! Structure of the drawn window as text: what is shown where, as screen readers are told it, and the greys of its panes
-//! and plots. It does not depend on the graphics driver.
+//! Structure of the drawn window as text: what is shown where, as screen readers are told it, and the greys of its
+//! panes and plots. It does not depend on the graphics driver.
 
 use crate::greys::Greys;
 use egui::Rect;

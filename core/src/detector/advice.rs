@@ -1,5 +1,5 @@
-//! Advice on a detection with few or no features: the reason, and a setting to change. (Whether the slopes fit is judged
-//! in `inspect::spectrum`.)
+//! Advice on a detection with few or no features: the reason, and a setting to change. (Whether the slopes fit is
+//! judged in `inspect::spectrum`.)
 //!
 //! The tally counts what each test rejected, but a good detection rejects nearly everything too: most samples are
 //! noise, and of every hundred above it most belong to the flank of some blob. So each test's share of rejected

@@ -142,11 +142,11 @@ impl<'b> Deciding<'b> {
         (0..self.decisions.len()).filter(|&index| self.decisions[index] == Decision::Stays)
     }
 
-    /// Decides on the blobs `asked`, each of which is given once, and on those that their decisions need. `both_stay` is
-    /// as for [`covered_by`].
+    /// Decides on the blobs `asked`, each of which is given once, and on those that their decisions need. `both_stay`
+    /// is as for [`covered_by`].
     ///
-    /// Blobs are taken in blocks from the strongest to the weakest: a block is compared with those that stayed before it
-    /// in parallel, then with its own members one after the other.
+    /// Blobs are taken in blocks from the strongest to the weakest: a block is compared with those that stayed before
+    /// it in parallel, then with its own members one after the other.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
@@ -326,8 +326,8 @@ impl<'b> Cells<'b> {
         }
     }
 
-    /// Strongest blob that covers blob `index`, of those inserted at turn `from` or later whose position in the order is
-    /// below `below`.
+    /// Strongest blob that covers blob `index`, of those inserted at turn `from` or later whose position in the order
+    /// is below `below`.
     fn covering(
         &self,
         index: usize,

@@ -1,9 +1,9 @@
 //! As many marks as each part of a picture can bear.
 //!
 //! The image is divided into square cells whose side is a power of two, in image pixels, and lies between
-//! [`CELL_POINTS`] and half of it on the screen or sheet. The caller adds the marks from the strongest to the weakest and
-//! draws the first [`IN_A_CELL`] of each cell. Cells of one zoom nest in those of the next coarser one, so zooming in only
-//! adds marks; and because the cells belong to the image, panning changes none.
+//! [`CELL_POINTS`] and half of it on the screen or sheet. The caller adds the marks from the strongest to the weakest
+//! and draws the first [`IN_A_CELL`] of each cell. Cells of one zoom nest in those of the next coarser one, so zooming
+//! in only adds marks; and because the cells belong to the image, panning changes none.
 
 /// Largest side of a cell on the screen, in points.
 const CELL_POINTS: f32 = 64.0;
@@ -43,8 +43,8 @@ impl Cells {
         Self { per_pixel: side.recip(), first, size, held: vec![0; size[0] * size[1]] }
     }
 
-    /// Adds a mark to the cell of `place`; returns the number of marks that were there before. `None` for a place that is
-    /// no number.
+    /// Adds a mark to the cell of `place`; returns the number of marks that were there before. `None` for a place that
+    /// is no number.
     pub fn add(&mut self, place: [f32; 2]) -> Option<u16> {
         if place.iter().any(|x| x.is_nan()) {
             return None;

@@ -269,9 +269,9 @@ fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
 }
 
 /// Mark, and the parts of the file that it claims.
-type Found = (Mark, Vec<(u64, u64)>);
+type MarkWithParts = (Mark, Vec<(u64, u64)>);
 
-fn mark_at_end(file: &mut File, place: Place) -> io::Result<Option<Found>> {
+fn mark_at_end(file: &mut File, place: Place) -> io::Result<Option<MarkWithParts>> {
     let length = file.seek(SeekFrom::End(0))?;
     let tail = part_of(file, length.saturating_sub(TAIL), TAIL)?;
     let begin = tail.windows(12).rposition(|window| window == b"{\"program\":\"");
@@ -282,7 +282,7 @@ fn mark_at_end(file: &mut File, place: Place) -> io::Result<Option<Found>> {
     Ok(mark.map(|mark| (mark, vec![(0, length - marked_end.len() as u64)])))
 }
 
-fn mark_in_tiff(file: &mut File) -> Option<Found> {
+fn mark_in_tiff(file: &mut File) -> Option<MarkWithParts> {
     file.rewind().ok()?;
     let mut decoder = Decoder::new(BufReader::new(file)).ok()?;
     let software = decoder.get_tag_ascii_string(Tag::Software).ok()?;

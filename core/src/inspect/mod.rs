@@ -3,8 +3,8 @@
 //! A detector returns what it found. When that is nothing, or too much, or wrong, people ask: what happened at this
 //! place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the candidates
 //! ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
-//! ([`unmatched`])? Which true discs were missed ([`truth`])? Would the search have found a thing that is not there
-//! ([`recover`])?
+//! ([`unmatched`])? Which true discs were missed ([`truth`])? Whether a search would have found a thing that is not there
+//! is asked in the package `burstscope-lab`.
 //!
 //! Everything here explains and decides nothing: a verdict about a sample comes from the search's own function
 //! ([`crate::detector::Trail`]), and over a whole picture the verdicts add up to the detection's tally. Where one

@@ -324,8 +324,8 @@ fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Opti
     Ok(found.max_by(|a, b| a.0.correlation.total_cmp(&b.0.correlation)))
 }
 
-/// The motion stack at `slope` in a square around a place, less its value in the middle, and the place's position in it.
-/// The square is smaller at the border of the image.
+/// The motion stack at `slope` in a square around a place, less its value in the middle, and the place's position in
+/// it. The square is smaller at the border of the image.
 pub(super) fn stack_around(
     trail: &Trail,
     [u, v]: [f32; 2],

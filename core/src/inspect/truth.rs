@@ -61,7 +61,8 @@ pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
     Ok(truth)
 }
 
-/// The truth of a burst: the `truth.json` in its folder or case, or that of a built-in burst. `None` where there is none.
+/// The truth of a burst: the `truth.json` in its folder or case, or that of a built-in burst. `None` where there is
+/// none.
 ///
 /// # Errors
 /// A `truth.json` that cannot be read, is invalid, or is of pictures of another size.

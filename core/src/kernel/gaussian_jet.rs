@@ -69,15 +69,16 @@ impl JetPixels {
 }
 
 /// Smallest variance of a Gaussian whose samples are its weights, square pixels. Samples of narrower ones hold no
-/// longer what the pixels show: their second derivative is wrong by several percent, depending on where the pixels fall.
+/// longer what the pixels show: their second derivative is wrong by several percent, depending on where the pixels
+/// fall.
 const MIN_SAMPLED_VARIANCE: f64 = 1.2;
 /// Terms by which a sampled Gaussian is made as sharp as a narrower one, beside itself.
 const SHARPENING: usize = 4;
 
 /// Writes the derivatives of each order, with respect to its centre, of a Gaussian of `variance` at `stride` whole
-/// distances from `d` on, order after order. Of one that is too narrow to be sampled, the weights are those of the wider
-/// Gaussian g sharpened, exp(−c/2·∂²)g with the difference c of the variances: on smooth pixels their sums are the same.
-/// `wider` is a buffer.
+/// distances from `d` on, order after order. Of one that is too narrow to be sampled, the weights are those of the
+/// wider Gaussian g sharpened, exp(−c/2·∂²)g with the difference c of the variances: on smooth pixels their sums are
+/// the same. `wider` is a buffer.
 fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Vec<f32>) {
     let missing = MIN_SAMPLED_VARIANCE - variance;
     if missing <= 0.0 {

@@ -1,8 +1,8 @@
 //! Sizes tuned to the processor, of tiles, strips and blocks, and rows taken in vectors of its width.
 //!
-//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The benches named
-//! beside each measure it: the single routines in `stages`, a whole detection in `cpu_time` (one thread's CPU time, so
-//! that a busy machine matters little). Run the bench before and after changing one.
+//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The benches
+//! named beside each measure it: the single routines in `stages`, a whole detection in `cpu_time` (one thread's CPU
+//! time, so that a busy machine matters little). Run the bench before and after changing one.
 //!
 //! | constant | held to | what it trades | bench |
 //! | --- | --- | --- | --- |

@@ -170,8 +170,8 @@ impl Patch {
 }
 
 impl Patch {
-    /// Fills the patch from `fine` at half its resolution: pixel (i, j) is the mean of pixels 2i and 2i + 1 of rows 2j and
-    /// 2j + 1. All pixels are held whose four pixels `fine` holds.
+    /// Fills the patch from `fine` at half its resolution: pixel (i, j) is the mean of pixels 2i and 2i + 1 of rows 2j
+    /// and 2j + 1. All pixels are held whose four pixels `fine` holds.
     pub(crate) fn halve(&mut self, fine: &Self) {
         let half = |range: Range<i64>| (range.start + 1).div_euclid(2)..range.end.div_euclid(2);
         self.reset(half(fine.columns()), half(fine.rows()));

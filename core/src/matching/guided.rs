@@ -1,9 +1,9 @@
 //! Guided matching: a second search for matches, among the features that agree with a geometry found before.
 //!
 //! The ratio test compares the nearest descriptor with the second nearest of the whole other image, and so loses right
-//! matches where noise makes descriptors alike. Once the sure matches have given a geometry, a feature has to be compared
-//! only with those in a band around its epipolar line (or at its place under a homography), a hundredth of the image: a
-//! looser ratio is then as safe. COLMAP's guided matching does the same with the ratio unchanged.
+//! matches where noise makes descriptors alike. Once the sure matches have given a geometry, a feature has to be
+//! compared only with those in a band around its epipolar line (or at its place under a homography), a hundredth of the
+//! image: a looser ratio is then as safe. COLMAP's guided matching does the same with the ratio unchanged.
 //!
 //! It is off by default: where the sure matches of a pair gave a wrong geometry, hundreds of guided ones agree with
 //! that, and a reconstruction from all pairs has wrong poses (docs/MEASUREMENTS.md).
@@ -21,8 +21,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Maximum ratio within the band, where [`MatchParams::ratio`] is lower.
 pub const GUIDED_RATIO: f32 = 0.9;
 
-/// Max error of guided matches, as a part of that of the sure ones: half of it gives fewer wrong matches and better poses
-/// (docs/MEASUREMENTS.md).
+/// Max error of guided matches, as a part of that of the sure ones: half of it gives fewer wrong matches and better
+/// poses (docs/MEASUREMENTS.md).
 const GUIDED_ERROR: f32 = 0.5;
 
 /// The parameters of guided matching after sure matches with `params`: a smaller [`MatchParams::max_error_px`].
@@ -93,9 +93,9 @@ pub fn guided_matches(
     Ok(matches)
 }
 
-/// For a feature of A at `place` (u, v), pixels, the nearest feature of `to`, those of B, that guided matching after sure
-/// matches with `params` compares it with: its index, and the ratio (0 … 1) of its distance to that of the next one at
-/// another place there. `None` where there is none.
+/// For a feature of A at `place` (u, v), pixels, the nearest feature of `to`, those of B, that guided matching after
+/// sure matches with `params` compares it with: its index, and the ratio (0 … 1) of its distance to that of the next
+/// one at another place there. `None` where there is none.
 pub fn nearest_along(
     (place, descriptor): ([f64; 2], Descriptor),
     to: MatchSide<'_>,

@@ -52,8 +52,8 @@ pub fn gaussian_blur(plane: &Plane, kernel: &GaussianKernel) -> Plane {
     Plane::from_fn(width, height, |u, v| sum(&|k| columns.at(inside(u, k, width), v)))
 }
 
-/// The plane smoothed by a Gaussian of `sigma_px` pixels (0 or less: unchanged), cut at 3σ; for looking at, the detector
-/// has its own. NaN stays NaN and its neighbours are smoothed without it. The same for any number of threads.
+/// The plane smoothed by a Gaussian of `sigma_px` pixels (0 or less: unchanged), cut at 3σ; for looking at, the
+/// detector has its own. NaN stays NaN and its neighbours are smoothed without it. The same for any number of threads.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.

@@ -1,9 +1,9 @@
 //! Accuracy in enough light: errors of positions, scales and motions of the discs found.
 //!
 //! Charts whose slopes are drawn from a continuum are searched with a grid of slopes; for every disc that is found (by
-//! the rule of [`burstscope_core::inspect::score`]) the strongest feature that finds it is compared with the truth at mid-burst. Discs may
-//! move faster than the grid reaches. Features on the rim of the grid are counted, and left out of the errors: there the
-//! slope is not interpolated, and the motion may lie beyond.
+//! the rule of [`burstscope_core::inspect::score`]) the strongest feature that finds it is compared with the truth at
+//! mid-burst. Discs may move faster than the grid reaches. Features on the rim of the grid are counted, and left out of
+//! the errors: there the slope is not interpolated, and the motion may lie beyond.
 //!
 //! # Two kinds of charts
 //! The published chart is crowded: most discs have a neighbour, or its smear over the burst, within the surroundings

@@ -1,10 +1,11 @@
 //! Detection over the number of frames of a given burst: its middle n frames as a burst, for n = 2 … all.
 //!
 //! The search of all frames is the reference: a feature of fewer frames is *confirmed* when that search found it too,
-//! by the rule of [`burstscope_core::inspect::score`] (each of its features taken as a disc of radius √2·σ, and both bright or both dark).
-//! The middle n frames have a mid-burst of their own, half a frame before the whole burst's where n is odd and the
-//! number of all frames even or the other way round; positions are moved there along their slopes. Where the truth is
-//! known, discs found and false features are counted as well, and with a second burst the matches between the two.
+//! by the rule of [`burstscope_core::inspect::score`] (each of its features taken as a disc of radius √2·σ, and both
+//! bright or both dark). The middle n frames have a mid-burst of their own, half a frame before the whole burst's where
+//! n is odd and the number of all frames even or the other way round; positions are moved there along their slopes.
+//! Where the truth is known, discs found and false features are counted as well, and with a second burst the matches
+//! between the two.
 
 use super::EvaluateError;
 use crate::synth::{FeatureTruth, Truth, TruthKind};

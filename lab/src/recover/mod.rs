@@ -2,10 +2,10 @@
 //!
 //! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames ([`thing`]), with the
 //! noise that their light would have. The search that is set runs on every copy, and each thing is found, by the rule
-//! of [`burstscope_core::inspect::score`], or has a fate in the words of the [probe](burstscope_core::inspect::probe()). From these follow the
-//! shares found over SNR, slope and size, the SNR at which half are found ([`fit`]), and how faint a thing is seen at
-//! each place ([`report`]). Beside each share stands the one that the burst's noise and the gate let expect
-//! ([`mod@expected`]).
+//! of [`burstscope_core::inspect::score`], or has a fate in the words of the
+//! [probe](burstscope_core::inspect::probe()). From these follow the shares found over SNR, slope and size, the SNR at
+//! which half are found ([`fit`]), and how faint a thing is seen at each place ([`report`]). Beside each share stands
+//! the one that the burst's noise and the gate let expect ([`mod@expected`]).
 //!
 //! Slopes are found once, in the burst itself, where they are to be found. The same study gives the same report for any
 //! number of threads, except for its times.

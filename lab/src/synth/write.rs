@@ -4,8 +4,8 @@
 //! that the files hold them exactly; values that were never rounded are rounded to 16 bits.
 //!
 //! Everything goes into a hidden folder beside the target ([`Unfinished`]), which then replaces the target. A lock
-//! beside the target keeps two processes from making the same folder. The mark of the folder claims all of its files: one to
-//! which anything was added, or in which anything was changed, is not replaced.
+//! beside the target keeps two processes from making the same folder. The mark of the folder claims all of its files:
+//! one to which anything was added, or in which anything was changed, is not replaced.
 
 use burstscope_core::burst::Burst;
 use burstscope_core::files::lock::{FolderLock, LockError};

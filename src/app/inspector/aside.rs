@@ -1,5 +1,5 @@
-//! A picture that stays where it is while a panel comes beside it: the panel on the right comes with a selection, and what
-//! was clicked stays under the pointer.
+//! A picture that stays where it is while a panel comes beside it: the panel on the right comes with a selection, and
+//! what was clicked stays under the pointer.
 
 use crate::app::view::View;
 use egui::Rect;
@@ -13,8 +13,8 @@ pub struct Aside {
 }
 
 impl Aside {
-    /// Adapts `view` to the canvas `rect_ui` of this pass, beside which a panel came by itself (`is_beside`) or not. When
-    /// the panel comes, the picture keeps its place and size; when it goes, an untouched view is as before.
+    /// Adapts `view` to the canvas `rect_ui` of this pass, beside which a panel came by itself (`is_beside`) or not.
+    /// When the panel comes, the picture keeps its place and size; when it goes, an untouched view is as before.
     pub fn keep(&mut self, view: &mut View, rect_ui: Rect, is_beside: bool) {
         let Some((before, was_beside)) = self.last.replace((rect_ui, is_beside)) else { return };
         let untouched = self.moved.filter(|(after, _)| after.is_same(view)).map(|(_, original)| original);

@@ -46,8 +46,8 @@ pub struct PaneRegion {
     pub region: Region,
 }
 
-/// The pane whose places a line or rectangle has: the one it was drawn on or, when other panes took its place, the one in
-/// focus, which shows the same burst.
+/// The pane whose places a line or rectangle has: the one it was drawn on or, when other panes took its place, the one
+/// in focus, which shows the same burst.
 fn measured_on(model: &Model, drawn_on: PaneId) -> PaneId {
     let is_replaced = model.workspace == Workspace::Inspect && !model.panes.shown().contains(&drawn_on);
     if is_replaced { model.focus() } else { drawn_on }

@@ -1,5 +1,5 @@
-//! Legends in a corner of the picture. A click folds one to a small chip, so that it covers nothing for good, and a click
-//! on the chip unfolds it.
+//! Legends in a corner of the picture. A click folds one to a small chip, so that it covers nothing for good, and a
+//! click on the chip unfolds it.
 
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 

@@ -70,8 +70,8 @@ fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
     doc::ALL.iter().filter(|record| !BASIC.contains(record))
 }
 
-/// Draws the folded parameters with the number of those that are not at their defaults. An error or a lesson that points
-/// at one of them opens the fold.
+/// Draws the folded parameters with the number of those that are not at their defaults. An error or a lesson that
+/// points at one of them opens the fold.
 fn advanced_ui(ui: &mut Ui, model: &mut Model, table: &rows::ParamTable<'_, DetectorParams>) {
     let changed = advanced().filter(|record| record.text(&model.params) != record.text(&table.defaults)).count();
     let is_needed = |record: &Param<DetectorParams>| {

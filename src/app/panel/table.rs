@@ -1,5 +1,5 @@
-//! Table of features with the filter above it, and the sorted table that other lists share: a click on a heading sorts, a
-//! click on a row selects. Only the visible rows are drawn, so that a table can be long.
+//! Table of features with the filter above it, and the sorted table that other lists share: a click on a heading sorts,
+//! a click on a row selects. Only the visible rows are drawn, so that a table can be long.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
@@ -137,8 +137,8 @@ pub(in crate::app) struct Pointed<C> {
     pub hovered: Option<usize>,
 }
 
-/// Draws the table of `columns`, from left to right. `text` is the content of an item's cell, `name` the item's name for screen readers, and `menu`
-/// draws the menu that the secondary button opens on its row.
+/// Draws the table of `columns`, from left to right. `text` is the content of an item's cell, `name` the item's name
+/// for screen readers, and `menu` draws the menu that the secondary button opens on its row.
 pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     ui: &mut Ui,
     (columns, order): (&[C], Order<C>),

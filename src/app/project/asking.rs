@@ -93,8 +93,8 @@ impl Model {
         effects
     }
 
-    /// Requests what is missing. While the pointer drags a value, long work waits for the final value; features that need
-    /// no search follow it.
+    /// Requests what is missing. While the pointer drags a value, long work waits for the final value; features that
+    /// need no search follow it.
     pub(in crate::app) fn ask(&mut self, engine: &Engine, dragging: bool) {
         self.ask_for_pictures(engine, dragging);
         if self.auto_detect && (!dragging || self.features_can_follow(Side::A)) {

@@ -1,5 +1,5 @@
-//! Explanations of detections: the slopes and the candidates of the one on show, and how evenly the frames contribute to
-//! each feature of either burst (its coherence).
+//! Explanations of detections: the slopes and the candidates of the one on show, and how evenly the frames contribute
+//! to each feature of either burst (its coherence).
 
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::side::{Side, Sides};
@@ -221,8 +221,8 @@ impl CoherenceState {
 }
 
 impl Model {
-    /// Whether coherences and verdicts of A's features are listed: in the open table, by its filter or order, or for the
-    /// selected feature.
+    /// Whether coherences and verdicts of A's features are listed: in the open table, by its filter or order, or for
+    /// the selected feature.
     fn lists_verdicts(&self) -> bool {
         let is_in_table = self.shows_bottom() && self.bottom_tab == BottomTab::Table;
         self.workspace == Workspace::Inspect

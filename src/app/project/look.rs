@@ -193,7 +193,8 @@ pub struct Look {
     pub orientations: bool,
     /// Whether the legend is unfolded.
     pub legend: bool,
-    /// Standard deviation of the Gaussian by which pictures are smoothed for looking at them, in input pixels; 0 for none.
+    /// Standard deviation of the Gaussian by which pictures are smoothed for looking at them, in input pixels; 0 for
+    /// none.
     pub smoothing_px: f32,
 }
 

@@ -138,7 +138,8 @@ fn dependencies_have_known_licences_and_known_duplicates() {
         .map(|line| {
             let (package, licence) = line.split_once('\t').expect("two columns");
             let name_version: Vec<&str> = package.split_whitespace().take(2).collect();
-            (name_version.join(" "), licence.to_owned())
+            // A circle of dev-dependencies is cut with a mark.
+            (name_version.join(" "), licence.trim_end_matches(" (*)").to_owned())
         })
         .collect();
     assert!(packages.len() > 200, "{} packages are too few", packages.len());

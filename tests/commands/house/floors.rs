@@ -2,8 +2,9 @@
 
 use super::reading::{code, files, rooms_used};
 
-/// Rooms from the bottom up. Those up to floor 8 are the library, those up to 11 the measuring bench (but for its part of
-/// `synth`); Cargo separates both from those above. A room uses rooms of lower numbers only, and none of its own number.
+/// Rooms from the bottom up. Those up to floor 8 are the library, those up to 11 the measuring bench (but for its part
+/// of `synth`); Cargo separates both from those above. A room uses rooms of lower numbers only, and none of its own
+/// number.
 const FLOORS: [(&str, u32); 22] = [
     ("monitor", 0),
     ("files", 0),

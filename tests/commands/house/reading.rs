@@ -60,8 +60,8 @@ pub fn rooms_used(code: &str) -> BTreeSet<String> {
 /// Source folders of the packages: the program, the library and the measuring bench.
 pub const PACKAGES: [&str; 3] = ["src", "core/src", "lab/src"];
 
-/// Rust files of the [`PACKAGES`], each with its path below its package's `src`. Of the top-level modules only `synth` is
-/// in two of them: the bench hands on the library's.
+/// Rust files of the [`PACKAGES`], each with its path below its package's `src`. Of the top-level modules only `synth`
+/// is in two of them: the bench hands on the library's.
 pub fn files() -> Vec<(PathBuf, PathBuf)> {
     let mut all = Vec::new();
     for folder in PACKAGES {

@@ -4,9 +4,9 @@
 //! two cells. The 128 numbers are normalised, cut at 0.2, normalised again, then L1-normalised, square-rooted
 //! ("RootSIFT"), multiplied by 512 and cut at 255.
 //!
-//! Pooled over scales, after Dong and Soatto ("Domain-Size Pooling in Local Descriptors: DSP-SIFT", CVPR 2015): the sums
-//! of each scale are normalised and added before the root. They are not cut: the root alone limits the large ones, and
-//! in the dark the cut costs matches.
+//! Pooled over scales, after Dong and Soatto ("Domain-Size Pooling in Local Descriptors: DSP-SIFT", CVPR 2015): the
+//! sums of each scale are normalised and added before the root. They are not cut: the root alone limits the large ones,
+//! and in the dark the cut costs matches.
 //!
 //! Of each row only the pixels inside the turned square are visited. Their weights and directions are computed in
 //! vector lanes; then each pixel adds its eight directions, most of them zero, to four cells, a vector each.
@@ -61,9 +61,9 @@ pub fn square_sums(
     sums(level, &square, &columns, &rows, scratch)
 }
 
-/// Computes the sums of a coarser scale of a pooled descriptor as [`square_sums`] does, from a level that reaches a pixel
-/// farther than [`coarse_radius`]. The corners beyond that radius, where all weights are small, are left out, and so are
-/// rows between which the level hardly changes.
+/// Computes the sums of a coarser scale of a pooled descriptor as [`square_sums`] does, from a level that reaches a
+/// pixel farther than [`coarse_radius`]. The corners beyond that radius, where all weights are small, are left out, and
+/// so are rows between which the level hardly changes.
 pub fn disc_sums(
     level: &Patch,
     size: (usize, usize),
@@ -104,8 +104,8 @@ impl Square {
         Self { place, cos, sin, orientation, radius: f32::INFINITY, row_step: 1 }
     }
 
-    /// Returns a function from a row's distance `dv` below the centre to the first and last column inside the square and
-    /// the disc, as distances from the centre.
+    /// Returns a function from a row's distance `dv` below the centre to the first and last column inside the square
+    /// and the disc, as distances from the centre.
     #[inline(always)]
     fn interval(&self) -> impl Fn(f32) -> (f32, f32) {
         // Where |cos·du + sin·dv| and |cos·dv − sin·du| are at most HALF.

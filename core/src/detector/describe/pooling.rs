@@ -51,8 +51,8 @@ impl CoarserScales {
         self.kernels.iter().zip(1..).map(of_scale).max().map_or(0, |reach| 2 * (reach + 1) + 3)
     }
 
-    /// Appends the sums of each coarser scale to those of each of `angles` (radians), of a feature at (x, y) of σ `sigma`,
-    /// from `raw`, which reaches [`Self::reach`] pixels around it. The octave has `size`.
+    /// Appends the sums of each coarser scale to those of each of `angles` (radians), of a feature at (x, y) of σ
+    /// `sigma`, from `raw`, which reaches [`Self::reach`] pixels around it. The octave has `size`.
     pub(super) fn append(
         &self,
         raw: &Patch,

@@ -2,12 +2,12 @@
 //!
 //! A JPEG file keeps of each block of 8×8 pixels only what exceeds half a step of its table. Weak noise is rounded away
 //! in most blocks, and where it happens to exceed the step it leaves a pattern as strong as the step; block means jump
-//! by a step in the same way. A flattened block is therefore no evidence of low noise: the quiet part of the image, from
-//! which noise is measured elsewhere, is here what the codec left out. Where a codec flattened a good part of the
+//! by a step in the same way. A flattened block is therefore no evidence of low noise: the quiet part of the image,
+//! from which noise is measured elsewhere, is here what the codec left out. Where a codec flattened a good part of the
 //! blocks, the noise is measured from all of them, and the gate allows for noise that is rare and strong ([`rare`]).
 //!
-//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): `jpeg-20` 8769,
-//! `colour-jpeg-30` 4424, since the noise of most squares is then that of rounding.
+//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): `jpeg-20`
+//! 8769, `colour-jpeg-30` 4424, since the noise of most squares is then that of rounding.
 
 use super::warning::{NoiseWarning, WarningKind};
 use crate::detector::params::{ParamError, doc};

@@ -7,8 +7,8 @@
 //! in both. On a tripod the scene stays as well; then the two cannot be told apart, and nothing is changed.
 //!
 //! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): without hot
-//! pixels `hot-pixels` 47 and `flickering-pixels` 23, without single frames' pixels `cosmic-streaks` 81, without the gate's
-//! allowance for what stripes leave `column-stripes` 597.
+//! pixels `hot-pixels` 47 and `flickering-pixels` 23, without single frames' pixels `cosmic-streaks` 81, without the
+//! gate's allowance for what stripes leave `column-stripes` 597.
 
 use super::changing_lines::ChangingLines;
 use super::contrast::Contrast;

@@ -329,8 +329,8 @@ fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
     1.0
 }
 
-/// Range of the logarithms of the exposures `gains` of the frames `kept`, if the squares brighter than `least` share the
-/// change between the darkest and the brightest frames; else 0.
+/// Range of the logarithms of the exposures `gains` of the frames `kept`, if the squares brighter than `least` share
+/// the change between the darkest and the brightest frames; else 0.
 fn shared_drift(squares: &HighPass, kept: &[usize], gains: &[f32], least: f32) -> f32 {
     if kept.len() < 3 {
         return 0.0;

@@ -14,9 +14,9 @@
 //! border, and are not trusted: they take the largest excess of their trusted neighbours. Coarse octaves collect the
 //! noise of more squares, so the map is blurred for them.
 //!
-//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): without the map
-//! `varying-6` 734 and `noisy-half` 525. The line over brightness serves scenes with light and dark parts (a test in
-//! `core/tests/detection/noise_model.rs`), which no kind of pure noise has.
+//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): without the
+//! map `varying-6` 734 and `noisy-half` 525. The line over brightness serves scenes with light and dark parts (a test
+//! in `core/tests/detection/noise_model.rs`), which no kind of pure noise has.
 
 use super::frames::median;
 use super::high_pass::{Lattice, quiet_variance};

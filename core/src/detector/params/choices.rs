@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 pub trait Word {
     /// Name on the command line and in files.
     fn word(&self) -> &'static str;
-    /// Names of all values, in the order in which they are offered: on the command line and in files, and in the window.
+    /// Names of all values, in the order in which they are offered: on the command line and in files, and in the
+    /// window.
     fn words(&self) -> &'static [(&'static str, &'static str)];
     /// Takes the value with this name; false where there is none.
     fn set_word(&mut self, word: &str) -> bool;

@@ -1,8 +1,8 @@
 //! Parameters of the detector, their records and checks.
 //!
-//! Each parameter has one record ([`Param`], all of them in [`doc::ALL`]), from which its option, its row in the window,
-//! its checks and its help are made.
-//! A parameter file is TOML with the fields of [`DetectorParams`]; a missing field has its default.
+//! Each parameter has one record ([`Param`], all of them in [`doc::ALL`]), from which its option, its row in the
+//! window, its checks and its help are made. A parameter file is TOML with the fields of [`DetectorParams`]; a missing
+//! field has its default.
 
 mod change;
 mod choices;

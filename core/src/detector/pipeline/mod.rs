@@ -186,8 +186,8 @@ impl Search<'_> {
     }
 
     /// Localises and describes `keypoints`, which are in order of octaves. The first levels are taken from `bases`;
-    /// where they were not kept, they are computed again for one of the `groups` of slopes after the other. `part` is the
-    /// part of the description's progress that this takes.
+    /// where they were not kept, they are computed again for one of the `groups` of slopes after the other. `part` is
+    /// the part of the description's progress that this takes.
     fn describe(
         &self,
         octaves: &Range<i32>,

@@ -182,8 +182,8 @@ impl Trail {
         self.passing.as_ref().map_or(&self.left.keypoints, |passing| &passing.keypoints)
     }
 
-    /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one. `None` for keypoints
-    /// that [are cut](Trail::is_cut).
+    /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one. `None` for
+    /// keypoints that [are cut](Trail::is_cut).
     pub fn covered_by(&self, index: usize) -> Option<usize> {
         match self.chosen.verdicts[index] {
             Verdict::CoveredBy(by) => Some(by),

@@ -7,8 +7,8 @@
 //! its second derivatives, over place and, since ∂G/∂σ = σ∇²G, over ln σ. Newton's steps lead to the maximum, which one
 //! or two evaluations reach. The first level is smooth enough that its pixels hold all of it.
 //!
-//! Most samples that begin an ascent lie on no peak of their own: the first step tells, since it leads to another level,
-//! or D is not peaked where it begins.
+//! Most samples that begin an ascent lie on no peak of their own: the first step tells, since it leads to another
+//! level, or D is not peaked where it begins.
 
 use crate::detector::scale_space::ScaleSpace;
 use crate::kernel::compact_kernel::{PixelView, RIM};

@@ -1,9 +1,9 @@
 //! Judgement of the slopes of a search: one sentence, and one set of changes that mends whatever is wrong. The table of
 //! features, the tab *Slopes*, the lessons and the commands `slopes` and `detect` all show this sentence.
 //!
-//! Two things speak. The *evidence* of the frames says where motion is, beyond the searched slopes too. The features *at
-//! the limit* ([`crate::detector::limit`]) say it by their own response; they decide only where the frames show nothing
-//! clear. The changes lead straight to what was found: direction, range and step of both axes at once.
+//! Two things speak. The *evidence* of the frames says where motion is, beyond the searched slopes too. The features
+//! *at the limit* ([`crate::detector::limit`]) say it by their own response; they decide only where the frames show
+//! nothing clear. The changes lead straight to what was found: direction, range and step of both axes at once.
 
 use super::{SlopeAdvice, Subject};
 use crate::detector::limit::response_loss;
@@ -27,8 +27,8 @@ const BEYOND: f32 = 0.08;
 /// Part of the slopes that suffices, up to which the search is said to cost too much.
 const NEEDED: f64 = 0.4;
 /// Part of the stronger half of the features at the limit from which a wider range is advised where the frames show
-/// nothing clear. It is at most 0.036 for motions inside the range (at a corner of a plane; 0.012 elsewhere), and 0.12 or
-/// more for motions half a step beyond it, on textures, the demo and noise.
+/// nothing clear. It is at most 0.036 for motions inside the range (at a corner of a plane; 0.012 elsewhere), and 0.12
+/// or more for motions half a step beyond it, on textures, the demo and noise.
 const AT_LIMIT: f64 = 0.08;
 /// Part of those that must lie at one end of an axis for the axis to be widened there.
 const OF_THOSE: f64 = 0.25;

@@ -8,9 +8,9 @@
 //!
 //! Numerics. A level's kernel is the exact convolution of the chain's kernels, cut at [`LEVEL_CUT`] standard deviations
 //! and normalised to sum 1. Near the border the chain repeats the nearest pixel of every level in turn, which differs
-//! from repeating the nearest pixel of the input; there the weights are taken from the chain's own matrix (`weights`), so
-//! that the result is the chain's everywhere. Every value is made by the same operations in the same order wherever it
-//! lies in a tile, so results do not depend on tiles and threads, to the bit.
+//! from repeating the nearest pixel of the input; there the weights are taken from the chain's own matrix (`weights`),
+//! so that the result is the chain's everywhere. Every value is made by the same operations in the same order wherever
+//! it lies in a tile, so results do not depend on tiles and threads, to the bit.
 
 mod passes;
 mod weights;

@@ -1,9 +1,9 @@
 //! The essential matrix E: the geometry of two views with known intrinsics, and the relative pose that follows from it,
 //! up to the length of the translation.
 //!
-//! Directions d = (x, y, 1) satisfy d_bᵀ·E·d_a = 0 with E = `[t]×·R`. Five matches leave four dimensions of matrices, E =
-//! x·X + y·Y + z·Z + W, on which det E = 0 and 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations in the 20 monomials of x,
-//! y, z. Elimination leaves a polynomial of the tenth degree in z (Nistér, "An Efficient Solution to the Five-Point
+//! Directions d = (x, y, 1) satisfy d_bᵀ·E·d_a = 0 with E = `[t]×·R`. Five matches leave four dimensions of matrices, E
+//! = x·X + y·Y + z·Z + W, on which det E = 0 and 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations in the 20 monomials of
+//! x, y, z. Elimination leaves a polynomial of the tenth degree in z (Nistér, "An Efficient Solution to the Five-Point
 //! Relative Pose Problem", PAMI 2004), whose real roots are up to ten solutions. More matches are fitted by the
 //! Levenberg–Marquardt method over rotation and direction of translation, which also works for planes, for which linear
 //! fits are undetermined.

@@ -2,7 +2,8 @@
 //!
 //! The data flow: matched points → `points` (normalised coordinates) → samples that are solved exactly (`linear`,
 //! [`essential`]) and scored against all matches (`consensus`) → a [`TwoViewModel`] in pixels, each match's error under
-//! it, and the inliers. [`verify`] is the composition. [`RelativePose`] is that of the cameras, from an essential matrix.
+//! it, and the inliers. [`verify`] is the composition. [`RelativePose`] is that of the cameras, from an essential
+//! matrix.
 //!
 //! No library is used: none of the maintained estimators for Rust has the improvements made since RANSAC (local
 //! optimisation, marginal cost, degenerate samples), and bindings to C++ would need its toolchain.
@@ -185,8 +186,8 @@ pub(in crate::matching) mod tests {
         RelativePose { rotation, translation: Vector3::new(0.9, 0.1, -0.3).normalize() }
     }
 
-    /// `inliers` points seen by a camera that moves by `pose`, with `sigma` pixels of noise in both images, and `outliers`
-    /// pairs of random places. `depth` gives the depth of a point from its direction.
+    /// `inliers` points seen by a camera that moves by `pose`, with `sigma` pixels of noise in both images, and
+    /// `outliers` pairs of random places. `depth` gives the depth of a point from its direction.
     fn scene(
         random: &mut Random,
         camera: Camera,

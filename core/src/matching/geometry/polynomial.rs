@@ -6,8 +6,8 @@
 
 use polycool::PolyDyn;
 
-/// The real roots of the polynomial Σ `coefficients[k]`·xᵏ, in ascending order, as exact as an `f64` allows. Empty for a
-/// constant, and where a coefficient is not finite.
+/// The real roots of the polynomial Σ `coefficients[k]`·xᵏ, in ascending order, as exact as an `f64` allows. Empty for
+/// a constant, and where a coefficient is not finite.
 pub(super) fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     let largest = coefficients.iter().fold(0.0, |max: f64, c| max.max(c.abs()));
     if !(largest.is_finite() && largest > 0.0) || coefficients.iter().any(|c| c.is_nan()) {

@@ -1,5 +1,5 @@
-//! Features at the limit of the slopes, and the judgement of the slopes, on bursts of known motion inside, at and beyond
-//! the range.
+//! Features at the limit of the slopes, and the judgement of the slopes, on bursts of known motion inside, at and
+//! beyond the range.
 
 use super::slopes::{about, applied, asked, uniform};
 use burstscope_core::detector::{Detection, DetectorParams, Method, NoiseGate, Slope, SlopeGrid, find_slopes};

@@ -55,7 +55,8 @@ fn a_number_of_a_text_picture_that_may_be_cut_is_refused() {
     failure(&path, &["no space or line end follows its last number"]);
     for after in ["\n", " ", "\r\n", "\t\n"] {
         fs::write(&path, format!("{}{after}", whole.trim_end())).expect("written");
-        assert_eq!(Burst::open(&path).expect("whole").frames[0].at(2, 1), 256.0 / 300.0);
+        let value = Burst::open(&path).expect("whole").frames[0].at(2, 1);
+        assert!((value - 256.0 / 300.0).abs() < 1e-5, "{value}: the decoder gives 65535 levels");
     }
     fs::write(folder.path().join("a.ppm"), "P3\n1 1\n99\n1 2 34").expect("written");
     failure(&folder.path().join("a.ppm"), &["no space or line end follows its last number"]);

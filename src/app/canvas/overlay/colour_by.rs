@@ -19,8 +19,8 @@ pub struct ColourScale {
     pub min: f32,
     /// Value of the last colour; the magnitude of full saturation for the directions of a plane of slopes.
     pub max: f32,
-    /// For [`ColourBy::SlopeDirection`] of slopes on a line: the line's direction, degrees from +u towards +v. The colours
-    /// then run along it instead of around a wheel.
+    /// For [`ColourBy::SlopeDirection`] of slopes on a line: the line's direction, degrees from +u towards +v. The
+    /// colours then run along it instead of around a wheel.
     pub line_deg: Option<f32>,
     /// 256 colours from min to max.
     table: Vec<Color32>,
@@ -34,8 +34,8 @@ pub struct ColourScale {
 const UNKNOWN: Color32 = Color32::from_gray(150);
 
 impl ColourScale {
-    /// Creates the scale for `features` that were found at the slopes of `grid`: over the searched range for slopes on a
-    /// line, over all features for σ and SNR, ± the largest magnitude for the response.
+    /// Creates the scale for `features` that were found at the slopes of `grid`: over the searched range for slopes on
+    /// a line, over all features for σ and SNR, ± the largest magnitude for the response.
     pub fn of(by: ColourBy, features: &[Feature], grid: &SlopeGrid) -> Self {
         if let Some((line_deg, axis)) = line_of(grid).filter(|_| by == ColourBy::SlopeDirection) {
             return Self { line_deg: Some(line_deg), ..Self::with_range(ColourBy::SlopeU, axis.min, axis.max) }

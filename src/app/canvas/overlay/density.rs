@@ -1,8 +1,8 @@
 //! Choice of the features that are drawn in full, and of the lines of matches: as many of the strongest as each part of
 //! the picture can bear.
 //!
-//! In each cell ([`crate::export::Cells`]) the strongest [`IN_A_CELL`] features are drawn, and the next of the strongest
-//! [`SEEN_IN_A_CELL`] as dots.
+//! In each cell ([`crate::export::Cells`]) the strongest [`IN_A_CELL`] features are drawn, and the next of the
+//! strongest [`SEEN_IN_A_CELL`] as dots.
 
 use super::match_lines::{LineKind, MatchLine, Pane};
 use crate::app::canvas::RectTransform;
@@ -72,8 +72,8 @@ pub fn drawn(
     out
 }
 
-/// Chooses among `lines` those that are drawn: a few for each part of A's picture, inliers before others, in their order;
-/// and those for which `always` holds. Returns a flag for each line.
+/// Chooses among `lines` those that are drawn: a few for each part of A's picture, inliers before others, in their
+/// order; and those for which `always` holds. Returns a flag for each line.
 pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);

@@ -149,8 +149,8 @@ fn apply_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
     }
 }
 
-/// Draws the verdict on the search, below the parameters of *One burst*: why there are few features, or whether the slopes
-/// fit the burst, with the change that mends it; nothing while there are no features of the present parameters.
+/// Draws the verdict on the search, below the parameters of *One burst*: why there are few features, or whether the
+/// slopes fit the burst, with the change that mends it; nothing while there are no features of the present parameters.
 pub fn verdict_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let has_advice =
         model.stale().is_none() && model.slots.a.found.as_ref().is_some_and(|found| found.advice.is_some());

@@ -1,6 +1,6 @@
-//! Comparison of the features of a burst with a reference: an earlier result that was pinned, features of a file, or the
-//! truth. All three may be known; one of them is on show. Each of the two bursts has a comparison of its own, in its
-//! slot.
+//! Comparison of the features of a burst with a reference: an earlier result that was pinned, features of a file, or
+//! the truth. All three may be known; one of them is on show. Each of the two bursts has a comparison of its own, in
+//! its slot.
 
 mod rows;
 

@@ -200,8 +200,8 @@ mod tests {
             for cut in 2..bytes.len() {
                 assert!(is_damaged(&bytes[..cut]), "{name} cut at {cut} of {}", bytes.len());
             }
-            // With an end marker added at the cut. The last two bytes are that marker itself. An end within the header of
-            // the picture gives a kind that is left to the decoder, which finds no data.
+            // With an end marker added at the cut. The last two bytes are that marker itself. An end within the header
+            // of the picture gives a kind that is left to the decoder, which finds no data.
             for cut in 2..bytes.len() - 3 {
                 let cut_and_ended = [&bytes[..cut], &END].concat();
                 let is_left = matches!(soundness(&cut_and_ended, &[]), Soundness::Unknown);
