@@ -84,6 +84,11 @@ fn a_dialog_that_ends_without_an_answer_is_said_and_the_path_can_be_typed() {
     assert!(window.shows("Save parameters: the dialog ended without a file"));
     assert!(!window.shows("This system shows no file dialog"));
     window.click("Type the path…");
+    // The field has the suggested name, which the path replaces.
+    window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Path").focus();
+    window.harness.run_steps(1);
+    window.harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.harness.run_steps(1);
     let path = folder.path().join("typed.toml");
     type_path(&mut window, &path.display().to_string());
     window.settle();
