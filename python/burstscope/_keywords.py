@@ -214,7 +214,7 @@ class ChartKeywords(TypedDict, total=False):
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough [default: 75%]
+        enough. A film keeps fewer pictures at a time [default: 75%]
     """
 
     width: int
@@ -266,7 +266,7 @@ class SceneKeywords(TypedDict, total=False):
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough [default: 75%]
+        enough. A film keeps fewer pictures at a time [default: 75%]
     """
 
     width: int
@@ -319,7 +319,7 @@ class TrajectoryKeywords(TypedDict, total=False):
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough [default: 75%]
+        enough. A film keeps fewer pictures at a time [default: 75%]
     """
 
     width: int
@@ -377,7 +377,7 @@ class NoisyKeywords(TypedDict, total=False):
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough [default: 75%]
+        enough. A film keeps fewer pictures at a time [default: 75%]
     """
 
     snr: float
@@ -483,8 +483,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
         Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
         places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
-        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
+        descriptors [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -498,7 +497,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough [default: 75%]
+        enough. A film keeps fewer pictures at a time [default: 75%]
     """
 
     snr: Union[float, Sequence[float]]
@@ -629,8 +628,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
         Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
         places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
-        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
+        descriptors [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -664,7 +662,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough [default: 75%]
+        enough. A film keeps fewer pictures at a time [default: 75%]
     """
 
     frame_counts: Union[int, Sequence[int]]
@@ -797,8 +795,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
         Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
         places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
-        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
+        descriptors [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -812,7 +809,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough [default: 75%]
+        enough. A film keeps fewer pictures at a time [default: 75%]
     """
 
     snr: Union[float, Sequence[float]]
@@ -940,8 +937,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
         Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
         places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
-        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
+        descriptors [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -955,7 +951,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough [default: 75%]
+        enough. A film keeps fewer pictures at a time [default: 75%]
     """
 
     sigma: Union[float, Sequence[float]]
@@ -1103,8 +1099,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
         Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
         places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
-        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
+        descriptors [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -1138,7 +1133,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough [default: 75%]
+        enough. A film keeps fewer pictures at a time [default: 75%]
     """
 
     methods: Union[Union[str, float], Sequence[Union[str, float]]]
@@ -1218,7 +1213,7 @@ class EvaluatePosesKeywords(TypedDict, total=False):
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
         more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough [default: 75%]
+        enough. A film keeps fewer pictures at a time [default: 75%]
     """
 
     estimate: Path

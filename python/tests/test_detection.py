@@ -105,7 +105,7 @@ def test_a_parameter_file_is_read_and_overridden(chart: bs.Burst, found: bs.Dete
         ({"frames": (3, 99)}, "reaches past the burst's 5 frames"),
         ({"frames": slice(None, 3)}, "give a slice or a range with a start"),
         ({"noise_gate": "lots"}, "noise_gate: .*auto"),
-        ({"coherence": float("nan")}, "coherence"),
+        ({"edge_threshold": float("nan")}, "edge"),
     ],
 )
 def test_nonsense_is_a_value_error_with_a_remedy(chart: bs.Burst, keywords: dict[str, object], words: str) -> None:
