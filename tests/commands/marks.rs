@@ -1,4 +1,4 @@
-//! What the program wrote is known by a mark with content, not by the names of files: nothing of others is lost.
+//! Marks with content, not the names of files, tell what the program wrote: nothing of others is lost.
 
 use super::support::{contents, names, run_badly, run_well};
 use std::fs;

@@ -1,7 +1,7 @@
 //! Greys of a part of the window: a picture of it in 160 digits, which noise does not change.
 //!
 //! The pictures of a burst change a little with every change of the detector, because features are drawn over them.
-//! What must be seen is a picture that is missing, black, shifted, or another one.
+//! A picture that is missing, black, shifted, or another one must still be noticed.
 
 use egui::Rect;
 use image::RgbaImage;

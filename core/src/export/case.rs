@@ -465,7 +465,7 @@ mod tests {
         let (case, part) =
             Case::of(&burst, &search, (Some([40.0, 30.0]), None), "why not this one?", &Monitor::default())
                 .expect("nobody cancels");
-        // A case without session and truth, as they were written before there were any.
+        // A case without session and truth.
         let (_home, path) = written(&case, &part, &Enclosed::default());
         assert!(!has_truth(&path));
         assert!(matches!((read_session(&path), read_truth(&path)), (Ok(None), Ok(None))));

@@ -179,7 +179,7 @@ pub struct FilmStep {
     pub frames: Option<usize>,
 }
 
-/// What the pictures of a film share, and the values that were kept.
+/// Steps, ranges and size that the pictures of a film share, and the values that were kept of them.
 pub(super) struct Prepared {
     pub steps: Vec<FilmStep>,
     pub planes: Vec<Option<Plane>>,

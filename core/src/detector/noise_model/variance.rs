@@ -84,7 +84,7 @@ impl PhotonTransfer {
         Self { slope, dark, min, points }
     }
 
-    /// The same `variance` at every brightness.
+    /// Curve with one `variance`, squared fractions of full scale, at all brightnesses.
     pub fn even(variance: f32) -> Self {
         Self { dark: variance, ..Self::default() }
     }
