@@ -30,6 +30,9 @@
 //! input pixels. `D = G(next level) − G(this level)`: a bright blob is a negative extremum. Orientations are radians
 //! from +u towards +v.
 
+// A public item says its shape, unit, range and errors; in the program a comment stands where it says something.
+#![warn(missing_docs)]
+
 pub mod baseline;
 pub mod burst;
 pub mod dataset;

@@ -15,6 +15,9 @@
 //!
 //! The conventions are those of [`burstscope_core`].
 
+// A public item says its shape, unit, range and errors; in the program a comment stands where it says something.
+#![warn(missing_docs)]
+
 pub mod evaluate;
 pub mod figures;
 pub mod recover;

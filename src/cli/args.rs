@@ -34,7 +34,6 @@ pub struct SequenceArgs {
 #[command(after_long_help = DETECT_HELP)]
 pub struct DetectArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// Folder for the features, made if it is missing; files are named after their burst.
     #[arg(long, short, value_name = "DIR")]
@@ -42,13 +41,10 @@ pub struct DetectArgs {
     /// Formats, separated by commas: csv, colmap, npz.
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "csv")]
     pub format: Vec<ExportFormat>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }
@@ -85,7 +81,6 @@ JSON (--json):
 #[derive(Debug, Args)]
 pub struct StackArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// The slope, pixels per frame to the right and down.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope)]
@@ -103,10 +98,8 @@ pub struct StackArgs {
     /// The TIFF file to write.
     #[arg(long, short, value_name = "FILE.tiff")]
     pub out: PathBuf,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }
@@ -119,21 +112,16 @@ pub struct StackArgs {
 #[derive(Debug, Args)]
 pub struct MergeArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// The TIFF file to write.
     #[arg(long, short, value_name = "FILE.tiff")]
     pub out: PathBuf,
     #[arg(long = doc::FRAMES.name, value_name = "A..B", help = doc::FRAMES.meaning, value_parser = FrameRange::from_str)]
-    #[allow(missing_docs)]
     pub frames: Option<FrameRange>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub calibration: CalibrationArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }
@@ -148,13 +136,10 @@ pub(super) fn parse_slope(text: &str) -> Result<Slope, String> {
 /// Options of the search, of opening bursts, and of the output.
 #[derive(Debug, Clone, Args)]
 pub struct BurstSearchArgs {
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub calibration: CalibrationArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
 }

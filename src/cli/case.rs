@@ -21,7 +21,6 @@ use std::path::PathBuf;
 #[command(after_long_help = CASE_HELP)]
 pub struct CaseArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// The place that is asked about, in pixels at mid-burst: column and row.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
@@ -35,10 +34,8 @@ pub struct CaseArgs {
     /// The file to write.
     #[arg(long, short, value_name = "FILE.burstcase")]
     pub out: PathBuf,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

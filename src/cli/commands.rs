@@ -47,7 +47,6 @@ pub struct Cli {
     /// them side by side; or a folder of bursts, or several, as a dataset.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
     /// Begin a lesson: one of out-of-the-dark, slope-is-depth, blobs-at-every-scale, what-noise-does, when-it-fails,
@@ -58,7 +57,6 @@ pub struct Cli {
     /// The parameter file to begin with.
     #[command(flatten)]
     pub params: ParamsFileArg,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub calibration: CalibrationArgs,
     /// The command.

@@ -33,7 +33,6 @@ pub struct SavedDataset {
     /// The places of the bursts that were A and B.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub a: Option<usize>,
-    #[allow(missing_docs)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub b: Option<usize>,
 }
