@@ -8,7 +8,6 @@ use egui::Rect;
 #[derive(Debug, Default)]
 pub struct Aside {
     last: Option<(Rect, bool)>,
-    /// View as the panel left it, and as it was before.
     moved: Option<(View, View)>,
 }
 

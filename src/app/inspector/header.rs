@@ -27,16 +27,12 @@ const ROOM_FOR_ALL: f32 = 800.0;
 /// Minimum width of a header with the split buttons, in points; narrower ones have them in the menu only.
 const ROOM_FOR_SPLITS: f32 = 190.0;
 
-/// Pointer's actions on a header.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HeaderResponse {
-    /// The pane gets the focus.
     pub clicked: bool,
-    /// The pane is dragged by its name.
     pub dragged: bool,
 }
 
-/// Draws the header of pane `id`.
 pub fn header_ui(
     ui: &mut Ui,
     model: &mut Model,
@@ -90,7 +86,6 @@ pub fn header_ui(
     answer
 }
 
-/// Draws number and description of the pane, by which it is dragged.
 fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> HeaderResponse {
     let long = long_description(model, id);
     // While the picture is being made, the short text describes the coming one.
@@ -192,28 +187,22 @@ fn buttons_ui(ui: &mut Ui, model: &mut Model, id: PaneId, width: f32, changes: &
     ui.add_space(4.0);
 }
 
-/// Sense of a header's part by which the pane is dragged.
 fn grip_sense(many: bool) -> Sense {
     if many { Sense::click_and_drag() } else { Sense::click() }
 }
 
-/// Picture on a button.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Icon {
-    /// Pane split to the right.
     SplitRight,
-    /// Pane split downwards.
     SplitDown,
     /// Three lines: a menu.
     Menu,
-    /// A cross.
     Close,
 }
 
 /// Size of a button, in points.
 pub const ICON_SIZE: egui::Vec2 = vec2(20.0, 18.0);
 
-/// Draws a button called `name`.
 pub fn icon_button_ui(ui: &mut Ui, icon: Icon, name: &str, tip: &str, enabled: bool) -> Response {
     let sense = if enabled { Sense::click() } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(ICON_SIZE, sense);

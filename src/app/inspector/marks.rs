@@ -15,7 +15,6 @@ use crate::inspect::probe::AT_PLACE_PX;
 use crate::requests::PictureKind;
 use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
 
-/// Draws the marks over the drawn panes, and puts the values into `widgets`.
 pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
     widgets.values.clear();
     let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
@@ -34,7 +33,6 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
     }
 }
 
-/// Maps the place `pos_image` of pane `from` to pane `to`.
 pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let (a, b) = (model.panes.get(from)?, model.panes.get(to)?);
     let kinds = [a, b].map(|pane| pane.picture.as_ref().map(|picture| picture.request.kind));
@@ -92,7 +90,6 @@ fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<P
     Some(place_in(pos2(u, v), (PictureKind::Stack { slope }, &cursor), (kind, &cursor), &used(model, pane.side)?))
 }
 
-/// Frames of the burst of `side` that are searched.
 fn used(model: &Model, side: Side) -> Option<std::ops::Range<usize>> {
     Some(model.usable_params_of(side).used_frames(model.burst_of(side)?.burst.len()))
 }
@@ -126,7 +123,6 @@ pub(super) fn probe_ui(ui: &egui::Ui, model: &mut Model, drawn: &[(PaneId, Drawn
     }
 }
 
-/// Whether Shift was held when the button was released.
 pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {
     ui.input(|i| {
         let let_go = i.events.iter().rev().find_map(|event| match event {

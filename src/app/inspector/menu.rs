@@ -19,7 +19,6 @@ use crate::app::words::{explained, picture_word};
 use crate::requests::MapKind;
 use egui::{Button, RichText, Ui};
 
-/// Draws the menu of pane `id`.
 pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: &mut Vec<Change>, queue: &mut Queue) {
     ui.set_min_width(190.0);
     content_ui(ui, model, id);
@@ -57,7 +56,6 @@ pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: 
     });
 }
 
-/// Draws the choice of content and burst.
 fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     let others: Vec<(PaneId, usize)> = other_panes(model, id);
     let both = model.burst_of(Side::B).is_some();
@@ -129,7 +127,6 @@ fn other_panes(model: &Model, id: PaneId) -> Vec<(PaneId, usize)> {
     model.panes.shown().into_iter().filter(own).filter_map(|other| Some((other, model.panes.number(other)?))).collect()
 }
 
-/// Draws the choice of a picture laid over the pane's own.
 fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     let others: Vec<(PaneId, usize)> = model
         .panes
@@ -233,7 +230,6 @@ pub(super) fn picture_menu_ui(
     });
 }
 
-/// Draws the items for one of A's features.
 fn feature_menu_ui(ui: &mut Ui, model: &mut Model, index: usize, queue: &mut Queue) {
     let Some(feature) = model.features().get(index).copied() else { return };
     ui.label(RichText::new(format!("Feature {}", index + 1)).small().weak());
@@ -250,7 +246,6 @@ fn feature_menu_ui(ui: &mut Ui, model: &mut Model, index: usize, queue: &mut Que
     copy_ui(ui, "Copy row", || clipboard::feature_text(&feature));
 }
 
-/// Draws an item that copies a text.
 pub(in crate::app) fn copy_ui(ui: &mut Ui, label: &str, text: impl FnOnce() -> String) {
     if ui.button(label).clicked() {
         ui.ctx().copy_text(text());

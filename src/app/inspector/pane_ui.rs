@@ -22,13 +22,11 @@ use egui::{
     Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
 };
 
-/// Drawn pane.
 pub struct Drawn {
     /// Pane whose picture is shown: the pane itself or, flipped, another.
     pub shown: PaneId,
     /// Output of the canvas; of a wipe, that of its left part.
     pub output: CanvasOutput,
-    /// Pane and canvas of the right part of a wipe.
     pub right: Option<(PaneId, CanvasOutput)>,
 }
 
@@ -132,7 +130,6 @@ pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
     burst.map_or(1.0, |open| open.burst.full_scale)
 }
 
-/// Reason why the picture that `id` needs now cannot be made.
 fn problem_of(model: &Model, id: PaneId) -> Option<&str> {
     let wanted = model.wanted(id)?;
     let (request, why) = model.panes.get(id)?.problem.as_ref()?;
@@ -243,14 +240,12 @@ impl Area {
         self.rect.min + part * self.rect.size()
     }
 
-    /// Place at `pos` as (column, row), with fractions.
     fn at(&self, pos: Pos2) -> (f32, f32) {
         let part = (pos - self.rect.min) / self.rect.size();
         (part.x * self.columns - 0.5, part.y * self.rows - 0.5)
     }
 }
 
-/// Draws the frame of each row, and the columns' distances from the place.
 fn numbers_ui(ui: &Ui, area: &Area, slice: &Slice) {
     let (painter, colour) = (ui.painter(), ui.visuals().text_color());
     let font = TextStyle::Small.resolve(ui.style());

@@ -20,15 +20,12 @@ use crate::app::project::workspace::Workspace;
 use egui::{ProgressBar, RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
-/// Result of drawing all panes.
 pub struct Inspected {
     /// Drawn panes with a picture, in the order of drawing.
     pub drawn: Vec<(PaneId, Drawn)>,
-    /// Requested changes of the set of panes.
     pub changes: Vec<Change>,
 }
 
-/// Draws all panes of the open workspace.
 pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, queue: &mut Queue) -> Inspected {
     widgets.begin_pass();
     let mut tree = tree_of(model.panes.arrangement());
@@ -45,7 +42,6 @@ pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, q
     Inspected { drawn, changes }
 }
 
-/// Draws the page of a pane on `side` that shows the input of `method`.
 fn empty_ui(ui: &mut Ui, model: &Model, side: Side, method: Option<Contender>, queue: &mut Queue) {
     if method == Some(Contender::Gold) {
         gold_ui(ui, side, queue);
@@ -96,7 +92,6 @@ fn second_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 /// Minimum size of a picture with a legend, in points.
 const LEGEND_ROOM: egui::Vec2 = egui::vec2(250.0, 170.0);
 
-/// Draws panes for `egui_tiles`.
 struct Inspector<'a> {
     pub model: &'a mut Model,
     pub widgets: &'a mut PaneWidgets,
@@ -180,7 +175,6 @@ impl Inspector<'_> {
         touched
     }
 
-    /// Draws a frame around the focused pane.
     fn frame_ui(&self, ui: &Ui, id: PaneId, whole: egui::Rect) {
         if self.model.panes.are_many() && self.model.focus() == id {
             let stroke = Stroke::new(1.0, crate::app::style::ACCENT);

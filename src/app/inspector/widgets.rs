@@ -18,7 +18,6 @@ use crate::requests::{MapKind, PictureKind};
 use egui::{Pos2, Rect};
 use std::collections::HashMap;
 
-/// State of one pane's widgets.
 #[derive(Default)]
 pub struct PaneWidget {
     /// Picture on the card, and the place where it was drawn.
@@ -31,22 +30,18 @@ pub struct PaneWidget {
     pub(super) aside: Aside,
     /// Slice, if the pane shows one.
     pub(super) slice: PlaneTexture,
-    /// Target of the picture's menu.
     pub(super) menu: MenuPlace,
 }
 
 /// Value of one pane at the place under the pointer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceValue {
-    /// Pane.
     pub id: PaneId,
     /// Number of the pane, from 1.
     pub number: usize,
-    /// Place in that pane, and the value there.
     pub readout: Readout,
 }
 
-/// State of the widgets of all panes.
 #[derive(Default)]
 pub struct PaneWidgets {
     all: HashMap<PaneId, PaneWidget>,
@@ -55,7 +50,6 @@ pub struct PaneWidgets {
 }
 
 impl PaneWidgets {
-    /// State of `id`, created when needed.
     pub fn of(&mut self, id: PaneId) -> &mut PaneWidget {
         self.all.entry(id).or_default()
     }
@@ -80,12 +74,10 @@ impl PaneWidgets {
         self.get(id)?.rect_ui
     }
 
-    /// Clears the places of panes before they are drawn.
     pub(super) fn begin_pass(&mut self) {
         self.all.values_mut().for_each(|widget| (widget.rect_ui, widget.picture.readout) = (None, None));
     }
 
-    /// Removes the state of all panes that `keep` rejects.
     pub fn retain(&mut self, keep: impl Fn(PaneId) -> bool) {
         self.all.retain(|id, _| keep(*id));
     }
@@ -101,7 +93,6 @@ pub struct MenuPlace {
     pub(super) mid_burst: Option<(Side, [f32; 2])>,
 }
 
-/// Describes the content of a pane in few words.
 pub fn compact_description(model: &Model, id: PaneId) -> String {
     short_description(model, id, false)
 }
@@ -189,9 +180,7 @@ pub(super) fn canvas_name(model: &Model, id: PaneId) -> String {
 
 /// Panes of one method, and the joined ones among them; as indices into the given places.
 pub struct JoinedPanes {
-    /// Panes of A and of B.
     pub sides: [Vec<usize>; 2],
-    /// A pane of A and one of B that faces it.
     pub pairs: Vec<(usize, usize)>,
 }
 
@@ -230,7 +219,6 @@ fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Distance between two rectangles.
 fn apart(a: &Rect, b: &Rect) -> f32 {
     let gap = |min: f32, max: f32| (min - max).max(0.0);
     let x = gap(b.left(), a.right()).max(gap(a.left(), b.right()));

@@ -31,7 +31,6 @@ pub fn colour(with: With, kind: Kind) -> Color32 {
     }
 }
 
-/// Draws the switch between the things to compare with.
 fn switch_ui(ui: &mut Ui, model: &mut Model, side: Side, queue: &mut Queue) {
     if model.workspace == Workspace::Pair {
         ui.label(RichText::new(format!("Features of {}", side.name())).strong());
@@ -63,7 +62,6 @@ fn switch_ui(ui: &mut Ui, model: &mut Model, side: Side, queue: &mut Queue) {
 
 const PROBE_HELP: &str = "Say why there is a feature at its place, or why there is none";
 
-/// Draws the list for the burst in focus, or the reason why there is none.
 pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: &mut Queue) {
     let side = model.active_side();
     ui.horizontal_wrapped(|ui| switch_ui(ui, model, side, queue));
@@ -293,7 +291,6 @@ fn tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
     });
 }
 
-/// Draws the legend of the comparison.
 pub fn legend_ui(ui: &mut Ui, model: &mut Model, side: Side, shown: &Shown, output: &CanvasOutput) {
     let kinds: Vec<Kind> =
         Kind::of(shown.with).iter().copied().filter(|kind| model.slots[side].against.shows(*kind)).collect();
@@ -310,7 +307,6 @@ pub fn legend_ui(ui: &mut Ui, model: &mut Model, side: Side, shown: &Shown, outp
     });
 }
 
-/// Draws a small circle in the style of the picture's.
 fn key_ui(ui: &mut Ui, shown: &Shown, kind: Kind) {
     let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
     // Dark as the pictures, so that the colours can be told apart in the light theme too.

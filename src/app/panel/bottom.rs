@@ -11,7 +11,6 @@ use egui::{Align, Layout, Ui};
 /// Minimum width with widely spaced tabs, in points.
 const ROOMY: f32 = 600.0;
 
-/// Tabs with their tooltips.
 const TABS: [(BottomTab, &str, &str); 7] = [
     (BottomTab::Table, "Table", "A row for each feature"),
     (BottomTab::Tally, "Tally", "How many candidates each test rejected"),
@@ -33,7 +32,6 @@ fn tabs_ui(ui: &mut Ui, model: &mut Model) {
     }
 }
 
-/// Draws the tabs of the closed panel.
 pub fn closed_ui(ui: &mut Ui, model: &mut Model) {
     let tabs = ui.horizontal(|ui| {
         (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
@@ -42,7 +40,6 @@ pub fn closed_ui(ui: &mut Ui, model: &mut Model) {
     mark(ui, Part::Tabs, tabs.response.rect);
 }
 
-/// Draws the tabs and the content of the open one.
 pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
     // Widgets beside the tabs go below them where there is no space.
     let tabs = ui.horizontal_wrapped(|ui| {

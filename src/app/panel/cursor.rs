@@ -12,7 +12,6 @@ use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{Slope, SlopeAxis, SlopeChoice};
 use egui::{CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
-/// Draws the section.
 pub fn cursor_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     section_ui(ui, "Cursor", |ui| {
         frame_row(ui, model);
@@ -131,7 +130,6 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     ));
 }
 
-/// Draws the pad.
 pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
     let side = ui.available_width().min(170.0);
     let (full, _) = ui.allocate_exact_size(vec2(ui.available_width(), side), Sense::hover());
@@ -234,11 +232,9 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
     }
 }
 
-/// Drag of an end of the range.
 #[derive(Clone, Copy)]
 struct Drag {
     limit: f32,
-    /// Range when the drag began.
     axis: SlopeAxis,
     /// Distance of the drag, px/frame.
     pulled: f32,
@@ -268,7 +264,6 @@ fn set_axis(model: &mut Model, second: bool, axis: SlopeAxis) {
     }
 }
 
-/// Draws features upwards, and evidence as a thin bar in front of them.
 fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) -> f32) {
     let painter = ui.painter_at(rect.expand2(vec2(3.0, 0.0)));
     painter.rect_filled(rect.expand2(vec2(3.0, 0.0)), 2.0, ui.visuals().extreme_bg_color);

@@ -24,7 +24,6 @@ pub struct DisplayState {
     share: HistogramPanel,
 }
 
-/// Draws the section.
 pub fn display_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     section_ui(ui, "Display", |ui| {
         range_ui(ui, model, widgets);
@@ -43,7 +42,6 @@ pub fn ranges_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     });
 }
 
-/// Draws the range of the focused pane.
 fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     let PaneWidget { picture: pictures, display: state, .. } = widgets.of(model.focus());
     pictures.refresh(model.picture());
@@ -66,7 +64,6 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     panel.ui(ui, pictures.shown(), pictures.visible_image, model.focused_ranges_mut().display_mut(class));
 }
 
-/// Draws the smoothing of the display.
 fn smoothing_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         let label = label_ui(ui, "Smoothing", 69.0);
@@ -83,7 +80,6 @@ fn smoothing_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Draws the switches of the overlays.
 fn overlay_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
@@ -103,7 +99,6 @@ fn overlay_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Draws the switch of the features over the pictures.
 pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown) {
     for choice in FeaturesShown::ALL {
         let button = ui.selectable_value(shown, choice, RichText::new(choice.label()).small());
@@ -111,7 +106,6 @@ pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown) {
     }
 }
 
-/// Draws the choice of the features' colours.
 fn colouring_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         let label = label_ui(ui, "Colour by", 69.0);
@@ -182,7 +176,6 @@ fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     });
 }
 
-/// Draws the colours of a display from its lowest to its highest value.
 pub fn bar_ui(ui: &Ui, bar: Rect, display: &Display) {
     const STEPS: usize = 96;
     let colours = display.colours();

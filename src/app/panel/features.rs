@@ -17,10 +17,8 @@ use crate::detector::{Detection, Feature, Slope, SlopeGrid};
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
-/// Options for features over one picture.
 #[derive(Debug, Clone, Copy)]
 pub struct FeatureOptions {
-    /// Whether there is space for the legend.
     pub legend: bool,
 }
 
@@ -31,22 +29,18 @@ pub struct FeatureLayer {
     pub detection: Arc<Detection>,
     /// Features at their places in the picture where that is a frame: at its time.
     in_frame: Option<Vec<Feature>>,
-    /// For each feature, whether it is shown.
     pub shown: Vec<bool>,
     /// For each feature, whether it moves by another slope than [`Self::slope`]; empty without a slope.
     elsewhere: Vec<bool>,
     /// Slope by which the picture was shifted; `None` if it was not, or by several, or if features at other slopes are
     /// not to be fainter.
     pub slope: Option<Slope>,
-    /// The selected feature.
     pub selected: Option<usize>,
     /// The feature under the pointer.
     pub hovered: Option<usize>,
     /// Whether the features belong to other parameters than the present ones.
     pub stale: bool,
-    /// Whether their orientations are drawn.
     pub orientations: bool,
-    /// Whether their motions are drawn.
     pub motions: bool,
     /// Whether the table, the filter and the selection refer to these features.
     pub is_listed: bool,
@@ -106,7 +100,6 @@ impl FeatureLayer {
         self.in_frame.as_deref().unwrap_or(&self.detection.features)
     }
 
-    /// Colours of the features.
     pub fn scale(&self, model: &Model) -> overlay::ColourScale {
         let (features, grid) = (&self.detection.features, &self.detection.slopes);
         let scale = overlay::ColourScale::of(model.colour_by, features, grid);
@@ -200,7 +193,6 @@ pub fn features_ui(
     }
 }
 
-/// Draws the layer, with the features of `in_full` in full.
 fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutput, in_full: &overlay::Drawn) {
     let style = overlay::OverlayStyle {
         shown: Some(&in_full.flags),

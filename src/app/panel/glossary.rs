@@ -6,12 +6,10 @@ use crate::app::words::asked_for;
 use crate::teach::glossary::{Word, glossary};
 use egui::{Context, RichText, ScrollArea, Ui, vec2};
 
-/// State of the glossary window.
 #[derive(Debug, Default)]
 pub struct GlossaryWindow {
     is_open: bool,
     text: String,
-    /// Name of the entry to scroll to.
     wanted: Option<String>,
     /// Whether the search field is to get the keyboard focus.
     focus: bool,
@@ -27,7 +25,6 @@ impl GlossaryWindow {
         }
     }
 
-    /// Whether the window is open.
     pub fn is_open(&self) -> bool {
         self.is_open
     }

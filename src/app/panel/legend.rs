@@ -3,7 +3,6 @@
 
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 
-/// Picture that a legend lies over.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
     /// The picture, in points.
@@ -27,7 +26,6 @@ impl Place {
 /// Size of the chip of a folded legend, in points.
 const CHIP: Vec2 = vec2(62.0, 20.0);
 
-/// Colour behind a legend.
 pub fn ground(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) }
 }

@@ -7,12 +7,9 @@ use crate::requests::BurstSource;
 use egui::{DragValue, RichText, ScrollArea, Ui, vec2};
 use std::path::PathBuf;
 
-/// Request of the calibration dialog.
 #[derive(Debug)]
 pub enum CalibrationChoice {
-    /// Ask for a file of this purpose.
     Choose(Purpose),
-    /// Open bursts with these options from now on.
     Apply(OpenOptions),
 }
 
@@ -113,7 +110,6 @@ fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>) -> bool {
     choose
 }
 
-/// Draws the choice between an own level and that of the files.
 fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip: &str) {
     let mut own = level.is_some();
     ui.checkbox(&mut own, label).on_hover_text(tip);

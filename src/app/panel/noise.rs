@@ -10,17 +10,14 @@ use crate::plane::display::ColourMap;
 use crate::requests::MapKind;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
-/// Formats a number with the digits that a plot needs.
 fn number(value: f32) -> String {
     in_digits(value, 3)
 }
 
 /// Size of the plot and of the map, points.
 const PLOT: egui::Vec2 = vec2(280.0, 130.0);
-/// Cells of the map along its longer side.
 const MAP_CELLS: usize = 64;
 
-/// Draws a line of numbers about the noise.
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
     let Some(found) = &model.slots.a.found else {
         ui.weak("No detection yet");
@@ -40,7 +37,6 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
 }
 
-/// Draws the warnings, the curve and the map.
 pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
     let Some(found) = model.slots.a.found.clone() else {
         ui.centered_and_justified(|ui| ui.weak(model.without_features(Side::A, "Press Detect to measure the noise")));
@@ -61,7 +57,6 @@ pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Draws the curve's numbers, and a button that shows the map in the picture.
 fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
     let curve = &noise.transfer;
     ui.horizontal(|ui| {
@@ -77,7 +72,6 @@ fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
     });
 }
 
-/// Draws the assumptions about the noise that do not hold.
 pub fn warnings_ui(ui: &mut Ui, found: &FoundFeatures) {
     for warning in &found.detection.noise.warnings {
         ui.add_space(4.0);
@@ -131,7 +125,6 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
     painter.text(rect.right_bottom() + vec2(-4.0, -2.0), Align2::RIGHT_BOTTOM, number(high), font, colour);
 }
 
-/// Draws the map of σ.
 fn map_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel) {
     let Some(burst) = &model.slots.a.burst else { return };
     let (width, height) = burst.burst.size();

@@ -16,9 +16,7 @@ const LABEL_WIDTH: f32 = 106.0;
 pub struct ParamTable<'a, P> {
     /// Error in the parameters, if any.
     pub error: Option<&'a ParamError>,
-    /// The parameters' defaults.
     pub defaults: P,
-    /// Number of frames of the burst.
     pub frame_count: usize,
 }
 
@@ -67,7 +65,6 @@ impl<P: Clone> ParamTable<'_, P> {
     }
 }
 
-/// Draws the editor of a value, according to its type.
 fn field_ui(ui: &mut Ui, field: Field<'_>, drag: &Drag, label: Id, frame_count: usize) {
     match field {
         Field::F32(x) => number_ui(ui, dragged(DragValue::new(x).max_decimals(drag.decimals), drag), label),
@@ -99,7 +96,6 @@ fn dragged<'a>(field: DragValue<'a>, drag: &Drag) -> DragValue<'a> {
         .custom_parser(move |text| if text.trim() == word { Some(0.0) } else { text.trim().parse().ok() })
 }
 
-/// Draws the parameter's name and unit, with its help as tooltip.
 pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
     let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
     let help = help_text(doc);
@@ -121,7 +117,6 @@ pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
     .inner
 }
 
-/// Help of a parameter, with its name on the command line.
 fn help_text(doc: &ParamDoc) -> String {
     format!("{}\n--{}", doc.help(), doc.name)
 }
@@ -136,12 +131,10 @@ pub fn reset_ui(ui: &mut Ui, doc: &ParamDoc, differs: bool) -> bool {
     response.on_hover_text(format!("{name} to its default")).clicked()
 }
 
-/// Draws a field for a number.
 fn number_ui(ui: &mut Ui, field: DragValue<'_>, label: Id) {
     ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), field).labelled_by(label);
 }
 
-/// Draws a choice between names.
 fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, names: &[(T, &str)]) {
     let chosen = names.iter().find(|(v, _)| v == value).map_or("", |(_, name)| name);
     let response = egui::ComboBox::from_id_salt(label)
@@ -156,7 +149,6 @@ fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, names: 
     response.labelled_by(label);
 }
 
-/// Draws the choice between the named values of a type.
 fn word_ui(ui: &mut Ui, value: &mut dyn Word, label: Id) {
     let mut chosen = value.word();
     choice_ui(ui, &mut chosen, label, value.words());
@@ -171,7 +163,6 @@ pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice) {
     }
 }
 
-/// Draws the fields for minimum, maximum and number of slopes.
 fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
     ui.spacing_mut().item_spacing.x = 3.0;
     // Three fields and the texts between them share the space.
@@ -188,7 +179,6 @@ fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
     hint(ui.add_sized(size, count).labelled_by(label), format!("Number of slopes. {tip}"));
 }
 
-/// Draws the choice between all frames and a range of them.
 fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_count: usize) {
     ui.spacing_mut().item_spacing.x = 3.0;
     let mut all = frames.is_none();

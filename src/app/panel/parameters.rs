@@ -16,7 +16,6 @@ use egui::{Align, Layout, RichText, Ui};
 const BASIC: [Param<DetectorParams>; 6] =
     [doc::METHOD, doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::NOISE_GATE, doc::MAX_FEATURES];
 
-/// Draws the section.
 pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     section_ui(ui, "Detector", |ui| {
         ui.horizontal(|ui| {
@@ -47,7 +46,6 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     });
 }
 
-/// Draws the row of one parameter.
 fn row_ui(
     ui: &mut Ui,
     model: &mut Model,
@@ -65,7 +63,6 @@ fn row_ui(
     });
 }
 
-/// Parameters that are folded away.
 fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
     doc::ALL.iter().filter(|record| !BASIC.contains(record))
 }
@@ -99,14 +96,12 @@ fn advanced_ui(ui: &mut Ui, model: &mut Model, table: &rows::ParamTable<'_, Dete
     }
 }
 
-/// Text of the found slopes, shown below their switch.
 fn slopes_found_text(finding: &SlopeFinding) -> String {
     let summary = finding.summary();
     let (first, rest) = summary.split_at(summary.chars().next().map_or(0, char::len_utf8));
     first.to_uppercase() + rest
 }
 
-/// Draws the choice of the slopes, and the slopes found.
 fn slopes_ui(
     ui: &mut Ui,
     table: &rows::ParamTable<'_, DetectorParams>,

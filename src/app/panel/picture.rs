@@ -22,7 +22,6 @@ pub struct PictureState {
     /// Transform from image pixels to points of the window, as last drawn.
     pub ui_from_image: Option<canvas::RectTransform>,
     shown: Option<canvas::Picture>,
-    /// Colours of a map that has its own, on the card.
     colours: Option<(Arc<MotionMap>, egui::TextureHandle)>,
     scale: Option<(Arc<Detection>, overlay::ColourScale)>,
     /// Numbers of features drawn in full, and in view, as last drawn; `None` without features.
@@ -43,7 +42,6 @@ impl PictureState {
         }
     }
 
-    /// Shown picture.
     pub fn shown(&self) -> Option<&canvas::Picture> {
         self.shown.as_ref()
     }
@@ -95,7 +93,6 @@ impl PictureState {
     }
 }
 
-/// Makes a canvas picture with a fresh id.
 pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
     let (plane, label) = (picture.plane.clone(), describe(picture));
     let on_canvas = match picture.request.kind.about().scale {
@@ -128,7 +125,6 @@ pub(in crate::app) fn readout_of(
     Some(Readout { quantity, smoothing_px: picture.request.smoothing_px, ..readout })
 }
 
-/// Describes a picture in one line.
 pub fn describe(picture: &Picture) -> String {
     let first = describe_request(&picture.request);
     match picture.request.minus() {
@@ -180,7 +176,6 @@ pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
     Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
 }
 
-/// Draws a warning over a picture whose features belong to other parameters.
 pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
     if model.look.overlay == FeaturesShown::None || model.slots.a.detecting.is_pending() {

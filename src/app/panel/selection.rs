@@ -26,7 +26,6 @@ pub struct SelectionState {
     frame: PatchTexture,
 }
 
-/// Draws the buttons that walk through the listed features or matches.
 pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -40,7 +39,6 @@ pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-/// Draws the section.
 pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, queue: &mut Queue) {
     section_ui(ui, "Selected feature", |ui| {
         walk_ui(ui, model, queue);
@@ -71,7 +69,6 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
     });
 }
 
-/// Draws the verdict about the feature, with its reason.
 fn verdict_ui(ui: &mut Ui, judged: &Judged) {
     let colour = match judged.verdict {
         Verdict::Real | Verdict::Unclear => ui.visuals().text_color(),
@@ -205,7 +202,6 @@ fn angle_of(direction: usize) -> f32 {
     -std::f32::consts::TAU * direction as f32 / DIRECTIONS as f32
 }
 
-/// Number of samples on a side of a patch.
 const SAMPLES: usize = 72;
 /// Half width of a patch, in σ: the reach of the descriptor's 4×4 cells of 3 σ, those of its finest scale.
 const SIGMAS: f32 = 6.0;
@@ -224,17 +220,13 @@ struct PatchKey {
     dark: bool,
 }
 
-/// Content of a patch.
 pub struct PatchView<'a> {
-    /// Name of the patch, for screen readers and tests.
     pub name: &'a str,
     /// Picture that the patch is cut from, on the input image's pixels.
     pub plane: &'a Arc<Plane>,
-    /// Feature, at its place in that picture.
     pub feature: Feature,
     /// Whether the patch is rotated so that the feature's orientation points to the right, as its descriptor sees it.
     pub turned: bool,
-    /// Range and colours.
     pub display: Display,
 }
 

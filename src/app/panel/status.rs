@@ -69,7 +69,6 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
     types_path
 }
 
-/// Warnings about the files of the burst in focus.
 fn warnings(model: &Model) -> Vec<String> {
     let burst = model.burst_of(model.active_side());
     burst.map_or_else(Vec::new, |open| open.burst.notes().iter().map(|note| note.for_window()).collect())
@@ -107,7 +106,6 @@ fn burst_text(model: &Model) -> String {
     format!("{which}{} · {} {frames} · {width} × {height}{depth}", burst.name, burst.len())
 }
 
-/// Draws the errors that are not dismissed, in the lower right corner.
 pub fn messages_ui(ctx: &egui::Context, messages: &mut Messages) {
     let mut dismissed = None;
     Area::new(Id::unique("messages")).anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -36.0)).show(ctx, |ui| {
@@ -138,7 +136,6 @@ pub fn messages_ui(ctx: &egui::Context, messages: &mut Messages) {
     }
 }
 
-/// Draws the offer. Returns the choice, once it is made.
 pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
     let mut choice = None;
     ui.horizontal_wrapped(|ui| {
@@ -180,7 +177,6 @@ fn discard_ui(ctx: &egui::Context, offer: &Offer) -> Option<RecoveryChoice> {
     answer.or_else(|| modal.should_close().then_some(RecoveryChoice::Keep))
 }
 
-/// Describes an age in the largest unit that fits.
 fn ago(age: Duration) -> String {
     let minutes = age.as_secs() / 60;
     let (count, unit) = match minutes {

@@ -18,7 +18,6 @@ use crate::requests::ProbeQuestion;
 use egui::{Align2, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use std::sync::Arc;
 
-/// Draws a line of numbers about the detection.
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
     let Some(found) = &model.slots.a.found else {
         ui.weak("No detection yet");
@@ -88,7 +87,6 @@ const NAME_WIDTH: f32 = 250.0;
 /// Width of each count, points.
 const COUNT_WIDTH: f32 = 96.0;
 
-/// Row of the tally.
 struct Row<'a> {
     name: &'a str,
     samples: u64,
@@ -98,7 +96,6 @@ struct Row<'a> {
     bar: Option<(u64, bool)>,
 }
 
-/// Draws the headings.
 fn head_ui(ui: &mut Ui, with_candidates: bool) {
     ui.horizontal(|ui| {
         let hint = RichText::new("Click a test to see its candidates in the picture").small().weak();
@@ -114,7 +111,6 @@ fn head_ui(ui: &mut Ui, with_candidates: bool) {
     });
 }
 
-/// Draws a number or its heading, at the right end of its column.
 fn count_ui(ui: &mut Ui, text: RichText) -> egui::Response {
     let size = vec2(COUNT_WIDTH, 16.0);
     ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -236,7 +232,6 @@ fn margin_colour(margin: Option<f32>) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// Describes a candidate by its numbers.
 fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
     let [u, v] = mark.pos_image;
     let fails = match (mark.first_failed, mark.margin) {
@@ -257,7 +252,6 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
     )
 }
 
-/// Draws the data of the selected candidate, and its actions.
 pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
     let Some(mark) = model.selected_candidate().copied() else { return };
     let Some(slope) = model.slots.a.found.as_ref().map(|found| found.detection.slopes.slope(mark.slope_index)) else {
@@ -294,7 +288,6 @@ pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Draws a line over the picture that explains the marks.
 fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
     let painter = &output.painter;
     let rect = output.response.rect.intersect(painter.clip_rect());

@@ -16,7 +16,6 @@ use egui::{Align, Button, Color32, Layout, ProgressBar, Rect, RichText, Sense, S
 /// Minimum room for the button that finds actions, in points.
 const ROOM_FOR_FIND: f32 = 280.0;
 
-/// Draws the toolbar.
 pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::OpenFolder, Some("Open…"));
@@ -114,7 +113,6 @@ fn activity(model: &Model) -> Option<(&'static str, Running)> {
     in_a.or(b.map(|running| ("B: ", running))).or(model.pair.matching.running().map(|running| ("", running)))
 }
 
-/// Draws the numbers of features and matches.
 fn pair_found_ui(ui: &mut Ui, model: &Model) {
     let counts: Vec<String> = pair::Side::BOTH
         .into_iter()
@@ -132,7 +130,6 @@ fn pair_found_ui(ui: &mut Ui, model: &Model) {
     ui.weak(text);
 }
 
-/// Side of a panel.
 #[derive(Clone, Copy)]
 enum Side {
     Left,

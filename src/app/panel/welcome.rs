@@ -7,7 +7,6 @@ use crate::app::project::Model;
 use crate::app::settings::{Recent, Settings};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, ScrollArea, Ui, vec2};
 
-/// Example bursts offered on the page.
 const EXAMPLES: [ActionId; 8] = [
     ActionId::OpenDepths,
     ActionId::OpenCrossing,

@@ -9,7 +9,6 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Draws a section of a side panel, with a heading that folds it.
 pub fn section_ui(ui: &mut Ui, title: &str, add_contents: impl FnOnce(&mut Ui)) {
     egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(ui, |ui| {
         ui.add_space(2.0);
@@ -20,17 +19,12 @@ pub fn section_ui(ui: &mut Ui, title: &str, add_contents: impl FnOnce(&mut Ui)) 
 
 /// Row of the cursor's panel: a label, a slider with marks, and a field for the number.
 pub struct CursorRow<'a> {
-    /// Name, on screen and for screen readers.
     pub label: &'a str,
-    /// Description.
     pub help: &'a str,
-    /// Range of values.
     pub range: RangeInclusive<f32>,
-    /// Values that are marked on the slider.
     pub marks: &'a [f32],
     /// Whether only whole numbers are allowed.
     pub whole: bool,
-    /// Unit, after the number.
     pub suffix: &'a str,
 }
 
@@ -76,7 +70,6 @@ impl CursorRow<'_> {
     }
 }
 
-/// Part of the window that the row of this label is.
 fn part_of(label: &str) -> Option<Part> {
     match label {
         "Frame" => Some(Part::Frame),
@@ -88,7 +81,6 @@ fn part_of(label: &str) -> Option<Part> {
     }
 }
 
-/// Name of the glossary entry for the row of this label.
 fn word_of(label: &str) -> Option<&'static str> {
     match label {
         "Frame" | "Frames" => Some("frame"),
@@ -201,7 +193,6 @@ pub fn label_ui(ui: &mut Ui, text: impl Into<WidgetText>, width: f32) -> egui::R
     .inner
 }
 
-/// Draws short marks under a slider's rail.
 fn marks_ui(ui: &Ui, rect: egui::Rect, range: &RangeInclusive<f32>, marks: &[f32]) {
     // Range of the handle's centre: the slider keeps its handle inside.
     let x_range = rect.x_range().shrink(rect.height() / 2.5);
@@ -218,7 +209,6 @@ fn marks_ui(ui: &Ui, rect: egui::Rect, range: &RangeInclusive<f32>, marks: &[f32
     }
 }
 
-/// Draws a small filled circle, as a key to a colour.
 pub fn dot_ui(ui: &mut Ui, colour: Color32) {
     let (rect, _) = ui.allocate_exact_size(vec2(9.0, 12.0), Sense::hover());
     ui.painter().circle_filled(rect.center(), 4.0, colour);

@@ -16,7 +16,6 @@ use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, side_frame,
 use egui::{Align, Align2, CentralPanel, Frame, Layout, Panel, ProgressBar, RichText, ScrollArea, Ui};
 use egui_extras::{Column, TableBuilder};
 
-/// Draws the workspace. Returns the panes' requests.
 pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, queue, .. } = parts;
     let width = side_width(model);
@@ -56,7 +55,6 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
     changes
 }
 
-/// Draws the section. Returns the requested layout.
 pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<Change> {
     let mut change = None;
     section_ui(ui, "Compare", |ui| {
@@ -79,7 +77,6 @@ pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<
     change
 }
 
-/// Draws the buttons that lay all panes out anew.
 fn layout_ui(ui: &mut Ui, model: &Model) -> Option<Change> {
     let has_second = model.burst_of(Side::B).is_some();
     let mut change = None;
@@ -136,7 +133,6 @@ fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-/// Draws the match lines and the number of inliers over the drawn panes.
 pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
     let look = &model.pair.look;
     let style = MatchLineStyle { opacity: look.opacity, selected: None, hovered: None, others_faint: false };
@@ -175,7 +171,6 @@ const COLUMNS: [(&str, &str); 9] = [
     ("Time", "Wall-clock time of the detection in A"),
 ];
 
-/// Draws the table.
 pub fn table_ui(ui: &mut Ui, model: &mut Model) {
     ui.spacing_mut().item_spacing.x = 4.0;
     let mut switched = None;

@@ -11,7 +11,6 @@ use crate::app::workspace::pair::parameters::{self, CameraText};
 use crate::app::workspace::{side_frame, side_width};
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, Panel, RichText, ScrollArea, Ui};
 
-/// Draws the workspace.
 pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: &mut CameraText, queue: &mut Queue) {
     let width = side_width(model);
     if model.datasets.open.is_none() {
@@ -69,7 +68,6 @@ fn empty_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-/// Draws the choice of the pairs to match.
 fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     section_ui(ui, "Pairs", |ui| {
         let choice = &mut model.datasets.choice;
@@ -108,7 +106,6 @@ fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     });
 }
 
-/// Draws the numbers of the selected pair.
 fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Selected pair", |ui| {
         let Some(dataset) = &model.datasets.open else { return };

@@ -25,32 +25,20 @@ use pair::PairPanels;
 
 /// State that a workspace reads and changes: the project, and the widgets' state kept between passes.
 pub struct WorkspaceParts<'a> {
-    /// Project.
     pub model: &'a mut Model,
-    /// State of the panes' widgets.
     pub widgets: &'a mut PaneWidgets,
-    /// State of the panels of *Two bursts*.
     pub pair: &'a mut PairPanels,
-    /// State of the selected feature's panel.
     pub selection: &'a mut SelectionState,
-    /// State of the probe's panel.
     pub probe: &'a mut ProbePanel,
-    /// Statistics of the measured rectangle.
     pub regions: &'a mut RegionCache,
-    /// Lab's chart as a texture.
     pub lab_picture: &'a mut PlaneTexture,
-    /// Requested actions.
     pub queue: &'a mut Queue,
 }
 
-/// Requests that a workspace cannot fulfil itself.
 #[derive(Debug, Default)]
 pub struct WorkspaceWishes {
-    /// Changes of the set of panes.
     pub changes: Vec<Change>,
-    /// Trajectories are to be compared again.
     pub compare_again: bool,
-    /// Camera whose image is to be opened.
     pub camera: Option<String>,
 }
 
@@ -89,7 +77,6 @@ pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-/// Draws the open workspace.
 pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> WorkspaceWishes {
     let changes = match parts.model.workspace {
         Workspace::Inspect => inspect_workspace_ui(ui, parts),
@@ -115,7 +102,6 @@ const BOTTOM_HEIGHTS: std::ops::RangeInclusive<f32> = 90.0..=520.0;
 /// Height left to the pictures at first, in points; the panel below them gets the rest.
 const PICTURES_HEIGHT: f32 = 320.0;
 
-/// Frame of a panel at the side of the window.
 fn side_frame(ui: &egui::Ui) -> egui::Frame {
     egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin { left: 8, right: 5, top: 6, bottom: 4 })
 }
@@ -165,7 +151,6 @@ pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Draws the workspace. Returns the panes' requests.
 fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, selection, probe, regions, queue, .. } = parts;
     let width = side_width(model);
@@ -227,7 +212,6 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
     pictures.inner.changes
 }
 
-/// Draws the workspace.
 fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, queue: &mut Queue) {
     let width = side_width(model);
     if model.shows_left() {
@@ -256,7 +240,6 @@ fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, 
 /// Height of the strip of points, in points of the window.
 const STRIP_HEIGHT: f32 = 84.0;
 
-/// Draws the workspace. Returns its requests.
 fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> WorkspaceWishes {
     let width = side_width(model).max(330.0);
     let mut again = false;

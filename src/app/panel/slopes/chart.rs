@@ -8,9 +8,7 @@ use crate::inspect::texture::dirichlet;
 use crate::plane::display::ColourMap;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
-/// Slopes that are marked on the chart.
 pub(super) struct Marks {
-    /// Slope of the cursor.
     pub here: Slope,
     /// Slopes of the nearest and the farthest things by the set-up, while it is in use.
     pub expected: Option<[Slope; 2]>,
@@ -25,7 +23,6 @@ pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: 
     }
 }
 
-/// Colour of evidence.
 pub(in crate::app::panel) fn evidence_colour(ui: &Ui) -> Color32 {
     style::good(ui)
 }
@@ -43,7 +40,6 @@ pub(in crate::app::panel) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar
     bars.filter(|((_, across), _)| *across == 0).map(|((along, _), bar)| (along, bar)).collect()
 }
 
-/// Describes the features and evidence at a slope.
 pub(in crate::app::panel) fn bar_text(bar: &SlopeBar) -> String {
     let where_to = if bar.is_searched { "" } else { ", beyond what was searched" };
     let at_limit = if bar.at_limit > 0 { format!(", {} at the limit", bar.at_limit) } else { String::new() };
@@ -126,12 +122,10 @@ fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     };
 }
 
-/// Colour of the slopes that the set-up predicts.
 fn expected_colour(ui: &Ui) -> Color32 {
     ui.visuals().hyperlink_color
 }
 
-/// Draws the key to the colours.
 fn key_ui(ui: &mut Ui, marks: &Marks) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -151,7 +145,6 @@ fn key_ui(ui: &mut Ui, marks: &Marks) {
     });
 }
 
-/// Draws the slopes below some of the bars.
 fn labels(ui: &Ui, painter: &Painter, bars: &[(i64, &SlopeBar)], middle: impl Fn(f32) -> f32, rect: Rect) {
     let font = TextStyle::Small.resolve(ui.style());
     let every = bars.len().div_ceil(8).max(1) as i64;
@@ -221,7 +214,6 @@ fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     ui.label(RichText::new(format!("right: u, down: v; framed: the slopes searched{line}")).small().weak());
 }
 
-/// Draws the response to a periodic texture at slopes beside its own.
 pub(super) fn kernel_ui(ui: &mut Ui, alias: &Alias, frames: usize) {
     let period = f64::from(alias.period_px);
     let places = alias.places.len();

@@ -19,7 +19,6 @@ use std::sync::Arc;
 /// Maximum width of the charts, points; the advice gets the rest.
 const CHART_WIDTH: f32 = 400.0;
 
-/// Draws a line of numbers about the slopes.
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
     let Some(spectrum) = model.spectrum() else {
         ui.weak(if model.slots.a.found.is_some() { "Not analysed yet" } else { "No detection yet" });
@@ -31,7 +30,6 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip);
 }
 
-/// Draws the charts and the advice.
 pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     let Some(spectrum) = model.spectrum().cloned() else {
         waiting_ui(ui, model);
@@ -107,7 +105,6 @@ pub fn judgement_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// A clause as a sentence.
 fn sentence_of(clause: &str) -> String {
     let mut sentence = format!("{clause}.");
     if let Some(first) = sentence.get_mut(0..1) {

@@ -28,7 +28,6 @@ pub(super) fn set_up_ui(ui: &mut Ui, model: &mut Model) {
     }
 }
 
-/// Draws the fields of camera and scene, two in a row.
 fn fields_ui(ui: &mut Ui, values: &mut SetUp) {
     let SetUp { speed_m_s, direction_deg, turn_deg_s, frames_per_second, focal_px, depth_m } = values;
     let [near, far] = depth_m;
@@ -60,7 +59,6 @@ fn fields_ui(ui: &mut Ui, values: &mut SetUp) {
     });
 }
 
-/// Field of a depth in metres.
 fn depth_field(metres: &mut f64) -> DragValue<'_> {
     DragValue::new(metres).range(bounds::DEPTH.span()).speed(0.02).suffix(" m")
 }

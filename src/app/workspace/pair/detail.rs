@@ -16,7 +16,6 @@ use crate::matching::TwoViewModel;
 use crate::requests::{FoundLosses, PictureKind};
 use egui::{Color32, Grid, Label, RichText, Sense, Ui, Vec2};
 
-/// Draws the section.
 pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 2], queue: &mut Queue) {
     section_ui(ui, "Selected match", |ui| {
         walk_ui(ui, model, queue);
@@ -132,7 +131,6 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
     );
 }
 
-/// Name of a match's error, and its meaning.
 fn error_words(model: Option<&TwoViewModel>) -> (&'static str, &'static str) {
     match model {
         Some(TwoViewModel::Homography { .. }) => (
@@ -149,7 +147,6 @@ fn error_words(model: Option<&TwoViewModel>) -> (&'static str, &'static str) {
 /// Minimum difference of slopes for a note, px/frame.
 const SLOPES_APART: f32 = 0.5;
 
-/// Draws the section.
 pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES + 1], queue: &mut Queue) {
     section_ui(ui, "Why this match, or none", |ui| {
         let Some(found) = model.losses() else {
@@ -267,7 +264,6 @@ fn readable(ui: &Ui, place: usize) -> Color32 {
     if ui.visuals().dark_mode { colour } else { colour.lerp_to_gamma(Color32::BLACK, 0.45) }
 }
 
-/// Draws the nearest descriptors of B, with their differences.
 fn candidates_ui(ui: &mut Ui, unmatched: &Unmatched, found: &FoundLosses) {
     Grid::new("candidates").num_columns(5).spacing([8.0, 2.0]).striped(true).show(ui, |ui| {
         let headings = [
@@ -293,7 +289,6 @@ fn candidates_ui(ui: &mut Ui, unmatched: &Unmatched, found: &FoundLosses) {
     });
 }
 
-/// Texts of a row, and whether each stands out.
 fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
     let twin = if candidate.is_same_blob { "=" } else { "" };
     let error =

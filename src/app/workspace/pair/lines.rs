@@ -86,7 +86,6 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option
     pointer.map(|_| pointed)
 }
 
-/// Painter that covers both canvases of a pair.
 pub(in crate::app::workspace) fn painter_over(ui: &Ui, views: &MatchViews<'_>, canvases: &Canvases) -> Painter {
     let rects = canvases.places.iter().flatten().map(|place| views.views[*place].output.response.rect);
     ui.painter_at(rects.fold(egui::Rect::NOTHING, egui::Rect::union))
@@ -112,7 +111,6 @@ pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2]) -
     }
 }
 
-/// Draws the feature of the selected match, in the style of all features.
 fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, output: &CanvasOutput) {
     let detection = matches.detection(side);
     let coherence = model.found_of(side).and_then(|found| {
@@ -185,11 +183,8 @@ fn tip_ui(ui: &Ui, row: &MatchRow<'_>) {
         .show(|ui| ui.label(RichText::new(text).monospace()));
 }
 
-/// Pane of one burst.
 pub struct MatchView<'a> {
-    /// Burst that it shows.
     pub side: Side,
-    /// Canvas of the pane.
     pub output: &'a CanvasOutput,
     /// Time of its picture, frames after mid-burst; 0 if it shows no frame.
     pub shift: f32,
@@ -197,14 +192,12 @@ pub struct MatchView<'a> {
 
 /// Panes of one method, or of none where no methods are compared.
 pub struct MatchViews<'a> {
-    /// The panes.
     pub views: Vec<MatchView<'a>>,
     /// Pairs between which lines go: indices of a pane of A and of one of B.
     pub pairs: Vec<(usize, usize)>,
 }
 
 impl<'a> MatchViews<'a> {
-    /// Collects the drawn panes that show the input of `method`.
     pub fn of(model: &Model, drawn: &'a [(PaneId, Drawn)], method: Option<Contender>) -> Self {
         let places: Vec<_> = drawn.iter().map(|(_, drawn)| (drawn.shown, drawn.output.response.rect)).collect();
         let JoinedPanes { sides, pairs } = joined_panes(model, &places, method);
@@ -225,7 +218,6 @@ impl<'a> MatchViews<'a> {
         Self { views, pairs }
     }
 
-    /// Panes of one burst.
     pub fn on(&self, side: Side) -> impl Iterator<Item = &MatchView<'a>> {
         self.views.iter().filter(move |view| view.side == side)
     }
@@ -264,9 +256,7 @@ impl<'a> MatchViews<'a> {
     }
 }
 
-/// Two canvases between which lines go.
 pub struct Canvases {
-    /// Canvases of A and B.
     pub panes: [Pane; 2],
     /// Times of their pictures, frames after mid-burst.
     pub shifts: [f32; 2],

@@ -26,11 +26,9 @@ use egui::{CentralPanel, Color32, Frame, Panel, ScrollArea, Sense, Stroke, Ui, v
 pub struct PairPanels {
     patch_textures: [PatchTexture; 2],
     candidate_textures: [PatchTexture; PATCHES + 1],
-    /// Camera as typed.
     pub camera_text: parameters::CameraText,
 }
 
-/// Draws the workspace. Returns the panes' requests.
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, pair, probe, queue, .. } = parts;
     let width = side_width(model);
@@ -100,7 +98,6 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         .inner
 }
 
-/// Draws the section.
 pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     section_ui(ui, "A and B", |ui| {
         let both = model.burst_of(Side::B).is_some();
@@ -145,7 +142,6 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     });
 }
 
-/// Draws the menu that opens another second burst.
 fn open_menu_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.menu_button("Open B…", |ui| {
         ui.set_min_width(180.0);
@@ -157,7 +153,6 @@ fn open_menu_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-/// Draws the section.
 pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
     section_ui(ui, "Matches", |ui| {
         let verified = model.pair.matches.as_ref().is_none_or(|m| m.result.verification.is_some());

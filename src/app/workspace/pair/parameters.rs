@@ -10,7 +10,6 @@ use crate::matching::params::doc;
 use crate::matching::{Camera, CameraModel, MatchParams};
 use egui::{Align, Layout, RichText, Ui};
 
-/// Camera as typed.
 #[derive(Debug, Clone, Default)]
 pub struct CameraText {
     text: String,
@@ -42,7 +41,6 @@ impl CameraText {
     }
 }
 
-/// Draws the section.
 pub fn parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         ui.horizontal(|ui| {
