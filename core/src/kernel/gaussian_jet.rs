@@ -13,7 +13,6 @@ const ORDERS: usize = 5;
 const WEIGHTS: usize = 2 * ORDERS;
 /// Derivatives with orders (along u, along v) that sum to 4 at most.
 const TERMS: usize = 15;
-/// Values in a vector register.
 const LANES: usize = 8;
 
 /// Derivatives of a smoothed image at one place: `jet[p][q]` is taken p times along u and q times along v; p + q is at
@@ -28,7 +27,6 @@ pub struct JetPixels {
     along_v: Vec<f32>,
     wider: Vec<f32>,
     stride: usize,
-    /// Column and row of the first pixel.
     first: (i64, i64),
 }
 

@@ -10,7 +10,6 @@ use std::ops::Range;
 /// Eighths of a turn in a radian.
 const EIGHTHS: f32 = 4.0 / std::f32::consts::PI;
 
-/// Values of one vector.
 pub(crate) type Lane = [f32; LANES];
 
 /// The smaller of two numbers, neither of which is NaN: unlike [`f32::min`] a single instruction.
@@ -78,7 +77,6 @@ pub(crate) fn window(range: Range<i64>, centre: f32, sigma: f32, out: &mut Vec<f
     }
 }
 
-/// A vector of `values` from `at` on.
 #[inline(always)]
 pub(crate) fn vector_of(values: &[f32], at: usize) -> &Lane {
     values[at..at + LANES].try_into().expect("a vector")
@@ -162,12 +160,5 @@ mod tests {
         }
         assert_eq!(exp_of_negative(0.0), 1.0);
         assert!(exp_of_negative(-80.0) > 0.0 && exp_of_negative(-1e6) == 0.0);
-    }
-
-    #[test]
-    fn whole_numbers_convert() {
-        for n in [0u32, 1, 7, 224, 4_000_000] {
-            assert_eq!(whole(n as f32), n);
-        }
     }
 }

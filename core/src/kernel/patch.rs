@@ -12,13 +12,11 @@
 //! Blur: one blur to a level equals the levels' chain of blurs up to the kernels' cut. A few rows are combined from the
 //! rows around them, then convolved, so that the intermediate values stay in the nearest cache.
 
-use super::machine::PATCH_ROWS_TOGETHER as TOGETHER;
 use crate::kernel::compact_kernel::PixelView;
-use crate::kernel::machine::{load, store};
+use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};
 use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows};
 use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
-use crate::plane::tile::Region;
 use crate::plane::vectors::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -60,23 +58,19 @@ impl Patch {
         (self.columns, self.rows) = (columns, rows);
     }
 
-    /// Columns of the octave that are held, some perhaps beyond its border.
     pub fn columns(&self) -> Range<i64> {
         self.columns.clone()
     }
 
-    /// Rows of the octave that are held, some perhaps beyond its border.
     pub fn rows(&self) -> Range<i64> {
         self.rows.clone()
     }
 
-    /// View of the pixels.
     pub fn pixels(&self) -> PixelView<'_> {
         let size = (self.columns.clone().count(), self.rows.clone().count());
         PixelView { data: &self.data, stride: self.stride, size, left: self.columns.start, top: self.rows.start }
     }
 
-    /// Values from one row to the next.
     pub(crate) fn stride(&self) -> usize {
         self.stride
     }
@@ -93,7 +87,6 @@ impl Patch {
         &self.data[at..]
     }
 
-    /// All values from pixel (u, v) on, mutable.
     pub(crate) fn values_mut(&mut self, u: i64, v: i64) -> &mut [f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
         let at = (v - self.rows.start) as usize * self.stride + (u - self.columns.start) as usize;
@@ -144,9 +137,7 @@ impl Patch {
         let held = self.stride * rows.count();
         self.data[..held].iter_mut().for_each(|x| *x -= middle);
     }
-}
 
-impl Patch {
     /// Fills the patch from `narrow` doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j) of `narrow`.
     pub(crate) fn double(&mut self, narrow: &Self, row: &mut Vec<f32>) {
         let left = self.columns.start;
@@ -167,9 +158,7 @@ impl Patch {
             }
         }
     }
-}
 
-impl Patch {
     /// Fills the patch from `fine` at half its resolution: pixel (i, j) is the mean of pixels 2i and 2i + 1 of rows 2j
     /// and 2j + 1. All pixels are held whose four pixels `fine` holds.
     pub(crate) fn halve(&mut self, fine: &Self) {
@@ -188,22 +177,12 @@ impl Patch {
 /// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, which have one size, at their
 /// [`crate::detector::stack::frame_offsets`].
 pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, sums: &mut WeightedRows) {
-    let part = part_inside(patch, frames[0].size());
-    stack_part(frames, offsets, &part, patch, sums);
-}
-
-/// The part of `patch` inside an image of `size`.
-fn part_inside(patch: &Patch, size: (usize, usize)) -> Region {
-    Region { columns: inside(&patch.columns(), size.0), rows: inside(&patch.rows(), size.1) }
-}
-
-/// Fills `part` of `patch`.
-fn stack_part(frames: &[&Plane], offsets: &[FrameOffset], part: &Region, patch: &mut Patch, sums: &mut WeightedRows) {
-    let (size, Region { columns, rows }) = (frames[0].size(), part);
+    let size = frames[0].size();
+    let (columns, rows) = (inside(&patch.columns(), size.0), inside(&patch.rows(), size.1));
     let (left, top, stride) = (columns.start as i64, rows.start as i64, patch.stride());
-    if !offsets.iter().all(|offset| reaches(offset, columns, rows, size)) {
+    if !offsets.iter().all(|offset| reaches(offset, &columns, &rows, size)) {
         let mut stacker = RowStacker::new(frames, vec![offsets]);
-        for v in rows.clone() {
+        for v in rows {
             stacker.row(v, columns.clone(), &mut [&mut patch.values_mut(left, v as i64)[..columns.len()]]);
         }
         return;

@@ -10,7 +10,7 @@ mod pixels;
 pub mod sample;
 pub mod statistics;
 pub mod tile;
-pub mod vectors;
+pub(crate) mod vectors;
 
 pub use pixels::PixelOwner;
 

@@ -7,7 +7,7 @@ use super::Plane;
 use super::vectors::Aligned;
 use std::ops::Range;
 
-/// A part of an image: columns × rows, each at least one pixel.
+/// A part of an image: columns × rows.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Region {
     /// Columns of the image.
@@ -17,6 +17,28 @@ pub struct Region {
 }
 
 impl Region {
+    /// All pixels of a plane.
+    pub fn whole(plane: &Plane) -> Self {
+        Self { columns: 0..plane.width(), rows: 0..plane.height() }
+    }
+
+    /// The part of this region that lies inside `plane`; may be empty.
+    #[must_use]
+    pub fn within(&self, plane: &Plane) -> Self {
+        let cut = |r: &Range<usize>, size: usize| r.start.min(size)..r.end.min(size).max(r.start.min(size));
+        Self { columns: cut(&self.columns, plane.width()), rows: cut(&self.rows, plane.height()) }
+    }
+
+    /// Number of pixels.
+    pub fn len(&self) -> usize {
+        self.columns.len() * self.rows.len()
+    }
+
+    /// Whether the region holds no pixel.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// This region with `by` more pixels on each side, inside an image of `size`.
     pub fn widened(&self, by: usize, size: (usize, usize)) -> Self {
         let wider = |range: &Range<usize>, n: usize| range.start.saturating_sub(by)..(range.end + by).min(n);

@@ -16,9 +16,7 @@ use serde::Serialize;
 
 /// Side of a codec's block, pixels; blocks begin at multiples of it.
 const SIDE: usize = 8;
-/// Number of blocks of a frame that are looked at, about.
 const BLOCKS: usize = 2048;
-/// Number of frames that are looked at.
 const FRAMES: usize = 4;
 /// Share of the blocks from which on they are no evidence of low noise.
 const MIN_FLAT: f32 = 0.25;
@@ -44,7 +42,7 @@ pub struct Flattened {
 impl Flattened {
     /// Finds whether a codec flattened blocks of `frames`, whose values differ by `step` at least (0 if unknown: then
     /// nothing is found).
-    pub fn find(frames: &[&Plane], step: f32) -> Option<Self> {
+    pub(super) fn find(frames: &[&Plane], step: f32) -> Option<Self> {
         let (width, height) = frames.first()?.size();
         let (columns, rows) = ((width / SIDE).saturating_sub(1), (height / SIDE).saturating_sub(1));
         let total = columns * rows;
@@ -74,7 +72,7 @@ impl Flattened {
     }
 
     /// Whether enough blocks have structure to measure the noise.
-    pub fn is_measurable(&self) -> bool {
+    pub(in crate::detector) fn is_measurable(&self) -> bool {
         self.shown >= ENOUGH
     }
 

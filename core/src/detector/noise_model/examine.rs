@@ -8,7 +8,7 @@ use super::codec::Flattened;
 use super::contrast::{SceneMotion, looked_at};
 use super::fixed_pattern::{FixedPattern, are_struck, mask_struck};
 use super::frames::FrameSurvey;
-use super::high_pass::{FREE_VALUES, HighPass, Lattice, SQUARE_PIXELS};
+use super::high_pass::{FREE_VALUES, HighPass, Lattice, SQUARE_PIXELS, median};
 use super::reading::{BoxPyramid, Reading};
 use super::spectrum::{Sources, measure};
 use super::variance::{ExcessMap, PhotonTransfer, Square, differ_by_place};
@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// Noise and cleaned frames of a burst.
 #[derive(Debug, Clone)]
 pub struct Examined {
-    /// Noise model of the burst.
+    /// Its noise.
     pub model: NoiseModel,
     /// Frames that take part, cleaned.
     pub frames: Vec<Arc<Plane>>,
@@ -40,7 +40,7 @@ pub struct Examined {
 pub struct ForSearch<'a> {
     /// Scales of its filters.
     pub space: &'a ScaleSpace,
-    /// Octaves of the search.
+    /// Its octaves.
     pub octaves: Range<i32>,
     /// Slopes of the search, px/frame, by which the scene may move.
     pub slopes: &'a [Slope],
@@ -90,7 +90,9 @@ pub fn examine(
     let is_struck = flattened.is_none() && are_struck(&first_look, &contrasts, about);
     let struck = if is_struck { mask_struck(&mut clean, about, fastest.ceil() as usize + 1) } else { 0 };
     monitor.check()?;
-    let (reading, mut pattern) = read(&mut clean, &looked, &expected, pyramid_levels(octaves), monitor)?;
+    // As the octaves, the scene's motion in them and the brightness around a candidate need them.
+    let levels = (octaves.end.max(1) as usize + 1).max(5);
+    let (reading, mut pattern) = read(&mut clean, &looked, &expected, levels, monitor)?;
     pattern.struck = struck;
     let is_changed = is_evened || struck > 0 || !pattern.is_empty();
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
@@ -155,11 +157,6 @@ pub fn examine(
 
 fn planes(frames: &[Arc<Plane>]) -> Vec<&Plane> {
     frames.iter().map(|f| &**f).collect()
-}
-
-/// Number of pyramid levels that the octaves, the scene's motion in them and the brightness around a candidate need.
-fn pyramid_levels(octaves: &Range<i32>) -> usize {
-    (octaves.end.max(1) as usize + 1).max(5)
 }
 
 /// Expectations of the frames' noise and motion.
@@ -227,12 +224,13 @@ fn variance_in(model: &NoiseModel, middle: &BoxPyramid, squares: &[Square], regi
         let within = |x: f32, range: &Range<usize>| x >= range.start as f32 && x < range.end as f32;
         let inside = squares.iter().filter(|s| within(s.place.0, columns) && within(s.place.1, rows));
         let (sum, count) = inside.fold((0.0, 0usize), |(sum, count), s| (sum + s.variance, count + 1));
+        // Few would be inexact.
         if count >= SQUARES_INSIDE {
             return sum / count as f32;
         }
     }
     let at = |range: &Range<usize>| 0.5 * (range.start + range.end) as f32;
-    model.measured_variance_at(middle, (at(columns), at(rows)))
+    model.variance_at(middle, None, (at(columns), at(rows)))
 }
 
 /// Squares with their variances, and the number of independent values behind each, for `frames` frames.
@@ -243,7 +241,6 @@ fn listed(squares: &HighPass, variances: Vec<f32>, frames: usize) -> (Vec<Square
     (list, FREE_VALUES * (frames / 3).max(1) as f32)
 }
 
-/// Fits the variance over brightness.
 fn fit_brightness(model: &mut NoiseModel, (squares, free): &(Vec<Square>, f32), frames: usize, step: f32) {
     let pairs: Vec<(f32, f32)> = squares.iter().map(|s| (s.brightness, s.variance)).collect();
     model.transfer = match model.flattened {
@@ -254,9 +251,7 @@ fn fit_brightness(model: &mut NoiseModel, (squares, free): &(Vec<Square>, f32), 
     // Variance of rounding alone.
     let min = step * step / 12.0;
     model.transfer.min = model.transfer.min.max(min);
-    let mut brightness: Vec<f32> = squares.iter().map(|s| s.brightness).collect();
-    let middle = brightness.len() / 2;
-    let middle = *brightness.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let middle = median(squares.iter().map(|s| s.brightness).collect());
     model.frame_noise = model.transfer.variance(middle).sqrt();
 }
 
@@ -279,7 +274,6 @@ fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octav
     }
 }
 
-/// Number of squares inside a region from which on they give its variance.
 const SQUARES_INSIDE: usize = 6;
 
 #[cfg(test)]

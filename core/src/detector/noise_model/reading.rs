@@ -13,10 +13,8 @@ use std::ops::Range;
 /// Number of bands into which an image is cut along each axis.
 pub const BANDS: usize = 8;
 
-/// Results of the pass.
 #[derive(Debug, Clone, Default)]
 pub struct Reading {
-    /// Pyramids of the frames.
     pub pyramids: Vec<BoxPyramid>,
     /// Column and row of each pixel that stands out of its row in the mean of the frames, row by row.
     pub standing_out: Vec<(usize, usize)>,
@@ -47,7 +45,6 @@ fn cuts(height: usize) -> Vec<Range<usize>> {
     (0..BANDS).map(|i| cut(i)..cut(i + 1)).collect()
 }
 
-/// Results of one band of rows.
 struct Band {
     standing_out: Vec<(usize, usize)>,
     /// For each frame, one value a column.
@@ -115,7 +112,6 @@ impl Band {
         Self { standing_out: Vec::new(), columns: vec![vec![0.0; width]; frames], rows: vec![of_rows; frames] }
     }
 
-    /// Adds a row of a frame.
     fn add_row(&mut self, frame: usize, row: &[f32]) {
         add(&mut self.columns[frame], row);
         for (i, out) in self.rows[frame].iter_mut().enumerate() {
@@ -216,7 +212,8 @@ pub struct BoxPyramid {
 }
 
 impl BoxPyramid {
-    /// Computes the means over squares of 2¹ … 2^`count` pixels, as far as both sides hold a whole square.
+    /// The means over squares of 2¹ … 2^`count` pixels, as far as both sides hold a whole square.
+    #[cfg(test)]
     pub fn new(frame: &Plane, count: usize) -> Self {
         if count == 0 || frame.width() < 2 || frame.height() < 2 {
             return Self { levels: Vec::new() };
@@ -245,7 +242,6 @@ impl BoxPyramid {
         &self.levels[(level - 1).min(self.levels.len() - 1)]
     }
 
-    /// Number of levels.
     pub fn len(&self) -> usize {
         self.levels.len()
     }

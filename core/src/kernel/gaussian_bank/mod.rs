@@ -21,9 +21,7 @@ use crate::kernel::machine::{BATCH_ROWS, MAX_LEVEL_ROWS};
 use crate::plane::blur::GaussianKernel;
 use crate::plane::tile::{Region, Tile};
 use crate::plane::vectors::Aligned;
-use passes::{
-    BLOCK, Band, Blocks, Packed, Sink, convolve_row, edge_columns, edge_rows, inner_rows, packed, whole_blocks,
-};
+use passes::{BLOCK, Band, Blocks, Packed, Sink, convolve_row, edge_columns, edge_rows, inner_rows, packed};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 use weights::{Edges, Kernel, Section};
@@ -35,7 +33,6 @@ pub const LEVEL_CUT: f64 = 4.5;
 #[derive(Debug)]
 pub struct FilterBank {
     chain: Vec<GaussianKernel>,
-    /// Range of the chain's levels that are made.
     wanted: Range<usize>,
     kernels: Vec<Kernel>,
     /// The weights near a border that is far from the opposite one.
@@ -50,7 +47,6 @@ impl FilterBank {
         Self { chain, wanted, kernels, edges }
     }
 
-    /// Number of levels that the bank makes.
     pub fn len(&self) -> usize {
         self.kernels.len()
     }
@@ -66,7 +62,6 @@ impl FilterBank {
     }
 }
 
-/// Source of a tile's pixels.
 pub trait Lines {
     /// Row `v` from column `first` on, up to the end of its memory: at least all held columns.
     fn line(&self, v: usize, first: usize) -> &[f32];
@@ -94,7 +89,6 @@ pub struct FilterScratch {
     level: Aligned,
 }
 
-/// Arguments and buffers of one call of [`filter_tile`].
 struct FilterJob<'a, L: Lines + ?Sized> {
     along_u: &'a Axis,
     along_v: &'a Axis,
@@ -125,7 +119,7 @@ pub fn filter_tile<L: Lines + ?Sized>(
     batch_done: &mut dyn FnMut(&[Tile], Range<usize>),
 ) {
     assert_eq!(differences.len() + 1, along_u.levels.len(), "one difference fewer than levels");
-    let stride = whole_blocks(region.columns.len());
+    let stride = region.columns.len().next_multiple_of(BLOCK);
     differences.iter_mut().for_each(|tile| tile.reset(region, stride));
     if let Some((_, tile)) = &mut keep {
         tile.reset(region, stride);
@@ -189,7 +183,6 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         self.held.start = top;
     }
 
-    /// Runs the first pass for row `v`.
     #[inline(always)]
     fn make_band_row<S: Simd>(&mut self, simd: S, v: usize) {
         let index = v - self.held.start;
@@ -222,7 +215,6 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         }
     }
 
-    /// Runs the second pass for the rows `batch`.
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S, batch: &Range<usize>) {
         // As many rows as registers allow.
@@ -249,7 +241,6 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         }
     }
 
-    /// Computes a few rows of a block of columns.
     #[inline(always)]
     fn level_rows<S: Simd, const ROWS: usize>(&mut self, simd: S, place: Place) {
         let Place { section, index, batch_start, first, block } = place;
@@ -283,11 +274,8 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
 #[derive(Clone, Copy)]
 struct Place {
     section: Section,
-    /// Index of the level.
     index: usize,
-    /// First row of the batch.
     batch_start: usize,
-    /// First row to compute.
     first: usize,
     /// First column of the block, within the tile.
     block: usize,

@@ -10,7 +10,7 @@
 
 mod band;
 mod consensus;
-pub mod essential;
+mod essential;
 mod linear;
 mod model;
 mod points;
