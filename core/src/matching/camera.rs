@@ -33,24 +33,24 @@ impl CameraModel {
     /// All models.
     pub const ALL: [Self; 4] = [Self::SimplePinhole, Self::Pinhole, Self::SimpleRadial, Self::OpenCv];
 
+    /// Names of the model and of its parameters, in order.
+    fn names(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::SimplePinhole => ("SIMPLE_PINHOLE", &["f", "cx", "cy"]),
+            Self::Pinhole => ("PINHOLE", &["fx", "fy", "cx", "cy"]),
+            Self::SimpleRadial => ("SIMPLE_RADIAL", &["f", "cx", "cy", "k"]),
+            Self::OpenCv => ("OPENCV", &["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"]),
+        }
+    }
+
     /// The name in COLMAP.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::SimplePinhole => "SIMPLE_PINHOLE",
-            Self::Pinhole => "PINHOLE",
-            Self::SimpleRadial => "SIMPLE_RADIAL",
-            Self::OpenCv => "OPENCV",
-        }
+        self.names().0
     }
 
     /// The parameters' names, in order.
     pub fn param_names(self) -> &'static [&'static str] {
-        match self {
-            Self::SimplePinhole => &["f", "cx", "cy"],
-            Self::Pinhole => &["fx", "fy", "cx", "cy"],
-            Self::SimpleRadial => &["f", "cx", "cy", "k"],
-            Self::OpenCv => &["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"],
-        }
+        self.names().1
     }
 }
 
@@ -69,8 +69,7 @@ pub struct Camera {
     pub params: Vec<f64>,
 }
 
-/// Focal lengths and principal point (in COLMAP's convention), pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// In COLMAP's convention, pixels.
 struct Pinhole {
     fx: f64,
     fy: f64,
@@ -78,7 +77,6 @@ struct Pinhole {
     cy: f64,
 }
 
-/// Coefficients of OpenCV's distortion; all 0 for none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Distortion {
     k1: f64,
@@ -98,11 +96,10 @@ impl Distortion {
         ]
     }
 
-    /// The derivatives of [`Self::apply`] with respect to x and y, by rows.
     fn jacobian(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let r2 = x * x + y * y;
         let radial = 1.0 + r2 * (self.k1 + r2 * self.k2);
-        // Twice the derivative of `radial` with respect to r².
+        // By rows, with respect to x and y. Twice the derivative of `radial` with respect to r².
         let slope = 2.0 * (self.k1 + 2.0 * r2 * self.k2);
         let mixed = x * y * slope + 2.0 * self.p1 * x + 2.0 * self.p2 * y;
         [

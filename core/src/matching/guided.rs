@@ -12,6 +12,7 @@
 
 use super::geometry::GuidingBand;
 use super::params::MatchParams;
+use super::putative::Nearest;
 use super::{Match, MatchSide, TwoViewModel};
 use crate::detector::Descriptor;
 use crate::monitor::{Cancelled, Monitor};
@@ -25,28 +26,9 @@ pub const GUIDED_RATIO: f32 = 0.9;
 /// poses (docs/MEASUREMENTS.md).
 const GUIDED_ERROR: f32 = 0.5;
 
-/// The parameters of guided matching after sure matches with `params`: a smaller [`MatchParams::max_error_px`].
+/// The parameters of guided matching after sure matches with `params`.
 pub(super) fn guided_params(params: &MatchParams) -> MatchParams {
     MatchParams { max_error_px: GUIDED_ERROR * params.max_error_px, ..params.clone() }
-}
-
-/// Nearest feature within the band.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct InBand {
-    index: usize,
-    distance_squared: u32,
-    /// Of the nearest one at another place.
-    second_distance_squared: Option<u32>,
-}
-
-impl InBand {
-    fn ratio(&self) -> f32 {
-        match self.second_distance_squared {
-            None => 0.0,
-            Some(0) => 1.0,
-            Some(second) => (f64::from(self.distance_squared) / f64::from(second)).sqrt() as f32,
-        }
-    }
 }
 
 /// Finds the matches that agree with `model` to [`MatchParams::max_error_px`], in the order of A's features: nearest
@@ -64,11 +46,8 @@ pub fn guided_matches(
 ) -> Result<Vec<Match>, Cancelled> {
     let max_error_px = f64::from(params.max_error_px);
     let of_a = nearest_in_band(a, b, &model.band_in_b(a.places, b.places, max_error_px), monitor)?;
-    let of_b = if params.mutual {
-        Some(nearest_in_band(b, a, &model.band_in_a(a.places, b.places, max_error_px), monitor)?)
-    } else {
-        None
-    };
+    let in_a = params.mutual.then(|| model.band_in_a(a.places, b.places, max_error_px));
+    let of_b = in_a.map(|band| nearest_in_band(b, a, &band, monitor)).transpose()?;
     let limit = params.ratio.max(GUIDED_RATIO);
     let mut best: BTreeMap<[u64; 4], Match> = BTreeMap::new();
     for (index, nearest) in of_a.iter().enumerate().filter_map(|(index, nearest)| Some((index, (*nearest)?))) {
@@ -80,8 +59,7 @@ pub fn guided_matches(
         if ratio > limit {
             continue;
         }
-        let distance = f64::from(nearest.distance_squared).sqrt() as f32;
-        let found = Match { a: index, b: nearest.index, distance, ratio };
+        let found = Match { a: index, b: nearest.index, distance: nearest.distance(), ratio };
         let ([au, av], [bu, bv]) = (a.places[index], b.places[nearest.index]);
         let of_places = best.entry([au, av, bu, bv].map(f64::to_bits)).or_insert(found);
         if found.ratio < of_places.ratio {
@@ -119,19 +97,20 @@ pub(super) fn with_others(guided: Vec<Match>, putative: &[Match]) -> Vec<Match> 
     all
 }
 
-/// For each feature of `from` the nearest one of `to` within `band`; `None` where the band holds none.
+/// For each feature of `from` the nearest one of `to` within `band`, and the nearest one at another place; `None` where
+/// the band holds none.
 fn nearest_in_band(
     from: MatchSide<'_>,
     to: MatchSide<'_>,
     band: &GuidingBand,
     monitor: &Monitor,
-) -> Result<Vec<Option<InBand>>, Cancelled> {
+) -> Result<Vec<Option<Nearest>>, Cancelled> {
     let nearest = |(index, descriptor): (usize, &Descriptor)| {
         monitor.check()?;
-        let mut best: Option<InBand> = None;
+        let mut best: Option<Nearest> = None;
         band.for_each_within(index, |other| {
             let distance_squared = distance_squared(descriptor, &to.descriptors[other]);
-            let found = |second| Some(InBand { index: other, distance_squared, second_distance_squared: second });
+            let found = |second| Some(Nearest { index: other, distance_squared, second_distance_squared: second });
             best = match best {
                 None => found(None),
                 Some(old) => {
@@ -140,7 +119,7 @@ fn nearest_in_band(
                         found(if elsewhere { Some(old.distance_squared) } else { old.second_distance_squared })
                     } else if elsewhere {
                         let second = old.second_distance_squared.map_or(distance_squared, |x| x.min(distance_squared));
-                        Some(InBand { second_distance_squared: Some(second), ..old })
+                        Some(Nearest { second_distance_squared: Some(second), ..old })
                     } else {
                         Some(old)
                     }

@@ -92,8 +92,8 @@ struct Brightness {
 /// little, is D: the measured excess of false features where half of the pixels are cut off requires six percent.
 const SKEWED: f32 = 0.12;
 /// Relative growth of the gate for each unit by which the logarithm of the noise, relative to white noise, rises over
-/// an octave: correlated noise falls more slowly with scale than white noise, so that more of its extremes in place beat
-/// the finer level too. With exact standard deviations it gave four times as many false features.
+/// an octave: correlated noise falls more slowly with scale than white noise, so that more of its extremes in place
+/// beat the finer level too. With exact standard deviations it gave four times as many false features.
 const RISING: f32 = 0.12;
 const FRAMES_SAMPLED: usize = 4;
 /// Rounding error of D relative to the brightest value: two steps of `f32`.
@@ -171,8 +171,8 @@ impl NoiseModel {
         if count == 0 || min <= 0.0 { 1.0 } else { (sum / (count as f32 * min)).sqrt().max(1.0) }
     }
 
-    /// Variance of the noise of the frame with `pyramid` around its place (u, v), at the resolution of `octave`; `None`:
-    /// as measured, without raising it at borders between parts of different noise.
+    /// Variance of the noise of the frame with `pyramid` around its place (u, v), at the resolution of `octave`, or for
+    /// `None` as measured: not raised at borders between parts of different noise.
     fn variance_at(&self, pyramid: &BoxPyramid, octave: Option<i32>, (u, v): (f32, f32)) -> f32 {
         let level = Self::brightness_level(octave.unwrap_or(1)).min(pyramid.len());
         let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);

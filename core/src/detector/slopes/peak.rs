@@ -27,13 +27,10 @@ const SEARCH_STEP: f64 = 0.8;
 const MIN_OVERLAP: f32 = 0.03;
 /// Part of P by which texture may shift its peak, in addition to the noise.
 const TEXTURE_PART: f64 = 0.01;
-/// Maximum number of Newton steps.
 const STEPS: usize = 5;
 
-/// Slopes to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Track {
-    /// All of the plane.
     Plane,
     /// Slopes along a unit vector (u, v).
     Line([f64; 2]),
@@ -42,7 +39,6 @@ pub(super) enum Track {
 /// Slope of a window, in level pixels per frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Peak {
-    /// Slope (u, v).
     pub slope: [f64; 2],
     /// Power there divided by its standard deviation if the frames had nothing in common.
     pub significance: f64,
@@ -62,8 +58,8 @@ struct Tap {
 /// Slopes of the search, with the taps that read the correlations. Shared by all windows of all levels.
 pub(super) struct SearchTable {
     track: Track,
-    /// Slopes, level pixels per frame.
-    slopes: Vec<[f64; 2]>,
+    /// Level pixels per frame.
+    pub slopes: Vec<[f64; 2]>,
     taps: Vec<Vec<Tap>>,
     step: f64,
     overlap: Vec<f32>,
@@ -113,11 +109,6 @@ impl SearchTable {
             Some(other) => Some(Peak { ambiguity: other.significance / peak.significance, ..peak }),
             None => Some(peak),
         }
-    }
-
-    /// Slopes of the grid, level pixels per frame.
-    pub fn slopes(&self) -> &[[f64; 2]] {
-        &self.slopes
     }
 
     /// Significance at every slope of the grid, from the first few lags.
@@ -289,7 +280,6 @@ const SHIFT_ERROR: f64 = 1.2;
 /// Path of the picture as a whole; all lengths in one unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Path {
-    /// Position of each frame.
     pub way: Vec<[f64; 2]>,
     /// Error of a single position relative to the next one.
     pub error: f64,
@@ -300,11 +290,6 @@ pub(super) struct Path {
 }
 
 impl Path {
-    /// Largest distance from the uniform motion that fits the path best.
-    pub fn deviation(&self) -> f64 {
-        distance_from_a_line(&self.way)
-    }
-
     /// Distance from a uniform motion above which the motion is not straight, for a path in image pixels and windows
     /// that stand still or not.
     pub fn limit(&self, still: bool) -> f64 {
@@ -395,7 +380,7 @@ fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f
 }
 
 /// Largest distance of points that follow each other at equal intervals from the uniform motion that fits them best.
-fn distance_from_a_line(way: &[[f64; 2]]) -> f64 {
+pub(super) fn distance_from_a_line(way: &[[f64; 2]]) -> f64 {
     let middle = 0.5 * (way.len() as f64 - 1.0);
     let times: Vec<f64> = (0..way.len()).map(|t| t as f64 - middle).collect();
     let spread: f64 = times.iter().map(|t| t * t).sum();

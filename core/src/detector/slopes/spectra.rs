@@ -31,7 +31,6 @@ const BAND_RATIO: f64 = 1.6;
 /// Largest lag that is used: pairs of frames further apart add little new information.
 pub(super) const MAX_LAG: usize = 12;
 
-/// Half a spectrum, real and imaginary parts apart.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Spectrum {
     pub re: Vec<f32>,
@@ -66,7 +65,6 @@ pub(super) struct CrossSpectra {
 }
 
 impl CrossSpectra {
-    /// Empty sums for `frame_count` frames.
     pub fn zeros(frame_count: usize) -> Self {
         let gaps = frame_count.saturating_sub(1);
         let lags = gaps.min(MAX_LAG);
@@ -87,7 +85,6 @@ impl CrossSpectra {
         }
     }
 
-    /// Adds the products of other windows.
     pub fn add(&mut self, other: &Self) {
         self.lags.iter_mut().zip(&other.lags).for_each(|(a, b)| a.add(b));
         self.neighbours.iter_mut().zip(&other.neighbours).for_each(|(a, b)| a.add(b));
@@ -106,7 +103,6 @@ pub(super) struct Fourier {
     pub overlap: Vec<f32>,
 }
 
-/// Buffers that a thread reuses for every window.
 pub(super) struct Scratch {
     packed: Vec<Complex32>,
     turned: Vec<Complex32>,
@@ -226,7 +222,6 @@ fn transform(fft: &dyn Fft<f32>, data: &mut [Complex32], turned: &mut [Complex32
     data.copy_from_slice(turned);
 }
 
-/// Index of the opposite frequency.
 fn opposite(i: usize) -> usize {
     (SIDE - i / SIDE) % SIDE * SIDE + (SIDE - i % SIDE) % SIDE
 }
@@ -266,7 +261,6 @@ const SMALL_PIXELS: usize = 25_000;
 /// Number of pixels up to which images are examined from level 1 on, larger ones from level 2 on: so the finder costs a
 /// small part of a detection.
 const MEDIUM_PIXELS: usize = 270_000;
-/// Maximum number of levels.
 const LEVELS: u32 = 3;
 
 /// Levels at which an image of `size` is examined: those of [`LEVELS`] whose sides are at least `min_side` level
@@ -279,10 +273,6 @@ pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Ra
     first..first + (first..first + LEVELS).take_while(fits).count() as u32
 }
 
-/// Computes every frame at each of `levels`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub(super) fn pyramids(frames: &[&Plane], levels: Range<u32>, monitor: &Monitor) -> Result<Vec<Vec<Plane>>, Cancelled> {
     let of_frames: Vec<Vec<Plane>> = frames
         .par_iter()

@@ -30,13 +30,11 @@ use std::sync::LazyLock;
 
 /// A model to be estimated from matches.
 pub(super) trait Problem {
-    /// Type of the model.
     type Model: Clone;
 
     /// Number of matches that determine a model, up to a few solutions.
     const SAMPLE_SIZE: usize;
 
-    /// Number of matches.
     fn count(&self) -> usize;
 
     /// Appends all models that fit the sample exactly; none for a degenerate sample.
@@ -59,16 +57,13 @@ pub(super) trait Problem {
     }
 }
 
-/// Parameters of the estimate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Settings {
     /// Max error of an inlier, in the problem's unit.
     pub max_error: f64,
     /// Probability that no better model was missed, at which sampling stops.
     pub confidence: f64,
-    /// Maximum number of samples.
     pub max_iterations: usize,
-    /// Seed of the samples.
     pub seed: u64,
 }
 
@@ -233,7 +228,6 @@ const K: f64 = 3.64;
 /// to about 10⁻⁵ of the cost.
 const STEPS: usize = 2048;
 
-/// Cost and weight at the steps of the squared residual.
 struct Table {
     cost: [f64; STEPS + 1],
     weight: [f64; STEPS + 1],
@@ -316,14 +310,11 @@ impl Loss {
 /// here by default.
 const UNIFORM_AFTER: f64 = 20_000.0;
 
-/// Sampler of different matches.
 pub(super) struct Sampler {
     random: ChaCha8Rng,
-    /// Match indices, the most promising first.
+    /// Match indices, the most promising first, and the number of them that are drawn from.
     order: Vec<usize>,
-    /// Number of first matches that are drawn from.
     open: usize,
-    /// Number of samples drawn so far.
     drawn: f64,
     /// The paper's T_n and T'_n: the samples that plain RANSAC would have drawn from the open set, and the sample after
     /// which the set grows.
