@@ -211,7 +211,6 @@ impl Example {
         if self == Self::StreetLater { LATER_FRAMES } else { 0.0 }
     }
 
-    /// The layers of the example, far to near.
     fn layers(self) -> Vec<Layer> {
         match self {
             Self::Aliasing => vec![garlands()],
@@ -254,15 +253,13 @@ const GROUND: f32 = 0.03;
 const STREET_SLOPES: [f64; 2] = [1.2, 2.2];
 /// Position of a lamp on the street's far wall.
 const STREET_PLACE: [f32; 2] = [128.0, 48.0];
-/// Position of a disc of the still scene.
 const TRIPOD_PLACE: [f32; 2] = [120.0, 90.0];
 /// Speed of the crossing lamps, to the right and to the left, px/frame.
 const CROSSING_SLOPE: f64 = 1.5;
-/// The end of a lamp's streak, kept as a feature at a slope with which nothing moves: place, and slope in px/frame.
+/// Of a lamp's streak the end, kept as a feature where nothing moves: its place, and its slope in px/frame.
 const GHOST: ([f32; 2], f32) = ([192.1, 89.8], 0.0);
 /// Rows of the lamps at many depths, with their radii, pixels.
 const LAMP_ROWS: [(f32, f64); 3] = [(40.0, 2.5), (90.0, 3.5), (140.0, 5.0)];
-/// Number of depths, with a column of lamps at each.
 const DEPTHS: usize = 9;
 
 /// Place of disc `index` of the low-contrast example.

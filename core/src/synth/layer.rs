@@ -10,14 +10,11 @@ use super::truth::{FeatureTruth, LayerTruth, disc_sigma};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 
-/// Disc painted on a layer, recorded for the truth.
+/// Disc painted on a layer, recorded for the truth: at mid-burst, pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Landmark {
-    /// Column at mid-burst, pixels.
     pub u: f64,
-    /// Row at mid-burst, pixels.
     pub v: f64,
-    /// Radius, pixels.
     pub radius: f64,
     /// Whether it is brighter than its surroundings.
     pub bright: bool,
@@ -26,13 +23,10 @@ pub struct Landmark {
 /// A plane of the scene: a sheet with its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
-    /// Name of its content.
     pub name: String,
-    /// Motion to the right, pixels per frame.
+    /// Motion to the right and downwards, pixels per frame.
     pub slope_u: f64,
-    /// Motion downwards, pixels per frame.
     pub slope_v: f64,
-    /// Picture at mid-burst.
     pub sheet: Sheet,
     /// Discs on it, in the order in which they were painted.
     pub landmarks: Vec<Landmark>,
@@ -150,7 +144,18 @@ impl Layer {
         Ok(())
     }
 
-    /// The truth of the layer.
+    /// Whether the layer covers any of the image's disc around (u, v) `dt` frames after mid-burst.
+    fn hides(&self, u: f64, v: f64, radius: f64, dt: f64) -> bool {
+        let (u, v) = (u - dt * self.slope_u, v - dt * self.slope_v);
+        let reach = radius.ceil() as i64;
+        (-reach..=reach).any(|j| {
+            (-reach..=reach).any(|i| {
+                let (du, dv) = (i as f64, j as f64);
+                du * du + dv * dv <= radius * radius && self.sheet.alpha_at(u + du, v + dv) > 0.02
+            })
+        })
+    }
+
     pub fn truth(&self) -> LayerTruth {
         LayerTruth { name: self.name.clone(), slope_u: self.slope_u, slope_v: self.slope_v }
     }
@@ -200,20 +205,6 @@ pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), half_span: f64)
         }
     }
     features
-}
-
-impl Layer {
-    /// Whether the layer covers any of the image's disc around (u, v) `dt` frames after mid-burst.
-    fn hides(&self, u: f64, v: f64, radius: f64, dt: f64) -> bool {
-        let (u, v) = (u - dt * self.slope_u, v - dt * self.slope_v);
-        let reach = radius.ceil() as i64;
-        (-reach..=reach).any(|j| {
-            (-reach..=reach).any(|i| {
-                let (du, dv) = (i as f64, j as f64);
-                du * du + dv * dv <= radius * radius && self.sheet.alpha_at(u + du, v + dv) > 0.02
-            })
-        })
-    }
 }
 
 #[cfg(test)]

