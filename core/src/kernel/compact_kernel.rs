@@ -71,7 +71,6 @@ impl<'a> PixelView<'a> {
         Self { data: plane.data(), stride: plane.width(), size: plane.size(), left: 0, top: 0 }
     }
 
-    /// Copies row `v` of the image from column `first` on into `out`.
     #[inline(always)]
     pub fn line(&self, v: i64, first: i64, out: &mut [f32]) {
         let (width, height) = (self.size.0 as i64, self.size.1 as i64);
@@ -226,7 +225,6 @@ mod tests {
         (0..20_000).map(|i| f((f64::from(i) + 0.5) / 20_000.0)).sum::<f64>() / 20_000.0
     }
 
-    /// The response by its definition, pixel by pixel.
     fn by_definition(kernel: &CompactKernel, plane: &Plane, radius: f64, (x, y): (f64, f64), local_mean: f32) -> f64 {
         let mut sum = 0.0;
         for v in -30..90i64 {

@@ -24,7 +24,6 @@ fn add(a_re: &[f32], a_im: &[f32], b_re: &[f32], b_im: &[f32], re: &mut [f32], i
 mod tests {
     use super::*;
 
-    /// The sum by its definition, number by number.
     fn plain(a: [f32; 2], b: [f32; 2], sum: [f32; 2]) -> [f32; 2] {
         [sum[0] + a[0] * b[0] + a[1] * b[1], sum[1] + a[0] * b[1] - a[1] * b[0]]
     }

@@ -31,7 +31,6 @@ pub struct JetPixels {
 }
 
 impl JetPixels {
-    /// Reads the pixels up to `radius` from the pixel at `middle`, less `local_mean`.
     pub fn read(&mut self, pixels: &PixelView<'_>, middle: (i64, i64), radius: usize, local_mean: f32) {
         self.first = (middle.0 - radius as i64, middle.1 - radius as i64);
         let count = 2 * radius + 1;
@@ -158,7 +157,6 @@ mod tests {
     use crate::plane::Plane;
     use proptest::prelude::*;
 
-    /// The sum by its definition: pixels under a Gaussian, moved to another place for the derivatives.
     fn by_definition(plane: &Plane, mean: f32, (x, y): (f64, f64), variance: f64) -> f64 {
         let weight = |d: f64| (-0.5 * d * d / variance).exp() / (2.0 * std::f64::consts::PI * variance).sqrt();
         let (width, height) = plane.size();

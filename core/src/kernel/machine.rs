@@ -51,13 +51,11 @@ pub(crate) const STRIP_COLUMNS: f32 = 200.0;
 /// Keypoints that one thread describes in a row.
 pub(crate) const KEYPOINTS_TOGETHER: usize = 32;
 
-/// The vector that begins at `row[at]`.
 #[inline(always)]
 pub(crate) fn load<S: Simd>(row: &[f32], at: usize) -> S::f32s {
     S::as_simd_f32s(&row[at..at + S::F32_LANES]).0[0]
 }
 
-/// Writes a vector to `row[at..]`.
 #[inline(always)]
 pub(crate) fn store<S: Simd>(row: &mut [f32], at: usize, value: S::f32s) {
     S::as_mut_simd_f32s(&mut row[at..at + S::F32_LANES]).0[0] = value;

@@ -35,7 +35,6 @@ pub struct Patch {
     data: Aligned,
 }
 
-/// Buffers for making patches; reused from patch to patch.
 #[derive(Debug, Default)]
 pub struct PatchScratch {
     pub(crate) narrow: Patch,
@@ -209,7 +208,6 @@ fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, si
     covers(columns, offset.whole_u, true, size.0) && covers(rows, offset.whole_v, offset.part_v > 0.0, size.1)
 }
 
-/// Buffer for the values between the passes; reused from patch to patch.
 #[derive(Debug, Default)]
 pub struct BlurScratch(Aligned);
 

@@ -21,7 +21,6 @@ use crate::plane::vectors::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Makes rows of the motion-stack images of some frames at some slopes.
 #[derive(Debug)]
 pub struct RowStacker<'a> {
     frames: &'a [&'a Plane],
@@ -47,7 +46,6 @@ struct Run<'a> {
     covering: Vec<usize>,
     /// The columns of the frames that any slope of the group reads.
     wide: Range<usize>,
-    /// Whether any of the frames is read between its rows.
     mixes: bool,
     /// For each slope the columns covered by all frames.
     inner: Vec<Range<usize>>,
@@ -322,7 +320,6 @@ impl WeightedRows {
     }
 }
 
-/// Computes a row too short for vectors.
 fn short_row(taps: &[Tap<'_>], row: usize, between: Between, out: &mut [f32]) {
     let plain = |i: usize| taps.iter().fold(0.0f32, |sum, tap| sum + tap.pixels[row + i]);
     let sum = |i: usize, which: usize| {
@@ -419,7 +416,6 @@ fn two_sums<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, plac
     sums
 }
 
-/// Vectors of the first sum alone at `places`.
 #[inline(always)]
 fn one_sum<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, places: [usize; V]) -> [S::f32s; V] {
     let mut sums = [simd.splat_f32s(0.0); V];
@@ -472,12 +468,10 @@ pub struct FrameOffset {
 }
 
 impl FrameOffset {
-    /// Columns of an image `width` wide at which the frame counts.
     pub(crate) fn covers_columns(&self, width: usize) -> Range<usize> {
         Self::covered(self.whole_u, self.part_u, self.before_u, width)
     }
 
-    /// Rows of an image `height` high that the frame covers.
     pub(crate) fn covers_rows(&self, height: usize) -> Range<usize> {
         Self::covered(self.whole_v, self.part_v, self.before_v, height)
     }
@@ -491,7 +485,6 @@ impl FrameOffset {
         start as usize..end as usize
     }
 
-    /// Whether the frame covers the pixel (u, v) of an image of `size`.
     pub fn covers(&self, u: usize, v: usize, size: (usize, usize)) -> bool {
         self.covers_columns(size.0).contains(&u) && self.covers_rows(size.1).contains(&v)
     }

@@ -257,7 +257,6 @@ mod tests {
         match_descriptors(a, b, params, &Monitor::default()).expect("valid and not cancelled")
     }
 
-    /// A descriptor with two non-zero elements.
     fn at(x: u8, y: u8) -> Descriptor {
         let mut descriptor = [0; 128];
         (descriptor[3], descriptor[100]) = (x, y);
@@ -329,7 +328,6 @@ mod tests {
         }
     }
 
-    /// The nearest two by comparing one pair at a time, in whole numbers.
     fn brute_force(queries: &[Descriptor], searched: &[Descriptor]) -> Vec<Nearest> {
         let distance_squared = |a: &Descriptor, b: &Descriptor| {
             a.iter().zip(b).map(|(&x, &y)| u32::from(x.abs_diff(y)).pow(2)).sum::<u32>()
@@ -344,7 +342,6 @@ mod tests {
         queries.iter().filter_map(nearest).collect()
     }
 
-    /// Descriptors with few different elements, so that ties are common.
     fn coarse(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Descriptor>> {
         let element = prop::sample::select(vec![0u8, 1, 255]);
         let one = (prop::collection::vec(element, 4), any::<u8>()).prop_map(|(few, shift)| {

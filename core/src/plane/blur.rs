@@ -77,7 +77,6 @@ pub fn smoothed(plane: &Plane, sigma_px: f64, monitor: &Monitor) -> Result<Plane
     Ok(sum)
 }
 
-/// As [`gaussian_blur`], in loops over whole rows.
 fn blurred_by_rows(plane: &Plane, kernel: &GaussianKernel, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let (width, height) = plane.size();
     let reach = kernel.radius();

@@ -365,7 +365,6 @@ mod tests {
         }
     }
 
-    /// Approximate perceived lightness.
     fn luma(c: Rgb) -> f32 {
         0.2126 * f32::from(c[0]) + 0.7152 * f32::from(c[1]) + 0.0722 * f32::from(c[2])
     }

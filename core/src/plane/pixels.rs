@@ -10,7 +10,6 @@ pub trait PixelOwner: Send + Sync {
     fn pixels(&self) -> &[f32];
 }
 
-/// Pixels of a plane.
 #[derive(Clone)]
 pub(super) enum Pixels {
     /// The plane's own.
@@ -20,7 +19,6 @@ pub(super) enum Pixels {
 }
 
 impl Pixels {
-    /// All pixels.
     #[inline]
     pub(super) fn get(&self) -> &[f32] {
         match self {
@@ -40,7 +38,6 @@ impl Pixels {
         }
     }
 
-    /// Turns them into the plane's own.
     pub(super) fn into_vec(self) -> Vec<f32> {
         match self {
             Self::Own(pixels) => pixels,

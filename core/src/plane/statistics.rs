@@ -9,7 +9,6 @@ use super::Plane;
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 
-/// The values of `region` (cut to the plane), row by row in parallel.
 fn rows<'a>(plane: &'a Plane, region: &Region) -> impl IndexedParallelIterator<Item = &'a [f32]> {
     let Region { columns, rows } = region.within(plane);
     rows.into_par_iter().with_min_len(16).map(move |v| &plane.row(v)[columns.clone()])

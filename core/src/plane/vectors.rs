@@ -3,7 +3,6 @@
 
 use std::ops::{Deref, DerefMut};
 
-/// A cache line of numbers.
 #[derive(Debug, Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 struct Line([f32; 16]);

@@ -52,7 +52,6 @@ pub fn later_demo_burst() -> Burst {
     demo_burst_at("demo-later", LATER_FRAMES, SEED + 1)
 }
 
-/// The burst whose middle is `later` frames after the demo's.
 fn demo_burst_at(name: &str, later: f64, noise_seed: u64) -> Burst {
     let layers = layers(HALF_SPAN + later);
     let never = Monitor::default();

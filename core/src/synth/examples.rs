@@ -345,7 +345,6 @@ fn crossing() -> Vec<Layer> {
     vec![right, lamps("to the left", -CROSSING_SLOPE, [6.0, 9.0, 12.0])]
 }
 
-/// Discs on a textured wall that does not move.
 fn still() -> Layer {
     let mut layer = Layer::new("wall", EXAMPLE_SIZE, (0.0, 0.0), HALF_SPAN);
     layer.sheet.fill(|u, v| 0.02 + 0.02 * fractal_relief(11, u, v, 18.0, 4));
@@ -358,7 +357,6 @@ fn still() -> Layer {
     layer
 }
 
-/// Lamps before an even background, moving to the right.
 fn lamps() -> Layer {
     let mut layer = Layer::new("lamps", EXAMPLE_SIZE, (1.0, 0.0), HALF_SPAN);
     layer.sheet.fill(|_, _| GROUND);

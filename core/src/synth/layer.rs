@@ -68,7 +68,6 @@ impl Layer {
         }
     }
 
-    /// Paints a disc and records it as a landmark.
     pub fn landmark(&mut self, u: f64, v: f64, radius: f64, value: f32, bright: bool) {
         self.sheet.disc(u as f32, v as f32, radius as f32, value);
         self.landmarks.push(Landmark { u, v, radius, bright });

@@ -251,7 +251,6 @@ impl NoiseCase {
         Ok(burst)
     }
 
-    /// The pattern added to every frame.
     fn pattern(self, (width, height): (usize, usize), sigma: f64, stream: &mut Stream) -> Plane {
         let mut pattern = Plane::zeros(width, height);
         match self {
@@ -396,7 +395,6 @@ fn through_jpeg(channels: &[&Plane], quality: u8) -> Plane {
     Plane::from_vec(width, height, values.collect())
 }
 
-/// The frame with the bright lines of [`NoiseCase::CosmicStreaks`].
 fn with_streaks(mut frame: Plane, sigma: f64, stream: &mut Stream) -> Plane {
     let (width, height) = frame.size();
     for _ in 0..(width * height).div_ceil(PIXELS_A_STREAK) {
@@ -451,7 +449,6 @@ mod tests {
         case.burst(SIZE, 10, 0.02, 3, &Monitor::default()).expect("not cancelled")
     }
 
-    /// Mean and standard deviation of the columns `columns` of frame `t`.
     fn of_frame(burst: &Burst, t: usize, columns: std::ops::Range<usize>) -> (f64, f64) {
         let frame = &burst.frames[t];
         let values: Vec<f64> =

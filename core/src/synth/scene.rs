@@ -140,7 +140,6 @@ fn layer_slope(params: &SceneParams, index: usize, stream: &mut Stream) -> (f64,
     }
 }
 
-/// Paints relief with cracks and blobs over the whole sheet.
 fn paint_ground(layer: &mut Layer, seed: u64, stream: &mut Stream) {
     let area = layer.sheet.area();
     layer.sheet.fill(|u, v| {
@@ -190,7 +189,6 @@ fn paint_boards(layer: &mut Layer, params: &SceneParams, index: usize, stream: &
     }
 }
 
-/// Paints dots of several sizes on a jittered grid; the landmarks.
 fn dots(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
     let pitch = scale.max(0.5) * stream.within(20.0, 28.0);
     let columns = (f64::from(board.u1 - board.u0) / pitch) as usize;
@@ -207,7 +205,6 @@ fn dots(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
     }
 }
 
-/// Paints rows of short strokes, like words.
 fn writing(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
     let height = (7.0 * scale.max(0.5)) as f32;
     let mut v = board.v0 + height;
@@ -226,7 +223,6 @@ fn writing(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
     }
 }
 
-/// Paints slanted stripes.
 fn stripes(layer: &mut Layer, board: Area, scale: f64, stream: &mut Stream) {
     let width = (scale.max(0.5) * stream.within(5.0, 11.0)) as f32;
     let slant = stream.within(-0.8, 0.8) as f32;

@@ -87,7 +87,6 @@ impl ChangingLines {
         })
     }
 
-    /// Takes the offsets of this extent off the columns (`axis` 0) or rows (1) of a frame.
     pub(super) fn remove_from(&self, frame: &mut Plane, axis: usize) {
         let lines = &lines_of(frame)[axis];
         let offsets = if self.is_whole { whole_offsets(lines) } else { offsets(lines, self.extent) };
@@ -154,7 +153,6 @@ fn whole_offsets(frame: &Lines) -> Vec<f32> {
     median(&bands.iter().collect::<Vec<_>>())
 }
 
-/// Offsets of a frame's lines: the median over the bands.
 pub(super) fn offsets(frame: &Lines, extent: Extent) -> Vec<f32> {
     let bands: Vec<Vec<f32>> = frame.iter().map(|band| less_surroundings(band, extent)).collect();
     let offsets = median(&bands.iter().collect::<Vec<_>>());
@@ -187,7 +185,6 @@ fn less_surroundings(values: &[f32], extent: Extent) -> Vec<f32> {
     }
 }
 
-/// Median of the bands, line by line.
 fn median(bands: &[&Vec<f32>]) -> Vec<f32> {
     let mut values = vec![0.0; bands.len()];
     (0..bands[0].len())

@@ -23,7 +23,6 @@ const MIN_FLAT: f32 = 0.25;
 /// Ratio of the shares with structure, half a block off the codec's blocks to in them, above which the blocks are a
 /// codec's: one with structure shares its pixels with four of those, an object of the scene lies in as many of either.
 const OFF_TO_IN: f32 = 1.25;
-/// Number of standard errors above which that ratio is significant.
 const SURE: f32 = 5.0;
 /// Standard deviation of a filter, pixels, above which it does not resolve blocks.
 const WIDE: f64 = 10.0;
@@ -147,7 +146,6 @@ impl InBlock {
         Self(variances.map(|row| row.map(|x| x / mean)))
     }
 
-    /// Excess kurtosis that the place alone makes.
     pub fn kurtosis(&self) -> f32 {
         (3.0 * self.0.iter().flatten().map(|x| x * x).sum::<f64>() / (SIDE * SIDE) as f64 - 3.0) as f32
     }

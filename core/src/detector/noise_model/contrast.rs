@@ -74,7 +74,6 @@ impl Pixels<'_> {
         }
     }
 
-    /// Width of a pixel of a contrast's `region`, in the grid's pixels.
     fn unit(&self) -> f32 {
         match self {
             Self::Frames(_, octave) => (*octave as f32).exp2(),
@@ -155,7 +154,6 @@ const LEVELS_UP: i32 = 2;
 
 /// Minimum side of the parts of an image that each have a motion, pixels.
 const PART: usize = 64;
-/// Maximum number of parts, about.
 const MAX_PARTS: usize = 48;
 
 #[derive(Debug, Clone, Copy)]
@@ -225,7 +223,6 @@ pub struct OctaveMotion {
 }
 
 impl OctaveMotion {
-    /// Slope, px/frame, of the scene in `region` of the image.
     pub fn slope_in(&self, region: &Region) -> Slope {
         let mut best = (f32::NEG_INFINITY, self.candidates[0].0);
         if self.planes.is_empty() || self.candidates.len() == 1 {

@@ -163,9 +163,7 @@ fn planes(frames: &[Arc<Plane>]) -> Vec<&Plane> {
 struct Expected<'a> {
     /// Variance of the noise of a frame whose mean with others has as much noise as if they were independent.
     variance: f32,
-    /// Whether frames have noise in common: it may look like a pattern.
     is_shared: bool,
-    /// Slopes by which the scene may move, px/frame.
     slopes: &'a [Slope],
 }
 
@@ -255,7 +253,6 @@ fn fit_brightness(model: &mut NoiseModel, (squares, free): &(Vec<Square>, f32), 
     model.frame_noise = model.transfer.variance(middle).sqrt();
 }
 
-/// Precomputes the data that the search needs at every candidate from the frames that were read, with their indices.
 fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octaves: Range<i32>) {
     let step = pyramids.len().div_ceil(FRAMES_SAMPLED);
     let first = (pyramids.len() - 1) % step / 2;

@@ -92,7 +92,6 @@ impl FixedPattern {
     }
 }
 
-/// Means of the lines over the first and over the second half of the frames.
 fn halves(frames: &[Lines]) -> [Lines; 2] {
     let (first, second) = frames.split_at(frames.len() / 2);
     [first, second].map(|half| {
@@ -144,7 +143,6 @@ pub fn find(standing_out: &[(usize, usize)], frames: &[&Plane], variance: f32) -
     found
 }
 
-/// Replaces pixels by the median of the eight around them.
 pub fn mask(plane: &mut Plane, pixels: &[(usize, usize)]) {
     for &(u, v) in pixels {
         plane.row_mut(v)[u] = median(neighbours(u, v, plane.size()).map(|(x, y)| plane.at(x, y)));

@@ -33,7 +33,6 @@ pub struct HighPass {
     pub places: Vec<(f32, f32)>,
     /// First column and row of each square in the image, with the surrounding pixels that the filter needs.
     corners: Vec<(usize, usize)>,
-    /// By frame and square.
     values: Vec<Vec<f32>>,
     /// Mean of each square by frame, fraction of full scale.
     pub brightness: Vec<Vec<f32>>,
@@ -198,7 +197,6 @@ fn corners((width, height): (usize, usize)) -> Vec<(usize, usize)> {
 const PATCH: usize = SIDE + 2;
 type Patch = [[f32; PATCH]; PATCH];
 
-/// Means over 2×2 pixels from the image's pixel (u, v) on.
 fn halved_patch(frame: &Plane, (u, v): (usize, usize)) -> Patch {
     let mut patch = Patch::default();
     for (y, out) in patch.iter_mut().enumerate() {

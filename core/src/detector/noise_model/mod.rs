@@ -83,7 +83,6 @@ struct Brightness {
     /// Share of pixels that are cut off at black or white.
     cut_off: f32,
     brightest: f32,
-    /// Mean of the frames' relative variances.
     relative_variance: f32,
     first_octave: i32,
 }

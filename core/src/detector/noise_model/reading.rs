@@ -28,7 +28,6 @@ pub struct Reading {
 /// Means of the lines (columns or rows) of a frame, one list for each of [`BANDS`] bands across them.
 pub type Lines = Vec<Vec<f32>>;
 
-/// Means of the columns and of the rows of a frame.
 pub fn lines_of(frame: &Plane) -> [Lines; 2] {
     let mut found = Reading::default();
     found.add_lines(cuts(frame.height()).into_iter().map(|rows| {
@@ -47,7 +46,6 @@ fn cuts(height: usize) -> Vec<Range<usize>> {
 
 struct Band {
     standing_out: Vec<(usize, usize)>,
-    /// For each frame, one value a column.
     columns: Vec<Vec<f32>>,
     /// For each frame, values by band of columns, one a row.
     rows: Vec<Lines>,
@@ -92,7 +90,6 @@ impl Reading {
         Ok(reading)
     }
 
-    /// Adds what was found in `bands` of rows, from the first to the last.
     fn add_lines(&mut self, bands: impl Iterator<Item = Band>) {
         for band in bands {
             self.standing_out.extend(band.standing_out);
@@ -120,7 +117,6 @@ impl Band {
         }
     }
 
-    /// The band once all its `rows` rows were added.
     fn finished(mut self, rows: usize) -> Self {
         let scale = 1.0 / rows.max(1) as f32;
         self.columns.iter_mut().flatten().for_each(|sum| *sum *= scale);
@@ -156,7 +152,6 @@ fn add(sums: &mut [f32], row: &[f32]) {
     sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
 }
 
-/// Sum by sixteen independent partial sums.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn sum_of(values: &[f32]) -> f32 {
     let (parts, rest) = values.as_chunks::<16>();
@@ -187,7 +182,6 @@ fn any_out(row: &[f32], limit: f32) -> bool {
     any != 0
 }
 
-/// Appends the pixels of row `v` that stand out; nearly none do.
 fn note_standing_out(row: &[f32], v: usize, limit: f32, out: &mut Vec<(usize, usize)>) {
     let n = row.len();
     if n < 3 {
@@ -221,7 +215,6 @@ impl BoxPyramid {
         Self::from_halved(halved(frame), count)
     }
 
-    /// Computes the pyramid from the means over squares of 2×2 pixels.
     pub(super) fn from_halved(first: Plane, count: usize) -> Self {
         let mut levels = vec![first];
         while levels.len() < count {
@@ -246,13 +239,11 @@ impl BoxPyramid {
         self.levels.len()
     }
 
-    /// Whether there are no levels, as for a frame under 2×2 pixels.
     pub fn is_empty(&self) -> bool {
         self.levels.is_empty()
     }
 }
 
-/// Means over squares of 2×2 pixels; a last odd column or row is left out.
 fn halved(plane: &Plane) -> Plane {
     let mut out = Plane::zeros(plane.width() / 2, plane.height() / 2);
     halve_rows(plane, 0..plane.height(), out.data_mut());
@@ -292,7 +283,6 @@ pub fn sample_at(plane: &Plane, square: f32, u: f32, v: f32) -> f32 {
 /// Number of columns to each side from whose mean an offset is measured: slower changes may be the scene.
 pub const REACH: usize = 16;
 
-/// Subtracts from each value the mean of those within [`REACH`].
 pub(super) fn less_local_mean(values: &[f32]) -> Vec<f32> {
     let mut sums = vec![0.0f64];
     for x in values {

@@ -185,7 +185,6 @@ const BORDER: usize = 8;
 /// Side, inside the border, below which an octave is not measured, octave pixels.
 const MIN_SIDE: usize = 16;
 
-/// Frames to measure, with their contrasts and motion.
 #[derive(Clone, Copy)]
 pub struct Sources<'a> {
     /// Frames that take part, cleaned, in time order; at least two.
@@ -199,7 +198,6 @@ pub struct Sources<'a> {
     pub are_flattened: bool,
 }
 
-/// Second and fourth moments of the levels of one tile.
 #[derive(Debug, Clone)]
 pub struct TileMoments {
     pub pixels: usize,
@@ -279,7 +277,6 @@ struct Scratch {
     input: Tile,
 }
 
-/// Part of the image that a region of an octave covers.
 fn in_image(region: &Region, octave: i32) -> Region {
     let in_image = |range: &Range<usize>| {
         let image = |at: usize| (at as f32 * octave_pixel(octave)) as usize;
@@ -321,7 +318,6 @@ fn regions((width, height): (usize, usize), tile: usize, pixels: usize) -> Vec<R
         .collect()
 }
 
-/// An octave that starts from means over squares of 2^halvings pixels.
 struct OfMeans {
     /// Blur that the means already have, which the base kernel leaves out, octave pixels².
     blurred: f64,

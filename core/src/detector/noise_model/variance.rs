@@ -174,7 +174,6 @@ fn median_line(points: &[TransferPoint]) -> (f64, f64) {
     (a, middle(points.iter().map(|p| at(p).1 - a * at(p).0).collect()))
 }
 
-/// Noise of one square of the frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Square {
     /// Centre, image pixels.
@@ -338,7 +337,6 @@ mod tests {
     use crate::synth::random::Stream;
     use crate::synth::{Camera, NoiseCase};
 
-    /// Brightness and variance of the squares of a sensor's frames of `signal`.
     fn squares(camera: &Camera, signal: &Plane) -> Vec<(f32, f32)> {
         let frames: Vec<Plane> = (1..=3)
             .map(|t| camera.capture(signal, &mut Stream::new(9, t), &Monitor::default()).expect("not cancelled"))

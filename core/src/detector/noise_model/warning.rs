@@ -125,7 +125,6 @@ pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarni
     warnings
 }
 
-/// Warnings about the sensor's pattern.
 pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
     let mut warnings = Vec::new();
     let hot = pattern.hot_pixels.len();
@@ -183,7 +182,6 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
 /// white --method merge --noise-gate strict --frames 0..8`).
 const KEPT_BY_MERGE: f32 = 12.0;
 
-/// Warning about the noise of a merged image.
 pub(in crate::detector) fn of_merge() -> NoiseWarning {
     let text = format!(
         "the merge takes strong noise of its middle frame for motion and keeps it: on noise alone {KEPT_BY_MERGE:.0} false features a \
@@ -192,7 +190,6 @@ pub(in crate::detector) fn of_merge() -> NoiseWarning {
     NoiseWarning::new(WarningKind::KeptByMerge, KEPT_BY_MERGE, text)
 }
 
-/// Warnings about correlation between pixels and about long tails.
 pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
     let max = |value: fn(&LevelNoise) -> f32| levels.iter().flatten().map(value).fold(0.0, f32::max);
     let mut warnings = Vec::new();
@@ -217,7 +214,6 @@ pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
     warnings
 }
 
-/// Warning about noise that differs by place.
 pub(super) fn of_places(excess: Option<&ExcessMap>) -> Option<NoiseWarning> {
     let (min, max) = excess?.range();
     let factor = (max / min.max(1e-6)).sqrt();
@@ -228,7 +224,6 @@ pub(super) fn of_places(excess: Option<&ExcessMap>) -> Option<NoiseWarning> {
     Some(NoiseWarning::new(WarningKind::DiffersByPlace, factor, text))
 }
 
-/// Distance between rows in which pixels are counted.
 const ROWS_APART: usize = 16;
 /// Share of cut-off pixels below which there is no warning.
 const MIN_CUT_OFF: f32 = 0.05;

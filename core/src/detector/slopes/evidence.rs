@@ -55,7 +55,6 @@ const SHARED_NOISE: f64 = 1.37;
 pub(super) struct Looking<'a> {
     pub fourier: &'a Fourier,
     pub table: &'a SearchTable,
-    /// Frames at each level, the finest first.
     pub levels: &'a [Vec<Plane>],
     pub first_level: u32,
     /// Number of lags, from 1 on, that do not count.
@@ -118,7 +117,6 @@ impl Looking<'_> {
         Ok(seen)
     }
 
-    /// Evidence of each window of one block, and their sum.
     fn block(&self, level: usize, block: usize, monitor: &Monitor) -> Result<(Vec<SlopeEvidence>, Sum), Cancelled> {
         let frames = &self.levels[level];
         let (width, height) = frames[0].size();
@@ -169,7 +167,6 @@ impl Looking<'_> {
     }
 }
 
-/// Starts of half-overlapping windows that cover `length` pixels evenly.
 fn starts(length: usize) -> Vec<usize> {
     let room = length.saturating_sub(SIDE);
     let steps = room.div_ceil(SIDE / 2);
@@ -255,7 +252,6 @@ pub(super) struct Steps {
     pub same: f64,
 }
 
-/// Whether a window shows more than noise does.
 pub(super) fn is_significant(evidence: &SlopeEvidence) -> bool {
     evidence.significance >= LARGE_SIGNIFICANCE + SMALL_SIGNIFICANCE / side_in_smallest(evidence)
 }

@@ -100,7 +100,6 @@ pub fn find_slopes(
     Ok(SlopeFinding { spectrum, warnings, ..finding.with_deviation(deviation) })
 }
 
-/// Steps that define near and far slopes for a search with `params` of `frames` frames.
 fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
     let gaps = (frames.max(2) - 1) as f64;
     let space = ScaleSpace::of(params);
@@ -173,7 +172,6 @@ struct Size {
     pixels: (usize, usize),
 }
 
-/// Grid and verdict under the assumption that the motion is straight.
 fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> SlopeFinding {
     let significant: Vec<SlopeEvidence> = seen.evidence.iter().filter(|e| is_significant(e)).copied().collect();
     let max = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
@@ -264,7 +262,6 @@ fn path_of(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<Path> {
     })
 }
 
-/// Power over slopes of the whole image, at the finest level.
 fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum {
     let Some(whole) = seen.wholes.first() else {
         return SlopeSpectrum::default();

@@ -66,7 +66,6 @@ pub(super) struct SearchTable {
 }
 
 impl SearchTable {
-    /// Table for `lag_count` lags and windows whose overlap with themselves is `overlap`.
     pub fn new(lag_count: usize, track: Track, overlap: &[f32]) -> Self {
         let lags = lag_count.clamp(1, SEARCH_LAGS);
         let step = SEARCH_STEP / lags as f64;
@@ -184,13 +183,11 @@ impl SearchTable {
     }
 }
 
-/// Index of the largest of the scores that count.
 fn best(scores: &[f64], counts: impl Fn(usize) -> bool) -> Option<usize> {
     (0..scores.len()).filter(|i| counts(*i)).max_by(|a, b| scores[*a].total_cmp(&scores[*b]))
 }
 
 impl Tap {
-    /// Tap for lag `lag` of `slope`; `None` where the window overlaps too little.
     fn new(slope: [f64; 2], lag: usize, overlap: &[f32]) -> Option<Self> {
         let shift = slope.map(|s| s * lag as f64);
         let w = overlap_at(overlap, shift);
@@ -204,7 +201,6 @@ impl Tap {
     }
 }
 
-/// Splits a shift into whole pixels and fractions.
 fn split(shift: [f64; 2]) -> ([i64; 2], [f64; 2]) {
     let whole = shift.map(f64::floor);
     (whole.map(|x| x as i64), [shift[0] - whole[0], shift[1] - whole[1]])
@@ -229,7 +225,6 @@ pub(super) fn unbiased(plane: &[f32], overlap: &[f32]) -> Vec<f32> {
     plane.iter().zip(overlap).map(|(a, w)| if *w < 0.2 * MIN_OVERLAP { 0.0 } else { a / w }).collect()
 }
 
-/// Correlations of one window, or of the sum of several.
 struct Stack<'a> {
     /// Correlations divided by the overlap.
     planes: &'a [Vec<f32>],
@@ -238,7 +233,6 @@ struct Stack<'a> {
 }
 
 impl Stack<'_> {
-    /// Overlap at each lag of `slope`.
     fn weights(&self, slope: [f64; 2]) -> Vec<f64> {
         let weight = |lag: usize| f64::from(overlap_at(self.overlap, slope.map(|s| s * lag as f64)));
         (1..=self.planes.len()).map(weight).map(|w| if w < f64::from(MIN_OVERLAP) { 0.0 } else { w }).collect()

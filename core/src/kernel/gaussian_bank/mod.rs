@@ -51,7 +51,6 @@ impl FilterBank {
         self.kernels.len()
     }
 
-    /// Whether the bank makes no level.
     pub fn is_empty(&self) -> bool {
         self.kernels.is_empty()
     }
@@ -79,7 +78,6 @@ impl Lines for Tile {
     }
 }
 
-/// Buffers between the passes; reused, so that filtering does not allocate.
 #[derive(Debug, Default)]
 pub struct FilterScratch {
     line: Aligned,
@@ -259,7 +257,6 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         }
     }
 
-    /// Copies a block of columns of a finished level to the tile of the kept level.
     fn keep_block(&mut self, index: usize, batch: &Range<usize>, block: usize) {
         if let Some((_, tile)) = self.keep.as_mut().filter(|(kept, _)| *kept == index) {
             let out = tile.rows_from_mut(batch.start, batch.len()).chunks_exact_mut(self.stride);
@@ -277,7 +274,6 @@ struct Place {
     index: usize,
     batch_start: usize,
     first: usize,
-    /// First column of the block, within the tile.
     block: usize,
 }
 

@@ -324,7 +324,6 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// Makes room for `room` rows of `blocks` blocks of columns.
     pub fn reset(&mut self, blocks: usize, room: usize) {
         self.data.grow(blocks * room * BLOCK);
         (self.blocks, self.room) = (blocks, room);
@@ -335,7 +334,6 @@ impl Band {
         self.room * BLOCK
     }
 
-    /// The rows of block `block`.
     #[inline(always)]
     pub fn block(&self, block: usize) -> &[Row] {
         self.data[block * self.step()..(block + 1) * self.step()].as_chunks().0
@@ -348,7 +346,6 @@ impl Band {
         &mut self.data[row * BLOCK..end]
     }
 
-    /// Moves rows `rows` to row `to` in every block.
     pub fn move_rows(&mut self, rows: std::ops::Range<usize>, to: usize) {
         for block in 0..self.blocks {
             let start = block * self.room;

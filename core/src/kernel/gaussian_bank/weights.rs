@@ -27,13 +27,11 @@ impl Dense {
         &self.weights[(input - self.ins.start) * self.stride..][..self.stride]
     }
 
-    /// The inputs that outputs `outs` depend on.
     #[inline(always)]
     pub fn inputs(&self, outs: &Range<usize>) -> Range<usize> {
         outs.start.saturating_sub(self.radius).max(self.ins.start)..(outs.end + self.radius).min(self.ins.end)
     }
 
-    /// These weights at the other end of a line of `n` pixels.
     fn mirrored(&self, n: usize) -> Self {
         let flip = |range: &Range<usize>| n - range.end..n - range.start;
         let mut out =
@@ -58,7 +56,6 @@ pub(crate) struct Edges {
 }
 
 impl Edges {
-    /// Weights for a line whose other border is far away.
     pub fn far_apart(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[Kernel]) -> Self {
         let radius = kernels.iter().map(Kernel::radius).max().unwrap_or(0);
         let chain_radius: usize = chain[..wanted.end].iter().map(GaussianKernel::radius).sum();
@@ -145,7 +142,6 @@ pub(crate) struct Weights {
 }
 
 impl Weights {
-    /// The first input of all outputs from `output` on.
     pub fn first_input(&self, output: usize) -> usize {
         output.saturating_sub((self.half.len() - 1).max(self.head.radius))
     }
@@ -175,7 +171,6 @@ pub struct Axis {
     pub(crate) levels: Vec<Weights>,
 }
 
-/// Kind of weights that apply to a part of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Section {
     Head,
@@ -211,7 +206,6 @@ impl Axis {
         self.levels.len()
     }
 
-    /// Whether the line has no pixels.
     pub fn is_empty(&self) -> bool {
         self.n == 0
     }
@@ -274,7 +268,6 @@ mod tests {
         [1.5, 1.2, 1.6].map(GaussianKernel::new).to_vec()
     }
 
-    /// The chain by its definition.
     fn by_definition(line: &[f64], steps: usize) -> Vec<f64> {
         let mut line = line.to_vec();
         for step in &chain()[..steps] {

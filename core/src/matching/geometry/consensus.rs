@@ -267,7 +267,6 @@ fn raw_cost(fraction: f64) -> f64 {
     0.5 * lower_gamma_5_2(x) + 0.5 * x * (upper_gamma_3_2(x) - upper_gamma_3_2(max))
 }
 
-/// Loss of residuals, constant above a threshold.
 #[derive(Clone, Copy)]
 pub(super) struct Loss {
     table: &'static Table,
@@ -280,7 +279,6 @@ impl Loss {
         Self { table: &TABLE, steps_per_squared_error: STEPS as f64 / (threshold * threshold) }
     }
 
-    /// Whether a squared residual is within the threshold.
     pub(super) fn is_inlier(&self, squared_error: f64) -> bool {
         squared_error * self.steps_per_squared_error <= STEPS as f64
     }
@@ -341,7 +339,6 @@ impl Sampler {
         }
     }
 
-    /// Draws the next sample: different matches, as indices.
     pub(super) fn draw(&mut self, sample: &mut [usize]) {
         self.drawn += 1.0;
         let count = self.order.len();
@@ -395,7 +392,6 @@ mod tests {
         assert!(iterations_needed(30, 100, 7, 0.999) > 30_000);
     }
 
-    /// The mean of numbers: a problem as simple as possible.
     struct Mean(Vec<f64>);
 
     impl Problem for Mean {

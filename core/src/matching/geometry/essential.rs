@@ -91,7 +91,6 @@ impl Problem for EssentialProblem<'_> {
     }
 }
 
-/// Two unit vectors perpendicular to `v` and to each other.
 fn tangents(v: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let axis = if v.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
     let first = v.cross(&axis).normalize();
@@ -330,7 +329,6 @@ pub(super) fn poses_of(e: &Matrix3<f64>) -> Option<[RelativePose; 4]> {
     Some([pose(first, direction), pose(second, direction), pose(first, -direction), pose(second, -direction)])
 }
 
-/// The rotation nearest to a matrix that is nearly one, by Newton's iteration for the polar decomposition.
 fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let mut r = *matrix;
     for _ in 0..30 {

@@ -150,7 +150,6 @@ pub(in crate::matching) mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-    /// Random numbers for a test.
     pub(in crate::matching) struct Random(ChaCha8Rng);
 
     impl Random {
@@ -168,7 +167,6 @@ pub(in crate::matching) mod tests {
         }
     }
 
-    /// A scene of two views: matches, and whether each is true.
     struct Scene {
         pairs: Vec<PointPair>,
         is_true: Vec<bool>,
@@ -228,7 +226,6 @@ pub(in crate::matching) mod tests {
         in_space(random, (count, 0), 0.0).pairs.iter().map(|pair| (pair.a, pair.b)).collect()
     }
 
-    /// A camera whose lens bends lines.
     pub(in crate::matching) fn camera_bending() -> Camera {
         "OPENCV 640 480 600 610 322 241 -0.3 0.1 0.001 -0.0005".parse().expect("a camera")
     }

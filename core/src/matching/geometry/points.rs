@@ -71,7 +71,6 @@ impl Normalisation {
 
 pub(super) type Vector9 = SVector<f64, 9>;
 
-/// The matrix whose rows, one after the other, are `vector`.
 pub(super) fn matrix_of(vector: &Vector9) -> Matrix3<f64> {
     Matrix3::from_row_iterator(vector.iter().copied())
 }
