@@ -1,19 +1,8 @@
 //! Sizes tuned to the processor, of tiles, strips and blocks, and rows taken in vectors of its width.
 //!
-//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The benches
-//! named beside each measure it: the single routines in `stages`, a whole detection in `cpu_time` (one thread's CPU
-//! time, so that a busy machine matters little). Run the bench before and after changing one.
-//!
-//! | constant | held to | what it trades | bench |
-//! | --- | --- | --- | --- |
-//! | `MAX_VECTORS` | 16 vector registers | sums that hide one another's latency, against spilled registers | `stages` |
-//! | `BLOCK_COLUMNS`, `WIDEST_VECTOR` | the widest vectors | whole vectors of any kind | `stages` |
-//! | `BATCH_ROWS`, `MAX_LEVEL_ROWS` | second cache, registers | rows that are shared, against their size | `stages` |
-//! | `TILE_COLUMNS`, `TILE_ROWS` | second cache | what the filters need around a tile, against its size | `cpu_time` |
-//! | `WINDOW_BYTES`, `WINDOWS_BYTES` | third cache, memory | slopes held for the joint search | `cpu_time` |
-//! | `STACKED_SLOPES` | second cache | rows of the frames that slopes share | `cpu_time` |
-//! | `STRIP_COLUMNS`, `KEYPOINTS_TOGETHER` | second cache | patches that share pixels of the frames | `cpu_time` |
-//! | `PATCH_ROWS_TOGETHER` | vector registers | rows of a patch that are read once | `stages` |
+//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The bench `stages`
+//! measures those of vectors, rows and levels, `cpu_time` (one thread's CPU time of a whole detection, so that a busy
+//! machine matters little) those of tiles, windows, slopes and strips. Run it before and after changing one.
 
 use pulp::Simd;
 

@@ -373,7 +373,7 @@ impl WithSimd for RowsJob<'_> {
                 }
                 Between::Alike(weights) => {
                     in_vectors!(S, self.columns + 1, |V, places| {
-                        let sums = plain_sum::<S, V>(simd, self.taps, row, places);
+                        let sums = one_sum::<S, V, false>(simd, self.taps, row, places);
                         for i in 0..V {
                             store::<S>(self.here, places[i], sums[i]);
                         }
@@ -389,7 +389,7 @@ impl WithSimd for RowsJob<'_> {
                 }
                 Between::Never => {
                     in_vectors!(S, self.columns, |V, places| {
-                        let sums = one_sum::<S, V>(simd, self.taps, row, places);
+                        let sums = one_sum::<S, V, true>(simd, self.taps, row, places);
                         for i in 0..V {
                             store::<S>(out, places[i], sums[i]);
                         }
@@ -417,25 +417,18 @@ fn two_sums<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, plac
 }
 
 #[inline(always)]
-fn one_sum<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, places: [usize; V]) -> [S::f32s; V] {
+fn one_sum<S: Simd, const V: usize, const WEIGHTED: bool>(
+    simd: S,
+    taps: &[Tap<'_>],
+    row: usize,
+    places: [usize; V],
+) -> [S::f32s; V] {
     let mut sums = [simd.splat_f32s(0.0); V];
     for tap in taps {
-        let (weight, pixels) = (simd.splat_f32s(tap.weights[0]), &tap.pixels[row..]);
-        for i in 0..V {
-            sums[i] = simd.mul_add_f32s(weight, load::<S>(pixels, places[i]), sums[i]);
-        }
-    }
-    sums
-}
-
-/// Vectors of the sum of the pixels, without weights, at `places`.
-#[inline(always)]
-fn plain_sum<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, places: [usize; V]) -> [S::f32s; V] {
-    let mut sums = [simd.splat_f32s(0.0); V];
-    for tap in taps {
+        let weight = simd.splat_f32s(if WEIGHTED { tap.weights[0] } else { 1.0 });
         let pixels = &tap.pixels[row..];
         for i in 0..V {
-            sums[i] = simd.add_f32s(sums[i], load::<S>(pixels, places[i]));
+            sums[i] = simd.mul_add_f32s(weight, load::<S>(pixels, places[i]), sums[i]);
         }
     }
     sums

@@ -138,22 +138,23 @@ fn distance_squared(a: &Descriptor, b: &Descriptor) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matching::geometry::tests::{Random, scene_in_space};
+    use crate::matching::geometry::tests::scene_in_space;
     use crate::matching::{MatchParams, match_features};
+    use crate::synth::random::Stream;
 
     /// A scene of `count` points in both images, whose descriptors differ by noise, and `others` in each image alone;
     /// many descriptors are alike, so that few are clearly nearest in the whole image.
     fn noisy_pair(count: usize, others: usize) -> [(Vec<[f64; 2]>, Vec<Descriptor>); 2] {
-        let mut random = Random::new(3);
+        let mut random = Stream::new(0, 3);
         let scene = scene_in_space(&mut random, count);
         let kinds: Vec<Descriptor> =
-            (0..8).map(|_| std::array::from_fn(|_| random.between(40.0, 120.0) as u8)).collect();
-        let near = |random: &mut Random, around: &Descriptor, by: f64| -> Descriptor {
-            around.map(|x| (f64::from(x) + random.between(-by, by)).clamp(0.0, 255.0) as u8)
+            (0..8).map(|_| std::array::from_fn(|_| random.within(40.0, 120.0) as u8)).collect();
+        let near = |random: &mut Stream, around: &Descriptor, by: f64| -> Descriptor {
+            around.map(|x| (f64::from(x) + random.within(-by, by)).clamp(0.0, 255.0) as u8)
         };
         let (mut a, mut b) = ((Vec::new(), Vec::new()), (Vec::new(), Vec::new()));
         for (place_a, place_b) in scene {
-            let kind = random.between(0.0, 8.0) as usize;
+            let kind = random.within(0.0, 8.0) as usize;
             let own = near(&mut random, &kinds[kind], 20.0);
             a.0.push(place_a);
             a.1.push(near(&mut random, &own, 17.0));
@@ -162,8 +163,8 @@ mod tests {
         }
         for side in [&mut a, &mut b] {
             for _ in 0..others {
-                side.0.push([random.between(0.0, 639.0), random.between(0.0, 479.0)]);
-                let kind = random.between(0.0, 8.0) as usize;
+                side.0.push([random.within(0.0, 639.0), random.within(0.0, 479.0)]);
+                let kind = random.within(0.0, 8.0) as usize;
                 side.1.push(near(&mut random, &kinds[kind], 26.0));
             }
         }

@@ -36,24 +36,12 @@ pub fn difference(a: &Plane, b: &Plane, b_px_per_a_px: f32) -> Plane {
     })
 }
 
-/// A square patch of `size × size` samples around `centre` = (u, v), reaching `half_width_px` pixels to each side,
-/// upright.
+/// A square patch of `size × size` samples around `centre` = (u, v), reaching `half_width_px` pixels to each side. Its
+/// horizontal axis points along `angle_rad` (from +u towards +v): what a descriptor with that orientation sees.
 ///
-/// Sample (i, j) is the value at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`: the samples are the
-/// centres of `size²` equal squares. Samples outside the plane are NaN, which is shown in its own colour.
-pub fn sample_patch(plane: &Plane, centre: (f32, f32), half_width_px: f32, size: usize) -> Plane {
-    sample_patch_turned(plane, centre, half_width_px, 0.0, size)
-}
-
-/// Like [`sample_patch`], but the patch's own horizontal axis points along `angle_rad` (from +u towards +v): what a
-/// descriptor with that orientation sees.
-pub fn sample_patch_turned(
-    plane: &Plane,
-    centre: (f32, f32),
-    half_width_px: f32,
-    angle_rad: f32,
-    size: usize,
-) -> Plane {
+/// Sample (i, j) is the value at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`, turned: the samples
+/// are the centres of `size²` equal squares. Samples outside the plane are NaN, which is shown in its own colour.
+pub fn sample_patch(plane: &Plane, centre: (f32, f32), half_width_px: f32, angle_rad: f32, size: usize) -> Plane {
     let (sin, cos) = angle_rad.sin_cos();
     let offset = |i: usize| half_width_px * ((2 * i + 1) as f32 / size as f32 - 1.0);
     Plane::from_fn(size, size, |i, j| {
@@ -207,15 +195,15 @@ mod tests {
     #[test]
     fn a_patch_at_whole_pixels_is_a_crop() {
         let plane = ramp();
-        let patch = sample_patch(&plane, (4.0, 3.0), 1.5, 3);
+        let patch = sample_patch(&plane, (4.0, 3.0), 1.5, 0.0, 3);
         for j in 0..3 {
             for i in 0..3 {
                 assert!((patch.at(i, j) - plane.at(3 + i, 2 + j)).abs() < 1e-5);
             }
         }
-        assert!(sample_patch(&plane, (0.0, 0.0), 3.0, 5).at(0, 0).is_nan());
+        assert!(sample_patch(&plane, (0.0, 0.0), 3.0, 0.0, 5).at(0, 0).is_nan());
         // The right of a patch after a quarter turn is the plane's down.
-        let turned = sample_patch_turned(&plane, (4.0, 3.0), 1.5, std::f32::consts::FRAC_PI_2, 3);
+        let turned = sample_patch(&plane, (4.0, 3.0), 1.5, std::f32::consts::FRAC_PI_2, 3);
         assert!((turned.at(2, 1) - plane.at(4, 4)).abs() < 1e-5);
     }
 

@@ -36,7 +36,7 @@ const LIGHT: f32 = 0.38;
 const SKY: f32 = 0.006;
 
 /// The camera: a high gain (200 electrons at full scale), 3 electrons of read noise, 12 bits.
-fn camera() -> Camera {
+pub(super) fn camera() -> Camera {
     Camera { full_scale_electrons: 200.0, read_noise_electrons: 3.0, black_level: 0.07, bits: Some(12) }
 }
 

@@ -12,8 +12,8 @@
 //! | street, street later | textured walls at two depths in the dark, and the same ones later: for matching | a lamp |
 
 use super::capture_burst;
+use super::demo::camera;
 use super::layer::{Layer, draw_layers, visible_landmarks};
-use super::noise::Camera;
 use super::truth::{NoiseTruth, Truth, TruthKind};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
@@ -222,11 +222,6 @@ impl Example {
             Self::Street | Self::StreetLater => street(HALF_SPAN + LATER_FRAMES),
         }
     }
-}
-
-/// As dark as the demo's: 200 electrons at full scale, 3 electrons of read noise, 12 bits.
-fn camera() -> Camera {
-    Camera { full_scale_electrons: 200.0, read_noise_electrons: 3.0, black_level: 0.07, bits: Some(12) }
 }
 
 /// Period of the garlands, pixels.

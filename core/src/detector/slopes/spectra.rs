@@ -8,7 +8,6 @@
 //! t + k; products of the same lag k are added up. A frame is never multiplied by itself, so that the frames' own
 //! noise, which differs from frame to frame, adds nothing on average.
 
-use crate::kernel::conjugate_products::add_conjugate_products;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use multiversion::multiversion;
@@ -40,7 +39,7 @@ pub(super) struct Spectrum {
 impl Spectrum {
     /// Adds conj(a)·b.
     fn add_product(&mut self, a: &Self, b: &Self) {
-        add_conjugate_products((&a.re, &a.im), (&b.re, &b.im), &mut self.re, &mut self.im);
+        add_conjugate_products(&a.re, &a.im, &b.re, &b.im, &mut self.re, &mut self.im);
     }
 
     fn zeros() -> Self {
@@ -50,6 +49,18 @@ impl Spectrum {
     fn add(&mut self, other: &Self) {
         self.re.iter_mut().zip(&other.re).for_each(|(a, b)| *a += b);
         self.im.iter_mut().zip(&other.im).for_each(|(a, b)| *a += b);
+    }
+}
+
+/// Adds conj(a)·b to the complex numbers `re` and `im`; these are at most as many as those of `a` and `b`. The
+/// innermost loop of the finder.
+#[multiversion(targets("x86_64+avx2+fma", "aarch64+neon"))]
+fn add_conjugate_products(a_re: &[f32], a_im: &[f32], b_re: &[f32], b_im: &[f32], re: &mut [f32], im: &mut [f32]) {
+    let n = re.len();
+    let (a_re, a_im, b_re, b_im, im) = (&a_re[..n], &a_im[..n], &b_re[..n], &b_im[..n], &mut im[..n]);
+    for i in 0..n {
+        re[i] += a_re[i] * b_re[i] + a_im[i] * b_im[i];
+        im[i] += a_re[i] * b_im[i] - a_im[i] * b_re[i];
     }
 }
 

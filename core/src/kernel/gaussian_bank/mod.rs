@@ -47,14 +47,6 @@ impl FilterBank {
         Self { chain, wanted, kernels, edges }
     }
 
-    pub fn len(&self) -> usize {
-        self.kernels.len()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.kernels.is_empty()
-    }
-
     /// Pixels to each side that a value of any level depends on.
     pub fn radius(&self) -> usize {
         self.kernels.iter().map(Kernel::radius).max().unwrap_or(0)
@@ -293,7 +285,7 @@ mod tests {
     }
 
     fn filtered(plane: &Plane, bank: &FilterBank, region: &Region, keep: usize) -> (Vec<Tile>, Tile) {
-        let mut differences = vec![Tile::default(); bank.len() - 1];
+        let mut differences = vec![Tile::default(); bank.kernels.len() - 1];
         let mut kept = Tile::default();
         let axes = (bank.axis(plane.width()), bank.axis(plane.height()));
         let mut rows = Vec::new();

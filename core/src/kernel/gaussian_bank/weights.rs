@@ -198,18 +198,6 @@ impl FilterBank {
 }
 
 impl Axis {
-    pub fn len(&self) -> usize {
-        self.n
-    }
-
-    pub fn level_count(&self) -> usize {
-        self.levels.len()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.n == 0
-    }
-
     /// `range` widened by the pixels that it depends on.
     pub fn inputs(&self, range: &Range<usize>) -> Range<usize> {
         range.start.saturating_sub(self.radius)..(range.end + self.radius).min(self.n)

@@ -23,6 +23,7 @@
 //! Everything happens in a fixed order on one thread, and the random numbers are ChaCha's, which a seed determines for
 //! all time: the same matches, parameters and seed give the same bits.
 
+use crate::matching::params::MatchParams;
 use crate::monitor::{Cancelled, Monitor};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -57,22 +58,6 @@ pub(super) trait Problem {
     }
 }
 
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Settings {
-    /// Max error of an inlier, in the problem's unit.
-    pub max_error: f64,
-    /// Probability that no better model was missed, at which sampling stops.
-    pub confidence: f64,
-    pub max_iterations: usize,
-    pub seed: u64,
-}
-
-/// The best model found, if any, and the number of samples drawn.
-pub(super) struct Consensus<M> {
-    pub model: Option<M>,
-    pub iterations: usize,
-}
-
 /// Minimum number of samples: a model found by luck should not end the search at once.
 const MIN_ITERATIONS: usize = 50;
 /// Maximum number of steps of a local optimisation; most end after three to five.
@@ -83,26 +68,28 @@ const POLISH_TOLERANCE: f64 = 1e-3;
 /// local optimisation ends.
 const DAMPING: (f64, f64, f64, f64) = (1e-6, 0.1, 100.0, 100.0);
 
-/// The model with the minimum cost. `order` are the indices of all matches, the most promising first.
+/// The model with the minimum cost, if any, for inliers with an error of at most `max_error` in the problem's unit; and
+/// the number of samples drawn. `order` are the indices of all matches, the most promising first.
 pub(super) fn estimate<P: Problem>(
     problem: &P,
     order: Vec<usize>,
-    settings: &Settings,
+    max_error: f64,
+    params: &MatchParams,
     monitor: &Monitor,
-) -> Result<Consensus<P::Model>, Cancelled> {
+) -> Result<(Option<P::Model>, usize), Cancelled> {
     monitor.check()?;
     let count = problem.count();
     debug_assert_eq!(count, order.len(), "each match has its place in the order");
     if count < P::SAMPLE_SIZE {
-        return Ok(Consensus { model: None, iterations: 0 });
+        return Ok((None, 0));
     }
-    let loss = Loss::new(settings.max_error);
-    let mut sampler = Sampler::new(order, P::SAMPLE_SIZE, settings.seed);
+    let loss = Loss::new(max_error);
+    let mut sampler = Sampler::new(order, P::SAMPLE_SIZE, params.seed);
     let mut sample = vec![0; P::SAMPLE_SIZE];
     let mut models = Vec::new();
     let mut best: Option<(P::Model, f64)> = None;
     let mut min_raw = f64::INFINITY;
-    let (mut iterations, mut needed) = (0, settings.max_iterations);
+    let (mut iterations, mut needed) = (0, params.max_iterations);
     while iterations < needed {
         if iterations % 64 == 0 {
             monitor.check()?;
@@ -122,14 +109,14 @@ pub(super) fn estimate<P: Problem>(
             }
             let inliers = inlier_count(problem, &candidate.0, &loss);
             best = Some(candidate);
-            needed = iterations_needed(inliers, count, P::SAMPLE_SIZE, settings.confidence)
+            needed = iterations_needed(inliers, count, P::SAMPLE_SIZE, f64::from(params.confidence))
                 .max(MIN_ITERATIONS)
-                .min(settings.max_iterations);
+                .min(params.max_iterations);
         }
     }
     monitor.check()?;
-    let best = best.map(|best| finished(problem, best, settings, &loss, &mut sampler));
-    Ok(Consensus { model: best.map(|(model, _)| model), iterations })
+    let best = best.map(|best| finished(problem, best, max_error, &loss, &mut sampler));
+    Ok((best.map(|(model, _)| model), iterations))
 }
 
 /// The best model after two more attempts to improve it: by descent on a smoother cost, and by repair of a degenerate
@@ -137,7 +124,7 @@ pub(super) fn estimate<P: Problem>(
 fn finished<P: Problem>(
     problem: &P,
     mut best: (P::Model, f64),
-    settings: &Settings,
+    max_error: f64,
     loss: &Loss,
     sampler: &mut Sampler,
 ) -> (P::Model, f64) {
@@ -150,7 +137,7 @@ fn finished<P: Problem>(
         }
     };
     // A cost twice as wide has fewer local minima in which a descent ends.
-    let wide = Loss::new(2.0 * settings.max_error);
+    let wide = Loss::new(2.0 * max_error);
     if let Some(cost) = cost_below(problem, &best.0, &wide, f64::INFINITY) {
         let (start, _) = polish(problem, best.0.clone(), cost, &wide);
         attempt(&mut best, start);
@@ -416,23 +403,25 @@ mod tests {
         }
     }
 
+    fn found(numbers: Vec<f64>, monitor: &Monitor) -> Result<(Option<f64>, usize), Cancelled> {
+        let order = (0..numbers.len()).collect();
+        estimate(&Mean(numbers), order, 1.0, &MatchParams { seed: 1, ..MatchParams::default() }, monitor)
+    }
+
     #[test]
     fn outliers_do_not_move_the_mean() {
         let numbers = [1.0, 1.2, 0.9, 1.1, 0.8, 40.0, 50.0, 60.0, 70.0, -30.0, -99.0].to_vec();
-        let settings = Settings { max_error: 1.0, confidence: 0.99, max_iterations: 1000, seed: 1 };
-        let found = estimate(&Mean(numbers), (0..11).collect(), &settings, &Monitor::default()).expect("not cancelled");
-        assert!((found.model.expect("a mean") - 1.0).abs() < 0.01);
-        assert_eq!(found.iterations, MIN_ITERATIONS);
+        let (mean, iterations) = found(numbers, &Monitor::default()).expect("not cancelled");
+        assert!((mean.expect("a mean") - 1.0).abs() < 0.01);
+        assert_eq!(iterations, MIN_ITERATIONS);
     }
 
     #[test]
     fn too_few_have_no_model_and_cancelling_ends_it() {
-        let settings = Settings { max_error: 1.0, confidence: 0.99, max_iterations: 1000, seed: 1 };
-        let none = estimate(&Mean(Vec::new()), Vec::new(), &settings, &Monitor::default()).expect("not cancelled");
-        assert!(none.model.is_none() && none.iterations == 0);
+        assert_eq!(found(Vec::new(), &Monitor::default()), Ok((None, 0)));
         let monitor = Monitor::default();
         monitor.cancel();
-        assert!(estimate(&Mean(vec![1.0]), vec![0], &settings, &monitor).is_err());
+        assert!(found(vec![1.0], &monitor).is_err());
     }
 
     /// ∫ f over `from..to` by Simpson's rule.
