@@ -168,9 +168,6 @@ impl PixelView<'_> {
 
     /// The response of `kernel` of `radius` pixels at the place (x, y) of the image, on the pixels less `local_mean`,
     /// which [`PixelView::local_mean`] gives.
-    ///
-    /// # Panics
-    /// When the radius is not between 1 and [`MAX_RADIUS`], or there are no pixels.
     pub fn kernel_response(
         &self,
         kernel: &CompactKernel,

@@ -44,8 +44,7 @@ impl JetPixels {
         }
     }
 
-    /// Jets at the place (x, y) of the image under sampled Gaussians of the two `variances`, square pixels; the pixels
-    /// that were read are all that is summed.
+    /// Jets at the place (x, y) of the image under sampled Gaussians of the two `variances`, square pixels.
     pub fn jets(&mut self, (x, y): (f64, f64), variances: [f64; 2]) -> [Jet; 2] {
         let Self { lines, along_u, along_v, wider, stride, first } = self;
         for (along, d) in [(&mut *along_u, first.0 as f64 - x), (&mut *along_v, first.1 as f64 - y)] {
@@ -65,9 +64,7 @@ impl JetPixels {
     }
 }
 
-/// Smallest variance of a Gaussian whose samples are its weights, square pixels. Samples of narrower ones hold no
-/// longer what the pixels show: their second derivative is wrong by several percent, depending on where the pixels
-/// fall.
+/// Square pixels. Samples of narrower Gaussians give second derivatives that are wrong by several percent.
 const MIN_SAMPLED_VARIANCE: f64 = 1.2;
 /// Terms by which a sampled Gaussian is made as sharp as a narrower one, beside itself.
 const SHARPENING: usize = 4;
@@ -94,8 +91,7 @@ fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Ve
     }
 }
 
-/// Writes derivatives of a Gaussian of `variance` with respect to its centre, as [`weights`] does: as many orders as
-/// `out` holds.
+/// Derivatives of a Gaussian of `variance` with respect to its centre: as many orders as `out` holds.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn derivatives(variance: f64, d: f64, stride: usize, out: &mut [f32]) {
     let inverse = 1.0 / variance;

@@ -60,8 +60,7 @@ fn exp_of_negative(x: f32) -> f32 {
     series * f32::from_bits(whole(doublings + 127.0) << 23)
 }
 
-/// Writes exp(−d²/(2·sigma²)) of the distances of `range` from `centre` to `out`, which ends with at least one more
-/// vector.
+/// exp(−d²/(2·sigma²)) of the distances of `range` from `centre`, and at least one more vector.
 #[inline(always)]
 pub(crate) fn window(range: Range<i64>, centre: f32, sigma: f32, out: &mut Vec<f32>) {
     let scale = -0.5 / (sigma * sigma);
@@ -81,8 +80,7 @@ pub(crate) fn vector_of(values: &[f32], at: usize) -> &Lane {
     values[at..at + LANES].try_into().expect("a vector")
 }
 
-/// The neighbours on four sides of part of a row of a Gaussian level, for its gradients; each slice begins at the first
-/// pixel's neighbour.
+/// The neighbours on four sides of part of a row of a Gaussian level; each slice begins at the first pixel's.
 pub(crate) struct GradientRow<'a> {
     before: &'a [f32],
     after: &'a [f32],

@@ -1,8 +1,8 @@
 //! Sizes tuned to the processor, of tiles, strips and blocks, and rows taken in vectors of its width.
 //!
-//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The bench `stages`
-//! measures those of vectors, rows and levels, `cpu_time` (one thread's CPU time of a whole detection, so that a busy
-//! machine matters little) those of tiles, windows, slopes and strips. Run it before and after changing one.
+//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The bench
+//! `stages` measures those of vectors, rows and levels, `cpu_time` (one thread's CPU time of a whole detection, so that
+//! a busy machine matters little) those of tiles, windows, slopes and strips. Run it before and after changing one.
 
 use pulp::Simd;
 
@@ -13,8 +13,7 @@ pub(crate) const MAX_VECTORS: usize = 6;
 pub(crate) const WIDEST_VECTOR: usize = 16;
 /// Columns that the filter bank makes together: two vectors of the widest kind, a whole number of any kind.
 pub(crate) const BLOCK_COLUMNS: usize = 32;
-/// Rows that the filter bank finishes before it begins the next ones: few enough that the values between the passes
-/// stay in the second cache.
+/// Rows that the filter bank finishes at a time: the values between the passes stay in the second cache.
 pub(crate) const BATCH_ROWS: usize = 112;
 /// Maximum number of rows of one level computed at once; half of them where vectors are shorter and registers fewer.
 pub(crate) const MAX_LEVEL_ROWS: usize = 8;
@@ -23,19 +22,16 @@ pub(crate) const PATCH_ROWS_TOGETHER: usize = 4;
 /// Columns of a tile. With the margin held for the moves of the refinement it is five blocks of vectors wide, and the
 /// values between the two passes of its filters stay in the second cache.
 pub(crate) const TILE_COLUMNS: usize = 148;
-/// Rows of a tile where the window does not require fewer: enough that the margin of rows for its filters matters
-/// little.
+/// Rows of a tile at most: enough that the margin for its filters matters little.
 pub(crate) const TILE_ROWS: usize = 548;
 /// Maximum size of the DoG tiles of the windows of slopes of all threads together, bytes.
 pub(crate) const WINDOWS_BYTES: usize = 128 << 20;
 /// Maximum size of one window, bytes: as much as stays in a thread's share of the third cache. Fewer rows than that
 /// repeat too much of the filters' margin around a tile.
 pub(crate) const WINDOW_BYTES: usize = 6 << 20;
-/// Maximum number of slopes whose frames are stacked together: whole rows of the grid where it has two axes, which
-/// share the mixing of rows.
+/// Slopes whose frames are stacked together at most: whole rows of a plane's grid share the mixing of rows.
 pub(crate) const STACKED_SLOPES: usize = 16;
-/// Width of the strips in which keypoints are described, columns, each from top to bottom: pixels of the frames that
-/// their patches share are then still in the cache.
+/// Width of the strips in which keypoints are described, columns: the pixels they share stay in the cache.
 pub(crate) const STRIP_COLUMNS: f32 = 200.0;
 /// Keypoints that one thread describes in a row.
 pub(crate) const KEYPOINTS_TOGETHER: usize = 32;

@@ -21,8 +21,7 @@ use crate::plane::vectors::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Number of values in a vector. Loops over a patch's rows take whole vectors; values beyond the row's end are computed
-/// and dropped.
+/// Values in a vector. Those beyond the end of a patch's row are computed and dropped.
 pub(crate) const LANES: usize = 16;
 
 /// A rectangle of pixels of an octave, with its place. The buffer keeps its capacity when it is reset.
@@ -76,9 +75,6 @@ impl Patch {
 
     /// All values from pixel (u, v) on: the rest of its row, its padding to whole vectors, and the rows below; at least
     /// a vector from any held pixel.
-    ///
-    /// # Panics
-    /// When the pixel is not held.
     #[inline(always)]
     pub(crate) fn values(&self, u: i64, v: i64) -> &[f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
@@ -93,9 +89,6 @@ impl Patch {
     }
 
     /// Row `v`, one value for each held column.
-    ///
-    /// # Panics
-    /// When the row is not held.
     pub fn row(&self, v: i64) -> &[f32] {
         &self.values(self.columns.start, v)[..self.columns.clone().count()]
     }
@@ -128,8 +121,7 @@ impl Patch {
         (1..=below as usize).for_each(|v| data.copy_within(last * stride..(last + 1) * stride, (last + v) * stride));
     }
 
-    /// Subtracts the value in the middle: only differences matter around a feature, and small numbers have smaller
-    /// rounding errors.
+    /// Subtracts the value in the middle: small numbers have smaller rounding errors.
     pub(crate) fn centre(&mut self) {
         let (columns, rows) = (self.columns(), self.rows());
         let middle = self.values((columns.start + columns.end) / 2, (rows.start + rows.end) / 2)[0];
@@ -173,8 +165,7 @@ impl Patch {
     }
 }
 
-/// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, which have one size, at their
-/// [`crate::detector::stack::frame_offsets`].
+/// Fills the part of `patch` inside the frames with their motion-stack image.
 pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, sums: &mut WeightedRows) {
     let size = frames[0].size();
     let (columns, rows) = (inside(&patch.columns(), size.0), inside(&patch.rows(), size.1));
@@ -214,9 +205,6 @@ pub struct BlurScratch(Aligned);
 impl Patch {
     /// Blurs columns `columns` and rows `rows` (at least four) by `kernel` into `out`. The patch must extend beyond
     /// them by the kernel's radius.
-    ///
-    /// # Panics
-    /// When it does not, or when there are fewer rows.
     pub fn blurred(
         &self,
         columns: Range<i64>,
@@ -298,8 +286,7 @@ impl WithSimd for BlurRows<'_> {
     }
 }
 
-/// Combines one vector of [`TOGETHER`] rows: Σ taps·values over a symmetric kernel. `from` begins at the first row that
-/// the first one reads.
+/// Combines one vector of [`TOGETHER`] rows; `from` begins at the first row that the first one reads.
 #[inline(always)]
 fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mut [f32], out_stride: usize) {
     let radius = half.len() - 1;

@@ -100,8 +100,7 @@ impl<'a> Run<'a> {
 }
 
 impl<'a> RowStacker<'a> {
-    /// Stacker for `frames` of one size in time order and, for each slope, their
-    /// [`crate::detector::stack::frame_offsets`].
+    /// Stacker for `frames` of one size in time order and their offsets for each slope.
     pub fn new(frames: &'a [&'a Plane], slopes: Vec<&'a [FrameOffset]>) -> Self {
         let vertical = |slope: &[FrameOffset]| -> Vec<(i64, f32, i64)> {
             slope.iter().map(|o| (o.whole_v, o.part_v, o.before_v)).collect()
@@ -119,8 +118,7 @@ impl<'a> RowStacker<'a> {
         Self { frames, slopes, groups, mixed, counts, sums }
     }
 
-    /// Writes row `v`, columns `columns`, of each slope's motion-stack image to its slice of `outs`, one value for each
-    /// column.
+    /// Writes row `v`, columns `columns`, of each slope's motion-stack image to its slice of `outs`.
     pub fn row(&mut self, v: usize, columns: Range<usize>, outs: &mut [&mut [f32]]) {
         for index in 0..self.groups.len() {
             let Group { slopes, run } = &mut self.groups[index];
@@ -469,8 +467,7 @@ impl FrameOffset {
         Self::covered(self.whole_v, self.part_v, self.before_v, height)
     }
 
-    /// Positions `0 … n−1` that stay inside at whole offset `whole` and fraction `part`, as a half-open range; `before`
-    /// positions before 0 count too.
+    /// Positions `0 … n−1` that stay inside at an offset; `before` positions before 0 count too.
     fn covered(whole: i64, part: f32, before: i64, n: usize) -> Range<usize> {
         let reach = i64::from(part > 0.0);
         let start = (-whole - before).clamp(0, n as i64);

@@ -96,10 +96,11 @@ impl Distortion {
         ]
     }
 
+    /// By rows, the derivatives of [`Self::apply`] with respect to x and y.
     fn jacobian(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let r2 = x * x + y * y;
         let radial = 1.0 + r2 * (self.k1 + r2 * self.k2);
-        // By rows, with respect to x and y. Twice the derivative of `radial` with respect to r².
+        // Twice the derivative of `radial` with respect to r².
         let slope = 2.0 * (self.k1 + 2.0 * r2 * self.k2);
         let mixed = x * y * slope + 2.0 * self.p1 * x + 2.0 * self.p2 * y;
         [
@@ -108,8 +109,7 @@ impl Distortion {
         ]
     }
 
-    /// The (x, y) that [`Self::apply`] maps to `distorted`, by Newton's method; the closest point reached where strong
-    /// distortion has no inverse.
+    /// The (x, y) that [`Self::apply`] maps to `distorted`, by Newton's method; else the closest one reached.
     fn remove(&self, distorted: [f64; 2]) -> [f64; 2] {
         if *self == Self::default() {
             return distorted;

@@ -50,17 +50,10 @@ pub fn guided_matches(
     let of_b = in_a.map(|band| nearest_in_band(b, a, &band, monitor)).transpose()?;
     let limit = params.ratio.max(GUIDED_RATIO);
     let mut best: BTreeMap<[u64; 4], Match> = BTreeMap::new();
-    for (index, nearest) in of_a.iter().enumerate().filter_map(|(index, nearest)| Some((index, (*nearest)?))) {
-        let mut ratio = nearest.ratio();
-        if let Some(of_b) = &of_b {
-            let Some(back) = of_b[nearest.index].filter(|back| back.index == index) else { continue };
-            ratio = ratio.max(back.ratio());
-        }
-        if ratio > limit {
-            continue;
-        }
-        let found = Match { a: index, b: nearest.index, distance: nearest.distance(), ratio };
-        let ([au, av], [bu, bv]) = (a.places[index], b.places[nearest.index]);
+    let back = of_b.as_ref().map(|of_b| move |b: usize| of_b[b]);
+    let found = of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.as_ref()?.matched(a, back));
+    for found in found.filter(|found| found.ratio <= limit) {
+        let ([au, av], [bu, bv]) = (a.places[found.a], b.places[found.b]);
         let of_places = best.entry([au, av, bu, bv].map(f64::to_bits)).or_insert(found);
         if found.ratio < of_places.ratio {
             *of_places = found;

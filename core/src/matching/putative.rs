@@ -53,17 +53,8 @@ pub fn match_descriptors(
     params.validate()?;
     let of_a = nearest_two(a, b, monitor)?;
     let of_b = params.mutual.then(|| nearest_two(b, a, monitor)).transpose()?;
-    let candidates = of_a.iter().enumerate().filter_map(|(index, nearest)| {
-        let mut ratio = nearest.ratio();
-        if let Some(of_b) = &of_b {
-            let back = &of_b[nearest.index];
-            if back.index != index {
-                return None;
-            }
-            ratio = ratio.max(back.ratio());
-        }
-        Some(Match { a: index, b: nearest.index, distance: nearest.distance(), ratio })
-    });
+    let back = of_b.as_ref().map(|of_b| move |b: usize| Some(of_b[b]));
+    let candidates = of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.matched(a, back));
     Ok(candidates.filter(|m| m.ratio <= params.ratio).collect())
 }
 
@@ -89,9 +80,14 @@ pub struct Nearest {
 }
 
 impl Nearest {
-    /// Distance of the nearest.
-    pub fn distance(&self) -> f32 {
-        f64::from(self.distance_squared).sqrt() as f32
+    /// The match of feature `a` with its nearest one; `None` where that one's own nearest, given by `back`, is another.
+    pub(super) fn matched(&self, a: usize, back: Option<impl Fn(usize) -> Option<Self>>) -> Option<Match> {
+        let mut ratio = self.ratio();
+        if let Some(back) = back {
+            ratio = ratio.max(back(self.index).filter(|back| back.index == a)?.ratio());
+        }
+        let distance = f64::from(self.distance_squared).sqrt() as f32;
+        Some(Match { a, b: self.index, distance, ratio })
     }
 
     /// Distance of the nearest over that of the second nearest, 0 … 1. It is 1 where both are 0 (they are

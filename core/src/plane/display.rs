@@ -395,20 +395,6 @@ mod tests {
     }
 
     #[test]
-    fn names_survive_toml_and_are_distinct() {
-        #[derive(Serialize, Deserialize)]
-        struct Holder {
-            map: ColourMap,
-        }
-        let mut names = std::collections::HashSet::new();
-        for map in ColourMap::ALL {
-            assert!(names.insert(map.name()));
-            let text = toml::to_string(&Holder { map }).unwrap();
-            assert_eq!(toml::from_str::<Holder>(&text).unwrap().map, map);
-        }
-    }
-
-    #[test]
     fn directions_are_cyclic_even_in_lightness_and_grey_without_motion() {
         use std::f32::consts::{PI, TAU};
         assert_eq!(direction_colour(-PI, 1.0), direction_colour(PI, 1.0));

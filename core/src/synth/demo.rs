@@ -19,10 +19,8 @@ use super::truth::{NoiseTruth, Truth, TruthKind};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
 
-/// Columns and rows of the demo's frames.
-pub const DEMO_SIZE: (usize, usize) = (480, 360);
-/// Number of the demo's frames.
-pub const DEMO_FRAMES: usize = 10;
+const DEMO_SIZE: (usize, usize) = (480, 360);
+const DEMO_FRAMES: usize = 10;
 
 const SEED: u64 = 20_220_919;
 /// Time from the middle of the demo to the middle of the later burst, frames.

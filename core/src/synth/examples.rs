@@ -22,8 +22,7 @@ use crate::synth::random::Stream;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// Columns and rows of an example's frames.
-pub const EXAMPLE_SIZE: (usize, usize) = (240, 180);
+const EXAMPLE_SIZE: (usize, usize) = (240, 180);
 /// Number of frames of an example.
 pub const EXAMPLE_FRAMES: usize = 9;
 

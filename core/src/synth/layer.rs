@@ -55,8 +55,7 @@ fn axis_filter(first_sample: f64) -> (i64, [f32; TAPS]) {
 }
 
 impl Layer {
-    /// An empty layer for an image of `width × height` pixels that is visible at most `half_span` frames away from
-    /// mid-burst.
+    /// An empty layer that is visible at most `half_span` frames away from mid-burst.
     pub fn new(name: &str, size: (usize, usize), slope: (f64, f64), half_span: f64) -> Self {
         let margin = |slope: f64| (half_span * slope.abs()).ceil() as usize + 3;
         Self {
@@ -74,9 +73,6 @@ impl Layer {
     }
 
     /// Composites the layer, as it is `dt` frames after mid-burst, over `picture`.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn draw_over(&self, picture: &mut Plane, dt: f64, monitor: &Monitor) -> Result<(), Cancelled> {
         let Some([c0, c1, r0, r1]) = self.sheet.used() else { return Ok(()) };
         let half = 0.5 * (OVERSAMPLING as f64 - 1.0);
@@ -161,9 +157,6 @@ impl Layer {
 }
 
 /// The signal `dt` frames after mid-burst of `layers` (far to near) in an image of `size` = (columns, rows).
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn draw_layers(layers: &[Layer], size: (usize, usize), dt: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let mut picture = Plane::zeros(size.0, size.1);
     for layer in layers {
@@ -172,8 +165,7 @@ pub fn draw_layers(layers: &[Layer], size: (usize, usize), dt: f64, monitor: &Mo
     Ok(picture)
 }
 
-/// The landmarks that are completely visible in every frame within `half_span` of mid-burst: inside the image, with no
-/// nearer layer over them.
+/// The landmarks inside the image and under no nearer layer in every frame within `half_span` of mid-burst.
 pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), half_span: f64) -> Vec<FeatureTruth> {
     let mut features = Vec::new();
     let steps = (2.0 * half_span).round() as usize;

@@ -124,8 +124,7 @@ fn build_layers(params: &SceneParams, half_span: f64, monitor: &Monitor) -> Resu
     Ok(layers)
 }
 
-/// The slope of layer `index`: the range is divided into as many parts as there are layers, and each layer's slope is
-/// drawn from the middle of its own part.
+/// Each layer's slope is drawn from the middle of its own part of the range.
 fn layer_slope(params: &SceneParams, index: usize, stream: &mut Stream) -> (f64, f64) {
     let part = 2.0 * params.max_slope / params.layers as f64;
     let mut along = || -params.max_slope + part * (index as f64 + stream.within(0.2, 0.8));

@@ -58,8 +58,7 @@ const MAX_TRIED: f32 = 200.0;
 const SMOOTHED: usize = 4;
 
 impl ChangingLines {
-    /// Finds the offsets in the `frames`' lines, given the mean `brightness` of the frames and the slopes of the
-    /// search across the lines, `slopes`, lines per frame.
+    /// Finds the offsets, given the mean `brightness` and the `slopes` of the search across the lines, lines per frame.
     pub(super) fn find(frames: &[Lines], brightness: f32, slopes: &[f32]) -> Option<Self> {
         [Extent::Sharp, Extent::Wide].into_iter().find_map(|extent| {
             let found: Vec<Shared> = frames.iter().map(|frame| Shared::of(frame, extent)).collect();

@@ -39,8 +39,7 @@ pub struct Flattened {
 }
 
 impl Flattened {
-    /// Finds whether a codec flattened blocks of `frames`, whose values differ by `step` at least (0 if unknown: then
-    /// nothing is found).
+    /// Finds the flattening of `frames` whose values differ by `step` at least; 0 if unknown: nothing is found.
     pub(super) fn find(frames: &[&Plane], step: f32) -> Option<Self> {
         let (width, height) = frames.first()?.size();
         let (columns, rows) = ((width / SIDE).saturating_sub(1), (height / SIDE).saturating_sub(1));

@@ -81,8 +81,7 @@ impl Pixels<'_> {
         }
     }
 
-    /// Writes the contrast of the frames taken at `times` into `out`, in `region` of the octave, for a scene that moves
-    /// by `slope` px/frame. `single` is scratch.
+    /// Writes the contrast in `region` of the octave, for a scene that moves by `slope` px/frame. `single` is scratch.
     pub fn contrast(
         &self,
         (contrast, times, slope): (&Contrast, &[f32], Slope),

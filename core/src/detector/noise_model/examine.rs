@@ -85,14 +85,14 @@ pub fn examine(
     let pattern_share = survey.pattern_share(&squares, about);
     // The mean of frames that have noise in common has more of it.
     let more = repeated_in_place(&survey.correlations, looked.len()) / shown;
-    let expected = Expected { variance: about * more, is_shared: !survey.correlations.is_empty(), slopes };
     let fastest = slopes.iter().map(|slope| slope.magnitude()).fold(0.0, f32::max);
     let is_struck = flattened.is_none() && are_struck(&first_look, &contrasts, about);
     let struck = if is_struck { mask_struck(&mut clean, about, fastest.ceil() as usize + 1) } else { 0 };
     monitor.check()?;
     // As the octaves, the scene's motion in them and the brightness around a candidate need them.
     let levels = (octaves.end.max(1) as usize + 1).max(5);
-    let (reading, mut pattern) = read(&mut clean, &looked, &expected, levels, monitor)?;
+    let are_independent = survey.correlations.is_empty();
+    let (reading, mut pattern) = read(&mut clean, &looked, about * more, are_independent, slopes, levels, monitor)?;
     pattern.struck = struck;
     let is_changed = is_evened || struck > 0 || !pattern.is_empty();
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
@@ -159,38 +159,33 @@ fn planes(frames: &[Arc<Plane>]) -> Vec<&Plane> {
     frames.iter().map(|f| &**f).collect()
 }
 
-/// Expectations of the frames' noise and motion.
-struct Expected<'a> {
-    /// Variance of the noise of a frame whose mean with others has as much noise as if they were independent.
-    variance: f32,
-    is_shared: bool,
-    slopes: &'a [Slope],
-}
-
 /// Variance of the mean of `frames` frames with these correlations relative to that of independent ones.
 fn repeated_in_place(correlations: &[f32], frames: usize) -> f32 {
     let shared = (1..).zip(correlations).map(|(lag, r)| (1.0 - lag as f32 / frames as f32).max(0.0) * r);
     1.0 + 2.0 * shared.sum::<f32>()
 }
 
-/// Reads the frames `looked` of `clean` closely and removes the sensor's pattern from all of `clean`: first what stays,
-/// then what changes.
+/// Reads the frames `looked` and removes the sensor's pattern from all: first what stays, then what changes. The
+/// mean of frames whose noise has this `variance` has as much noise as if they were independent.
 fn read(
     clean: &mut [Arc<Plane>],
     looked: &[usize],
-    expected: &Expected<'_>,
+    variance: f32,
+    are_independent: bool,
+    slopes: &[Slope],
     levels: usize,
     monitor: &Monitor,
 ) -> Result<(Reading, FixedPattern), Cancelled> {
     let reading = |clean: &[Arc<Plane>], finds: bool| {
         let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
-        let stands_out = FixedPattern::stands_out(planes.len(), planes[0].size(), expected.variance);
+        let stands_out = FixedPattern::stands_out(planes.len(), planes[0].size(), variance);
         Reading::new(&planes, levels, stands_out.filter(|_| finds), monitor)
     };
     let mut read = reading(clean, true)?;
     let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
-    let mut pattern = FixedPattern::find(&planes, &read, expected.variance);
-    if expected.is_shared {
+    let mut pattern = FixedPattern::find(&planes, &read, variance);
+    // Noise that frames have in common may look like stripes.
+    if !are_independent {
         (pattern.columns, pattern.rows) = (None, None);
     }
     if !pattern.is_empty() {
@@ -202,7 +197,7 @@ fn read(
     }
     let brightness = read.columns.iter().flatten().flatten().sum::<f32>()
         / read.columns.iter().flatten().map(Vec::len).sum::<usize>() as f32;
-    let along = |axis: fn(&Slope) -> f32| expected.slopes.iter().map(axis).collect::<Vec<f32>>();
+    let along = |axis: fn(&Slope) -> f32| slopes.iter().map(axis).collect::<Vec<f32>>();
     pattern.changing_columns = ChangingLines::find(&read.columns, brightness, &along(|slope| slope.u));
     pattern.changing_rows = ChangingLines::find(&read.rows, brightness, &along(|slope| slope.v));
     for (axis, lines) in [pattern.changing_columns, pattern.changing_rows].into_iter().enumerate() {
@@ -214,8 +209,7 @@ fn read(
     Ok((read, pattern))
 }
 
-/// Variance of the noise of one frame in a region of the image: by its brightness, or, where the variance also depends
-/// on place, the mean over the squares inside.
+/// By its brightness, or, where the variance also depends on place, the mean over the squares inside.
 fn variance_in(model: &NoiseModel, middle: &BoxPyramid, squares: &[Square], region: &Region) -> f32 {
     let Region { columns, rows } = region;
     if model.excess.is_some() {

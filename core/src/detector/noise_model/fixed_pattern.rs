@@ -104,8 +104,7 @@ fn halves(frames: &[Lines]) -> [Lines; 2] {
     })
 }
 
-/// Whether the scene stays in place: the halves of the frames have more in common, outside `hot` pixels, than they
-/// differ by.
+/// Whether the scene stays: outside `hot` pixels the halves of the frames have more in common than they differ by.
 fn stays(pyramids: &[BoxPyramid], hot: &[(usize, usize)]) -> bool {
     if pyramids.iter().any(BoxPyramid::is_empty) {
         return false;
@@ -306,7 +305,7 @@ pub fn mask_struck(frames: &mut [Arc<Plane>], variance: f32, reach: usize) -> us
     struck.iter().map(Vec::len).sum()
 }
 
-/// Offsets of columns or rows, as far as they change within [`REACH`] of them.
+/// Offsets of columns or rows, as far as they change within 16 of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stripes {
     /// Offset of each column or row, fraction of full scale.
@@ -319,8 +318,7 @@ pub struct Stripes {
 const STRIPES: f32 = 6.0;
 
 impl Stripes {
-    /// Finds the stripes that the means over [bands](super::reading::BANDS) of both halves of a burst share; `None` if
-    /// there are none, or they are smooth as a scene is.
+    /// Finds the stripes that both halves of a burst share; `None` if there are none, or they are smooth as a scene is.
     pub(super) fn find(halves: &[Vec<Vec<f32>>; 2]) -> Option<Self> {
         let [first, second] = halves.each_ref().map(|bands| offsets(bands, Extent::Sharp));
         let n = first.len() as f32;

@@ -302,8 +302,7 @@ impl Looks {
     }
 }
 
-/// Ratio of brightnesses: the median over the squares in which the reference is brighter than `least`, weighted by its
-/// brightness.
+/// The median over the squares in which the reference is brighter than `least`, weighted by its brightness.
 fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
     let mut ratios: Vec<(f32, f32)> =
         squares.iter().zip(reference).filter(|(_, r)| **r > least).map(|(x, r)| (x / r, *r)).collect();

@@ -1,9 +1,9 @@
 //! Noise model of a burst as cameras and files make it, for a noise gate that is right at every place.
 //!
 //! The gate of [`crate::detector::noise`] propagates white noise of one strength through the filters. Real noise grows
-//! with brightness and differs by place ([`variance`]), is correlated between neighbouring pixels and has long tails
-//! where files were compressed ([`spectrum`]); frames repeat others, are black or too noisy ([`frames`]), and a sensor
-//! has a pattern of its own ([`fixed_pattern`]). [`examine()`] finds all of it from the burst alone and gives a
+//! with brightness and differs by place (`variance`), is correlated between neighbouring pixels and has long tails
+//! where files were compressed (`spectrum`); frames repeat others, are black or too noisy (`frames`), and a sensor
+//! has a pattern of its own (`fixed_pattern`). [`examine()`] finds all of it from the burst alone and gives a
 //! [`NoiseModel`], which computes σ of D for an octave, a level, a slope and a place, with a [`NoiseWarning`] for each
 //! assumption that fails.
 

@@ -55,9 +55,6 @@ impl Reading {
     /// Reads `frames` of one size (at least one, of at least 2×2 pixels) into pyramids of `levels` levels. With
     /// `stands_out`, the data for finding the sensor's pattern is read as well, and pixels are listed whose mean over
     /// the frames differs from those beside them by more than it; this needs at least two frames.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn new(
         frames: &[&Plane],
         levels: usize,
@@ -228,9 +225,6 @@ impl BoxPyramid {
     }
 
     /// Means over squares of 2^`level` pixels, `level` from 1 on; the coarsest ones where the pyramid ends before.
-    ///
-    /// # Panics
-    /// If the pyramid is empty: the frame is under 2×2 pixels, or no levels were made.
     pub fn level(&self, level: usize) -> &Plane {
         &self.levels[(level - 1).min(self.levels.len() - 1)]
     }

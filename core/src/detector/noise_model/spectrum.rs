@@ -60,9 +60,6 @@ const MIN_KURTOSIS: f32 = 0.3;
 const OF_ONE_FRAME: f32 = 2.0;
 
 /// Measures the levels 0 … S−1 of the octaves `octaves` of `space`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn measure(
     sources: Sources<'_>,
     space: &ScaleSpace,
@@ -207,9 +204,6 @@ pub struct TileMoments {
 
 /// Moments of tiles of `octave` of `space`, spread over the image; none where the octave is too small, too coarse, or
 /// made of skipped pixels.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn tiles_of_octave(
     sources: Sources<'_>,
     space: &ScaleSpace,
@@ -338,8 +332,7 @@ impl OfMeans {
         FilterBank::new(std::iter::once(base).chain(space.step_kernels.iter().cloned()).collect(), space.all_levels())
     }
 
-    /// Variance in D at `level` of white noise of variance 1 in a frame: means of white noise are white, whatever their
-    /// blur.
+    /// Variance in D at `level` of white noise of variance 1 in a frame: means of white noise are white.
     fn white(&self, space: &ScaleSpace, level: f64) -> f64 {
         let variance = |level: f64| space.sigma_octave(level).powi(2) - self.blurred;
         self.variance * dog_energy(variance(level), variance(level + 1.0))

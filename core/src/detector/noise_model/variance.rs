@@ -98,8 +98,7 @@ fn variance_of(group: &[(f32, f32)], free: f32) -> f32 {
     if quiet > 0.0 { quiet } else { group.iter().map(|s| s.1).sum::<f32>() / group.len() as f32 }
 }
 
-/// Slope and offset of the line through the points; the slope is 0 where it is less than three times its error, or the
-/// brightness does not differ by more than its noise.
+/// Slope and offset; the slope is 0 below three times its error, or where the brightness hardly differs.
 fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
     let total = points.iter().map(|p| p.squares).sum::<usize>() as f64;
     let mean = points.iter().map(|p| f64::from(p.variance) * p.squares as f64).sum::<f64>() / total.max(1.0);

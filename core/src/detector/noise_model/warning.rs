@@ -265,7 +265,6 @@ fn numbered(frames: &[usize]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixed_pattern::Stripes;
     use super::super::frames::FrameFacts;
     use super::*;
 
@@ -280,22 +279,10 @@ mod tests {
         assert!(text(0).starts_with("1 of 5 frames repeat an earlier one (number 1, counted from 0)"), "{}", text(0));
         assert!(text(1).contains("half as bright") && text(2).contains("noisier"), "{warnings:?}");
         assert!(text(3).contains("10.0 %") && text(4).contains("0.50"), "{warnings:?}");
-        assert!(of_frames(&FrameSurvey::default(), true).is_empty());
-    }
-
-    #[test]
-    fn the_pattern_is_said_with_its_number() {
-        let stripes = Some(Stripes { offsets: vec![0.0; 4], deviation: 0.02 });
-        let pattern = FixedPattern {
-            hot_pixels: vec![(1, 2)],
-            columns: stripes,
-            rows: None,
-            inseparable: 7,
-            ..FixedPattern::default()
-        };
-        let warnings = of_pattern(&pattern);
-        assert_eq!(warnings.iter().map(|w| w.number).collect::<Vec<_>>(), [1.0, 0.02, 7.0]);
-        assert!(of_pattern(&FixedPattern::default()).is_empty());
+        assert!(of_frames(&FrameSurvey::default(), true).is_empty() && of_pattern(&FixedPattern::default()).is_empty());
+        let warnings =
+            of_pattern(&FixedPattern { hot_pixels: vec![(1, 2)], inseparable: 7, ..FixedPattern::default() });
+        assert_eq!(warnings.iter().map(|w| w.number).collect::<Vec<_>>(), [1.0, 7.0]);
         assert_eq!(numbered(&[0, 1, 2, 3, 4, 5, 6, 7]), "numbers 0, 1, 2, 3, 4, 5 and 2 more, counted from 0");
     }
 }

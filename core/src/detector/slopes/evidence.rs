@@ -62,9 +62,6 @@ pub(super) struct Looking<'a> {
 }
 
 /// Collects the evidence of every window at every one of some levels, from all lags but the first few that are ignored.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub(super) fn look(
     frames: &[&Plane],
     (levels, ignored_lags): (Range<u32>, usize),
@@ -323,8 +320,7 @@ fn off_line(evidence: &[SlopeEvidence], degrees: f64, steps: Steps) -> Vec<Slope
     confirmed(&off, steps)
 }
 
-/// Direction in which most of the evidence moves, in degrees from +u towards +v, −180 … 180: that of the line through
-/// slope 0 that fits it best.
+/// Direction, degrees from +u towards +v, −180 … 180, of the line through slope 0 that fits the evidence best.
 pub(super) fn direction_deg(evidence: &[SlopeEvidence]) -> f64 {
     let degrees = principal_deg(evidence, [0.0, 0.0]);
     let forward: f64 = evidence.iter().map(|e| f64::from(e.significance) * turned(e.slope, degrees)[0]).sum();

@@ -119,8 +119,7 @@ impl SlopeFinding {
     }
 }
 
-/// Axis of slopes, in direction `direction_deg`, for a line that holds the confirmed `evidence`, for a search of
-/// `frames` frames with `params`; `None` without evidence.
+/// Axis of slopes in direction `direction_deg` for a line that holds the confirmed `evidence`; `None` without any.
 pub(crate) fn axis_through(
     evidence: &[SlopeEvidence],
     params: &DetectorParams,
@@ -131,8 +130,7 @@ pub(crate) fn axis_through(
     (!evidence.is_empty()).then(|| evidence::axis(range(), steps_of(params, frames).search, LINE_SLOPES))
 }
 
-/// Number of slopes with which the range of `axis` would be searched: with the step that the finest features need, or a
-/// coarser one where the range is long.
+/// Number of slopes with which the range of `axis` would be searched.
 pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: usize, is_plane: bool) -> usize {
     let most = if is_plane { PLANE_SLOPES } else { LINE_SLOPES };
     evidence::count([axis.min, axis.max].map(f64::from), steps_of(params, frames).search, most)
@@ -336,8 +334,7 @@ pub struct SlopeFinding {
 }
 
 impl SlopeFinding {
-    /// Sets the distance from a uniform motion. `deviation` is this distance and the limit above which it changes the
-    /// verdict, in pixels.
+    /// `deviation` is the distance from a uniform motion, and the limit above which it changes the verdict, pixels.
     fn with_deviation(self, deviation: Option<(f64, f64)>) -> Self {
         let bent = deviation.is_some_and(|(distance, limit)| distance > limit);
         let verdict = match self.verdict {

@@ -82,8 +82,7 @@ impl SearchTable {
         Self { track, slopes, taps, step, overlap: overlap.to_vec() }
     }
 
-    /// Peak of the correlations `planes` of lags 1, 2, …, given the variance of their noise; `None` where the variance
-    /// is zero, or no slope has power.
+    /// Peak of the correlations of lags 1, 2, …; `None` where the variance is zero, or no slope has power.
     pub fn strongest(&self, planes: &[Vec<f32>], variance: &[f64]) -> Option<Peak> {
         if variance.iter().all(|v| *v <= 0.0) {
             return None;
@@ -284,8 +283,7 @@ pub(super) struct Path {
 }
 
 impl Path {
-    /// Distance from a uniform motion above which the motion is not straight, for a path in image pixels and windows
-    /// that stand still or not.
+    /// Distance above which the motion is not straight, for a path in image pixels.
     pub fn limit(&self, still: bool) -> f64 {
         // In clear frames the path is exact, and nothing is forgiven.
         let least = if still { (super::STILL_LEVEL_PX * self.pixel).min(10.0 * self.noise) } else { 0.0 };

@@ -52,8 +52,7 @@ impl Spectrum {
     }
 }
 
-/// Adds conj(a)·b to the complex numbers `re` and `im`; these are at most as many as those of `a` and `b`. The
-/// innermost loop of the finder.
+/// Adds conj(a)·b to `re` and `im`, at most as many as `a` and `b` have: the innermost loop of the finder.
 #[multiversion(targets("x86_64+avx2+fma", "aarch64+neon"))]
 fn add_conjugate_products(a_re: &[f32], a_im: &[f32], b_re: &[f32], b_im: &[f32], re: &mut [f32], im: &mut [f32]) {
     let n = re.len();
@@ -274,8 +273,7 @@ const SMALL_PIXELS: usize = 25_000;
 const MEDIUM_PIXELS: usize = 270_000;
 const LEVELS: u32 = 3;
 
-/// Levels at which an image of `size` is examined: those of [`LEVELS`] whose sides are at least `min_side` level
-/// pixels.
+/// Levels at which an image of `size` is examined: those whose sides are at least `min_side` level pixels.
 pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Range<u32> {
     let larger_than = |pixels: usize| u32::from(width * height > pixels);
     let first = larger_than(SMALL_PIXELS) + larger_than(MEDIUM_PIXELS);

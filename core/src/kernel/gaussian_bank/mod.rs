@@ -216,12 +216,11 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
                     while first < part.end {
                         let left = part.end - first;
                         let rows = if left >= max { max } else { 1 << left.ilog2() };
-                        let place = Place { section, index, batch_start: batch.start, first, block };
                         match rows {
-                            8 => self.level_rows::<S, 8>(simd, place),
-                            4 => self.level_rows::<S, 4>(simd, place),
-                            2 => self.level_rows::<S, 2>(simd, place),
-                            _ => self.level_rows::<S, 1>(simd, place),
+                            8 => self.level_rows::<S, 8>(simd, section, index, batch.start, first, block),
+                            4 => self.level_rows::<S, 4>(simd, section, index, batch.start, first, block),
+                            2 => self.level_rows::<S, 2>(simd, section, index, batch.start, first, block),
+                            _ => self.level_rows::<S, 1>(simd, section, index, batch.start, first, block),
                         }
                         first += rows;
                     }
@@ -232,8 +231,15 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
     }
 
     #[inline(always)]
-    fn level_rows<S: Simd, const ROWS: usize>(&mut self, simd: S, place: Place) {
-        let Place { section, index, batch_start, first, block } = place;
+    fn level_rows<S: Simd, const ROWS: usize>(
+        &mut self,
+        simd: S,
+        section: Section,
+        index: usize,
+        batch_start: usize,
+        first: usize,
+        block: usize,
+    ) {
         let FilterScratch { bands, level, .. } = &mut *self.scratch;
         let (rows, top, stride) = (bands[index].block(block / BLOCK), self.held.start, self.stride);
         let weights = &self.along_v.levels[index];
@@ -259,22 +265,11 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
     }
 }
 
-/// Position of the rows of a level that are computed together.
-#[derive(Clone, Copy)]
-struct Place {
-    section: Section,
-    index: usize,
-    batch_start: usize,
-    first: usize,
-    block: usize,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::gaussian_bank::FilterBank;
     use crate::plane::Plane;
-    use crate::plane::blur::{GaussianKernel, gaussian_blur};
+    use crate::plane::blur::gaussian_blur;
 
     fn chain() -> Vec<GaussianKernel> {
         [1.5, 1.2, 1.6, 2.0, 2.5].map(GaussianKernel::new).to_vec()

@@ -64,8 +64,7 @@ impl Blocks {
     }
 }
 
-/// Convolves one row: `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side;
-/// `out[level]` receives its blocks.
+/// `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side.
 #[inline(always)]
 pub(crate) fn convolve_row<S: Simd>(
     simd: S,
@@ -142,8 +141,7 @@ fn convolve<S: Simd, const L: usize>(
     }
 }
 
-/// Overwrites the columns of `columns` that lie near a border: `line[reach + i]` is column `columns.start + i`, and
-/// `out` receives the blocks that begin there.
+/// Overwrites the columns that lie near a border; `line[reach + i]` is column `columns.start + i`.
 #[inline(always)]
 pub(crate) fn edge_columns<S: Simd>(
     simd: S,
@@ -223,8 +221,7 @@ impl Sink<'_> {
     }
 }
 
-/// Computes `ROWS` rows away from the borders; the first one is row `radius` of `rows`, which holds the kernel's radius
-/// more on both sides. `column` is the block's first one in the tile.
+/// Computes `ROWS` rows away from the borders; the first one is row `radius` of `rows`.
 #[inline(always)]
 pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
     simd: S,

@@ -105,8 +105,7 @@ impl Edges {
     }
 }
 
-/// A line whose non-zero values lie in `support`, convolved with `taps`, its nearest pixel repeated beyond its ends;
-/// and the new support.
+/// A line that is 0 outside `support`, convolved with `taps`, its nearest pixel repeated; and the new support.
 fn blurred(signal: &[f64], support: Range<usize>, taps: &[f64]) -> (Vec<f64>, Range<usize>) {
     let (n, radius) = (signal.len(), taps.len() / 2);
     let mut out = vec![0.0; n];
@@ -161,8 +160,7 @@ impl Weights {
     }
 }
 
-/// Weights of a bank along a line of pixels of a given length: plain kernels inside, the chain's own weights near the
-/// ends.
+/// A bank's weights along a line of pixels: plain kernels inside, the chain's own weights near the ends.
 #[derive(Debug)]
 pub struct Axis {
     pub(crate) n: usize,

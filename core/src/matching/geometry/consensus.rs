@@ -119,8 +119,7 @@ pub(super) fn estimate<P: Problem>(
     Ok((best.map(|(model, _)| model), iterations))
 }
 
-/// The best model after two more attempts to improve it: by descent on a smoother cost, and by repair of a degenerate
-/// model.
+/// The best model after descent on a smoother cost and repair of a degenerate model.
 fn finished<P: Problem>(
     problem: &P,
     mut best: (P::Model, f64),
@@ -160,8 +159,7 @@ fn cost_below<P: Problem>(problem: &P, model: &P::Model, loss: &Loss, limit: f64
     Some(sum)
 }
 
-/// Descends from a model to the nearest local minimum of the cost, by reweighted least squares. Never returns a worse
-/// one.
+/// Descends to the nearest local minimum of the cost, by reweighted least squares; never to a worse model.
 fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (P::Model, f64) {
     let mut best = (model, cost);
     let mut weights = vec![0.0; problem.count()];
@@ -309,8 +307,7 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
-    /// Creates a sampler of `size` matches out of `order`, which begins with the most promising and has at least
-    /// `size`.
+    /// `order` begins with the most promising and has at least `size` matches.
     pub(super) fn new(order: Vec<usize>, size: usize, seed: u64) -> Self {
         let count = order.len();
         // The samples among the first `size` that UNIFORM_AFTER uniform samples of all matches would hold.

@@ -342,8 +342,7 @@ fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     (r.iter().all(|x| x.is_finite()) && r.determinant() > 0.0).then_some(r)
 }
 
-/// The pose of an essential matrix for which most of `pairs`, matched directions, lie in front of both cameras, and
-/// their number.
+/// The pose for which most of `pairs`, matched directions, lie in front of both cameras, and their number.
 pub(super) fn pose_in_front<'a>(
     e: &Matrix3<f64>,
     pairs: impl Iterator<Item = &'a RayPair> + Clone,

@@ -1,7 +1,7 @@
 //! Geometric verification: finds the putative matches that agree on one geometry of the two views.
 //!
 //! The data flow: matched points → `points` (normalised coordinates) → samples that are solved exactly (`linear`,
-//! [`essential`]) and scored against all matches (`consensus`) → a [`TwoViewModel`] in pixels, each match's error under
+//! `essential`) and scored against all matches (`consensus`) → a [`TwoViewModel`] in pixels, each match's error under
 //! it, and the inliers. [`verify`] is the composition. [`RelativePose`] is that of the cameras, from an essential
 //! matrix.
 //!

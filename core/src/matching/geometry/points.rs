@@ -33,8 +33,7 @@ pub(super) struct Normalisation {
 }
 
 impl Normalisation {
-    /// The normalisation by which the centre of `pairs` becomes 0, and their mean squared distance from it 2; and the
-    /// normalised pairs.
+    /// Makes the centre of `pairs` 0 and their mean squared distance from it 2; and the normalised pairs.
     pub(super) fn of(pairs: &[RayPair]) -> (Self, Vec<RayPair>) {
         let count = pairs.len().max(1) as f64;
         let mean = |point: fn(&RayPair) -> [f64; 2]| {
