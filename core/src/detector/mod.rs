@@ -11,7 +11,7 @@
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
 //! [`view`], single steps as pictures; [`limit`], features whose motion lies beyond the slopes; [`advice`], reasons for
 //! poor results. [`pipeline`] puts the steps together.
-//! Everything here is a function from values to values; the costly inner loops are in [`crate::kernel`].
+//! Everything here is a function from values to values; the costly inner loops are in `crate::kernel`.
 
 pub mod advice;
 pub mod coherence;

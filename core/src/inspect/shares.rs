@@ -95,7 +95,7 @@ pub fn shares(
     let answers = trail.frame_responses((octave, level), place, slope, monitor)?;
     let share = |(plane, &answer): (&Arc<Plane>, &FrameResponse)| {
         let FrameResponse { frame, pos_frame, covers, value, sigma_d } = answer;
-        let patch = sample_patch(plane, (pos_frame[0], pos_frame[1]), half_px, PATCH_SIDE);
+        let patch = sample_patch(plane, (pos_frame[0], pos_frame[1]), half_px, 0.0, PATCH_SIDE);
         FrameShare { frame, pos_frame, covers, value, sigma_d, patch }
     };
     let frames: Vec<FrameShare> = planes.iter().zip(&answers).map(share).collect();

@@ -360,40 +360,6 @@ mod tests {
     }
 
     #[test]
-    fn the_measured_snr_is_the_one_asked_for() {
-        for snr in [0.2, 0.6, 3.0] {
-            let params = ChartParams { discs: 1, radius: 40.0..=40.0, max_slope: 0.0, frames: 20, snr, ..small() };
-            let (burst, truth) = synth_chart(&params, &Monitor::default()).expect("a chart");
-            let disc = truth.features[0];
-            let (mut inside, mut outside) = (Vec::new(), Vec::new());
-            for frame in &burst.frames {
-                for y in 0..params.height {
-                    for x in 0..params.width {
-                        let r = (x as f64 - disc.u).hypot(y as f64 - disc.v);
-                        if r < disc.radius - 1.0 {
-                            inside.push(f64::from(frame.at(x, y)));
-                        } else if r > disc.radius + 1.0 {
-                            outside.push(f64::from(frame.at(x, y)));
-                        }
-                    }
-                }
-            }
-            let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-            let variance = |x: &[f64]| {
-                let m = mean(x);
-                x.iter().map(|y| (y - m).powi(2)).sum::<f64>() / x.len() as f64
-            };
-            // The variance is linear in the level, so the mean of the two variances is that at the mean of the levels.
-            let sigma = (0.5 * (variance(&inside) + variance(&outside))).sqrt();
-            let got = (mean(&inside) - mean(&outside)) / sigma;
-            // Standard error of the difference of the two means, in units of sigma, is about sqrt(1/n_inside).
-            let error = 5.0 / (inside.len() as f64).sqrt() + 0.01 * snr;
-            assert!((got - snr).abs() < error, "asked {snr}, measured {got}");
-            assert!(burst.frames.iter().all(|f| f.data().iter().all(|&x| x > 0.0 && x < 1.0)), "noise was cut off");
-        }
-    }
-
-    #[test]
     fn discs_keep_their_distance_and_stay_inside() {
         let params = ChartParams { motion: Motion::TwoD, frames: 10, ..ChartParams::default() };
         let discs = place_discs(&params, &Monitor::default()).expect("they fit");

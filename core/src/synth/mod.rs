@@ -22,7 +22,7 @@
 pub mod chart;
 pub mod demo;
 pub mod examples;
-pub mod layer;
+mod layer;
 pub mod noise;
 pub mod noise_case;
 pub mod paint;

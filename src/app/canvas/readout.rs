@@ -136,8 +136,8 @@ pub fn draw_values(
     let font = FontId::monospace((pixel_points * 0.21).clamp(7.0, 15.0));
     let digits = if pixel_points > 60.0 { 4 } else { 3 };
     let colours = display.colours();
-    for v in region.v {
-        for u in region.u.clone() {
+    for v in region.rows {
+        for u in region.columns.clone() {
             let value = picture.plane.at(u, v);
             let centre = ui_from_picture.pos(pos2(u as f32, v as f32));
             painter.text(
@@ -170,11 +170,14 @@ pub fn draw_grid(painter: &Painter, picture: &Picture, ui_from_image: RectTransf
     let stroke = Stroke::new(1.0, Color32::from_gray(128).gamma_multiply(0.35 * strength));
     let region = picture.region(visible_image);
     let corner = |u: usize, v: usize| ui_from_picture.pos(pos2(u as f32 - 0.5, v as f32 - 0.5));
-    let rect = Rect::from_min_max(corner(region.u.start, region.v.start), corner(region.u.end, region.v.end));
-    for u in region.u.start..=region.u.end {
+    let rect = Rect::from_min_max(
+        corner(region.columns.start, region.rows.start),
+        corner(region.columns.end, region.rows.end),
+    );
+    for u in region.columns.start..=region.columns.end {
         painter.vline(corner(u, 0).x, rect.y_range(), stroke);
     }
-    for v in region.v.start..=region.v.end {
+    for v in region.rows.start..=region.rows.end {
         painter.hline(rect.x_range(), corner(0, v).y, stroke);
     }
 }

@@ -139,12 +139,13 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
         return None;
     }
     let display = model.display_of(id);
-    let part =
-        Plane::from_fn(region.u.len(), region.v.len(), |u, v| shown.plane.at(region.u.start + u, region.v.start + v));
+    let part = Plane::from_fn(region.columns.len(), region.rows.len(), |u, v| {
+        shown.plane.at(region.columns.start + u, region.rows.start + v)
+    });
     let rgba = match &picture.motion {
         Some(motion) => {
-            let (u, v) = (region.u.start as u32, region.v.start as u32);
-            let (width, height) = (region.u.len() as u32, region.v.len() as u32);
+            let (u, v) = (region.columns.start as u32, region.rows.start as u32);
+            let (width, height) = (region.columns.len() as u32, region.rows.len() as u32);
             image::imageops::crop_imm(&motion.colours, u, v, width, height).to_image()
         }
         None => to_rgba8(&part, &display),
@@ -158,7 +159,7 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
     Some(FigurePanel {
         size: part.size(),
         rgba: Arc::new(rgba.into_raw()),
-        origin_image: [(region.u.start as f32 - 0.5) * step, (region.v.start as f32 - 0.5) * step],
+        origin_image: [(region.columns.start as f32 - 0.5) * step, (region.rows.start as f32 - 0.5) * step],
         image_px_per_px: step,
         marks: layer.map(|layer| marks(model, &layer)).unwrap_or_default(),
         title: choice.titles.then(|| describe(picture)),

@@ -283,7 +283,7 @@ mod tests {
         assert_eq!(full_range(&picture), Some((0.0, 1.0)));
         let (low, high) = percentile_range(&picture, &Region::whole(&picture.plane)).unwrap();
         assert!(low == 0.0 && (high - 0.099).abs() < 1e-6, "{high}");
-        let region = Region { u: 0..100, v: 50..60 };
+        let region = Region { columns: 0..100, rows: 50..60 };
         assert_eq!(percentile_range(&picture, &region), Some((0.05, 0.059)));
     }
 }

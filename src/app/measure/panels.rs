@@ -244,14 +244,14 @@ mod tests {
             number: 1,
             label: "Frame 0".into(),
             picture: Picture::new(plane, "ramp"),
-            region: Region { u: 2..8, v: 0..5 },
+            region: Region { columns: 2..8, rows: 0..5 },
         };
         let mut cache = RegionCache::default();
         let first = cache.of(&of).clone();
         assert_eq!(first.statistics.map(|s| (s.count, s.min, s.max)), Some((30, 2.0, 7.0)));
         assert_eq!(first.histogram.map(|h| h.counts.iter().sum::<u64>()), Some(30));
         assert_eq!(row(&of, first.statistics)[1..4], ["30", "4.5", "1.737"]);
-        of.region = Region { u: 3..4, v: 0..5 };
+        of.region = Region { columns: 3..4, rows: 0..5 };
         let flat = cache.of(&of);
         assert!(flat.histogram.is_none() && flat.statistics.is_some(), "one value has no histogram");
         assert!(table_text(&[row(&of, None)]).ends_with("\n1  Frame 0\t–\t–\t–\t–\t–\t–"));

@@ -4,7 +4,7 @@
 //! a tenth of an input pixel even without noise, and the long tails of D's Gaussians let neighbours pull. So, starting
 //! from the fit:
 //!
-//! - **Place**: the extremum of a [kernel](crate::kernel::compact_kernel) whose zero lies where D's own scale puts a
+//! - **Place**: the extremum of a kernel (`crate::kernel::compact_kernel`) whose zero lies where D's own scale puts a
 //!   blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel for blobs with a rim and the
 //!   soft one, which resembles D, the one with the smaller expected error is taken: its noise over its curvature here.
 //!   That is the former for discs, crowded or not, and the latter for most structures of a photograph. The finer octave

@@ -3,7 +3,7 @@
 //! The samples of a coarse octave lie 2^o input pixels apart, and a fit to them depends on where they fall on a blob: a
 //! burst that is cropped by a pixel would keep other keypoints, with other values, and so another choice among those on
 //! one blob. So in octaves after the first the fit is only the start of an ascent. D at any place and scale is the
-//! difference of two sums of pixels under Gaussians; their [jets](crate::kernel::gaussian_jet) give its gradient and
+//! difference of two sums of pixels under Gaussians; their jets (`crate::kernel::gaussian_jet`) give its gradient and
 //! its second derivatives, over place and, since ∂G/∂σ = σ∇²G, over ln σ. Newton's steps lead to the maximum, which one
 //! or two evaluations reach. The first level is smooth enough that its pixels hold all of it.
 //!

@@ -235,7 +235,7 @@ pub fn dog_tile(
     next: Option<&mut Tile>,
     batch_done: &mut dyn FnMut(&[Tile], Range<usize>),
 ) {
-    dog.levels.resize_with(filters.along_u.level_count() - 1, Tile::default);
+    dog.levels.resize_with(filters.along_u.levels.len() - 1, Tile::default);
     let axes = (&filters.along_u, &filters.along_v);
     let keep = next.map(|tile| (filters.next.expect("the level is among those made"), tile));
     match pixels {
