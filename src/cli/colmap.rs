@@ -212,13 +212,10 @@ pub struct ColmapArgs {
     #[arg(long, value_name = "MODEL", default_value = "SIMPLE_RADIAL", conflicts_with = "camera",
         value_parser = words::<CameraModel>(CAMERA_MODELS))]
     pub camera_model: CameraModel,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub matching: MatchingArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
 }

@@ -90,16 +90,7 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
         [] => white.chain(NoiseCase::ALL.iter().filter(|&&case| case != NoiseCase::White).map(of_case)).collect(),
         cases => cases.iter().map(of_case).collect(),
     };
-    let study = NoiseStudy {
-        levels,
-        searches,
-        width: args.width,
-        height: args.height,
-        megapixels: args.megapixels,
-        seeds: args.seeds,
-        first_seed: args.seed,
-        ..NoiseStudy::default()
-    };
+    let study = NoiseStudy { levels, searches, ..args.study.clone() };
     let console = Console::new(&args.output)?;
     let report = study.run(&console.monitor)?;
     console.say(&noise_table(&report))?;

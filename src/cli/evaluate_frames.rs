@@ -29,7 +29,6 @@ use std::path::{Path, PathBuf};
 pub struct FramesArgs {
     // clap gives no group to a struct that flattens another, so the arguments of ChartsArgs are named one by one.
     #[arg(value_name = "INPUT", help = INPUT_HELP, conflicts_with_all = ["seeds", "seed", "motion", "DiscsArgs", "ComparedArgs", "snr"])]
-    #[allow(missing_docs)]
     pub input: Option<PathBuf>,
     /// A second burst of the same scene, to be matched with INPUT by the parameters that 'match' has without options.
     #[arg(value_name = "SECOND")]
@@ -40,19 +39,15 @@ pub struct FramesArgs {
     /// Signal-to-noise ratio of one pixel in one frame of a chart; 'inf' makes no noise.
     #[arg(long, value_name = "RATIO", default_value_t = 0.6)]
     pub snr: f64,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub compared: ComparedArgs,
     /// Draw what was found over the number of frames as an SVG figure.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub charts: ChartsArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

@@ -58,13 +58,10 @@ pub struct MatchesArgs {
     /// Which bursts are matched: all, or each with the next K (sequential:K).
     #[arg(long, value_name = "WHICH", default_value_t = PairSelection::default(), value_parser = PairSelection::from_str)]
     pub pairs: PairSelection,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub matching: MatchingArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
 }

@@ -1,21 +1,14 @@
 //! `evaluate poses`: compares an estimated trajectory with the true one.
 
 use super::args::OutputArgs;
-use super::choices::{ASSOCIATIONS, words};
 use super::console::Console;
 use super::failure::Failure;
 use super::study::Document;
-use crate::evaluate::poses::{
-    Association, ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory,
-};
+use crate::evaluate::poses::{ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory};
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-
-fn study() -> PoseStudy {
-    PoseStudy::default()
-}
 
 /// Compare camera poses that were estimated with the true ones.
 ///
@@ -35,20 +28,8 @@ pub struct PosesArgs {
     /// a sparse model.
     #[arg(long, value_name = "POSES")]
     pub truth: PathBuf,
-    /// What makes two poses belong together: name, time or order [default: names if both sides have them, else times if
-    /// all fit, else order].
-    #[arg(long, value_name = "RULE", value_parser = words::<Association>(ASSOCIATIONS))]
-    pub associate: Option<Association>,
-    /// Max difference of the times of a pair, in the files' unit.
-    #[arg(long, value_name = "TIME", default_value_t = study().max_time_difference)]
-    pub max_time_difference: f64,
-    /// Poses between the start and the end of each motion of the relative pose error.
-    #[arg(long, value_name = "POSES", default_value_t = study().step)]
-    pub step: usize,
-    /// Number of images that the reconstruction began with [default: the number of true poses].
-    #[arg(long, value_name = "N")]
-    pub images: Option<usize>,
-    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub study: PoseStudy,
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -73,11 +54,10 @@ struct PosesDocument<'a> {
 }
 
 pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
-    let PosesArgs { associate, max_time_difference, step, images, .. } = *args;
     let console = Console::new(&args.output)?;
     let estimate = read_trajectory(&args.estimate)?;
     let truth = read_trajectory(&args.truth)?;
-    let report = evaluate_poses(&estimate, &truth, &PoseStudy { associate, max_time_difference, step, images })?;
+    let report = evaluate_poses(&estimate, &truth, &args.study)?;
     if let Some(model) = estimate.model.as_ref().filter(|m| m.other_models > 0) {
         console.say(&format!("took {}, the largest of {} parts\n", model.folder.display(), model.other_models + 1))?;
     }

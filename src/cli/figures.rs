@@ -30,7 +30,6 @@ pub struct FiguresArgs {
     /// Leave COLMAP out even where it is installed.
     #[arg(long)]
     pub no_colmap: bool,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
 }

@@ -26,7 +26,6 @@ use std::sync::Arc;
 #[command(after_long_help = FILM_HELP)]
 pub struct FilmArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// What changes from picture to picture: slope-u=MIN:MAX:COUNT or slope-v=MIN:MAX:COUNT in pixels per frame; scale,
     /// the DoG of every octave and level; frames, added one by one; flip=A,B, two pictures in turn: frame (the middle
@@ -57,10 +56,8 @@ pub struct FilmArgs {
     /// The file to write: .gif, or .apng or .png for an animated PNG.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

@@ -186,13 +186,10 @@ pub struct MatchArgs {
     /// bit.
     #[arg(long, value_name = "KIND", default_value = "middle", value_parser = words::<ImageKind>(IMAGE_KINDS))]
     pub images: ImageKind,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub matching: MatchingArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

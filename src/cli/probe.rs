@@ -184,18 +184,14 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
 #[command(after_long_help = SLOPES_HELP)]
 pub struct SlopesArgs {
     #[arg(value_name = "INPUT", help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// Draw the answer as a figure.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub set_up: SetUpArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }
@@ -225,7 +221,6 @@ JSON (--json), beside version, params, name and inputs:
 #[command(group(clap::ArgGroup::new("place").required(true).args(["at", "feature"])), after_long_help = PROBE_HELP)]
 pub struct ProbeArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// The place, in pixels at mid-burst: column and row; the centre of the first pixel is 0,0.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
@@ -240,10 +235,8 @@ pub struct ProbeArgs {
     /// and the tests.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

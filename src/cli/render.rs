@@ -101,7 +101,6 @@ pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// The PNG file to write.
     #[arg(long, short, value_name = "PNG")]
@@ -139,19 +138,14 @@ pub struct RenderArgs {
     /// Give up after this many seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub calibration: CalibrationArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

@@ -8,20 +8,30 @@
 
 use super::{Association, ModelSummary, PoseError, Similarity, Trajectory, align, associate};
 use crate::evaluate::statistics::quantile;
+#[cfg(feature = "cli")]
+use burstscope_core::synth::options::words;
 use nalgebra::Isometry3;
 use serde::Serialize;
 
 /// Parameters of a comparison of an estimate with the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct PoseStudy {
-    /// Rule by which poses are paired; `None` chooses the one that fits, see [`associate()`].
+    /// What makes two poses belong together: name, time or order [default: names if both sides have them, else times if
+    /// all fit, else order].
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "RULE", value_parser = words::<Association>(&["name", "time", "order"]))
+    )]
     pub associate: Option<Association>,
-    /// Largest time difference of a pair, in the files' unit; 0 or more.
+    /// Max difference of the times of a pair, in the files' unit.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", default_value_t = Self::default().max_time_difference))]
     pub max_time_difference: f64,
-    /// Number of poses from the start to the end of a motion of the relative error; 1 or more. Poses are the paired
-    /// ones, in the truth's order.
+    /// Poses between the start and the end of each motion of the relative pose error.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "POSES", default_value_t = Self::default().step))]
     pub step: usize,
-    /// Number of images to be registered; `None` for the number of true poses.
+    /// Number of images that the reconstruction began with [default: the number of true poses].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
     pub images: Option<usize>,
 }
 
