@@ -11,7 +11,7 @@ use super::{evaluate_frames, inputs};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
-use crate::evaluate::figure::roc_svg;
+use crate::evaluate::curves::roc_svg;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
 use crate::evaluate::{AccuracyStudy, NoiseStudy};
 use crate::synth::NoiseCase;

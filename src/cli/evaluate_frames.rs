@@ -10,7 +10,7 @@ use super::inputs::{Input, open_options, resolve_one, resolve_pair};
 use super::study::{Document, chart_study, check_plot, write_plot};
 use crate::burst::Burst;
 use crate::detector::params::doc;
-use crate::evaluate::figure::{burst_frames_svg, frames_svg};
+use crate::evaluate::curves::{burst_frames_svg, frames_svg};
 use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::{BurstFramesStudy, FramesStudy};
 use crate::export::OutputRules;

@@ -9,7 +9,7 @@ use super::study::{Document, Searched, once_each, searched_by};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;
-use crate::evaluate::{BurstMethod, MatchMethod, MatchReport, MatchStudy, Shot, slopes_of};
+use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Shot, slopes_of};
 use crate::matching::PairSelection;
 use crate::synth::{FrameLevels, NoisyExposure, NoisyParams};
 use clap::Args;
@@ -36,8 +36,8 @@ pub struct MatchesArgs {
     /// Rows of the table, separated by commas: gold, sift-frame, sift-mean, sift-merge, buff-1d, buff-2d, buff-auto
     /// (each burst's slopes found) [default: gold if there is one, sift-frame, sift-merge, and buff-auto, or with given
     /// slopes buff-1d, buff-2d].
-    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', value_parser = MatchMethod::from_str)]
-    pub methods: Vec<MatchMethod>,
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', value_parser = parse_method)]
+    pub methods: Vec<BurstMethod>,
     /// Sharp images of the same views, in the bursts' order: a dataset as the bursts are, or with one image for each;
     /// SIFT on its middle frames is the gold standard.
     #[arg(long, value_name = "DATASET", conflicts_with = "snr")]
@@ -103,8 +103,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     }
     let has_gold = args.gold.is_some() || args.snr.is_some();
     let methods = methods(args, has_gold)?;
-    let of_bursts: Vec<BurstMethod> = methods.iter().filter_map(|method| method.of_burst()).collect();
-    let Searched { detector, slopes, direction_deg } = searched_by(&args.run.search, &of_bursts)?;
+    let Searched { detector, slopes, direction_deg } = searched_by(&args.run.search, &methods)?;
     let (slopes_1d, slopes_2d) = match slopes {
         Some(slopes) => slopes_of(slopes),
         None => slopes_of(detector.slopes),
@@ -156,16 +155,22 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     console.say_json(&Document::new("evaluate matches", &MatchesDocument { noise, report: &report }))
 }
 
-fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<MatchMethod>, Failure> {
+fn parse_method(text: &str) -> Result<BurstMethod, String> {
+    match text {
+        "gold" => Ok(BurstMethod::Gold),
+        text => text.parse().map_err(|error: String| error.replace("give ", "give gold, ")),
+    }
+}
+
+fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<BurstMethod>, Failure> {
     if !args.methods.is_empty() {
         return Ok(once_each(&args.methods));
     }
     use BurstMethod::{Buff1d, Buff2d, BuffAuto, SiftFrame, SiftMerge};
     let finds_slopes = args.run.search.params()?.slopes.is_auto();
     let buff: &[BurstMethod] = if finds_slopes { &[BuffAuto] } else { &[Buff1d, Buff2d] };
-    let gold = has_gold.then_some(MatchMethod::Gold);
-    let compared = [SiftFrame, SiftMerge].iter().chain(buff).map(|&method| MatchMethod::Burst(method));
-    Ok(gold.into_iter().chain(compared).collect())
+    let gold = has_gold.then_some(&BurstMethod::Gold);
+    Ok(gold.into_iter().chain(&[SiftFrame, SiftMerge]).chain(buff).copied().collect())
 }
 
 /// Sharp images of the bursts, where `--gold` names them: cut as the bursts are, or one for each burst.
@@ -227,7 +232,7 @@ fn write_table(out: &mut String, report: &MatchReport, noise: Option<AddedNoise>
     if let Some(AddedNoise { snr, seed, frame_noise, .. }) = noise {
         writeln!(out, "noise added: SNR {snr} of one pixel in one frame, {frame_noise:.4} of full scale, seed {seed}")?;
     }
-    let has = |method| report.methods.iter().any(|row| row.method == MatchMethod::Burst(method));
+    let has = |method| report.methods.iter().any(|row| row.method == method);
     for (method, slopes) in [(BurstMethod::Buff1d, report.slopes_1d), (BurstMethod::Buff2d, report.slopes_2d)] {
         if has(method) {
             writeln!(out, "slopes of {} {} (min:max:count, px/frame)", method.label(), grid_text(&slopes))?;

@@ -4,7 +4,7 @@
 use super::drawing::{Panel, RIGHT, WRONG, stretched};
 use super::record::Pieces;
 use super::{FigureSize, FiguresError, Made, MakeFigure};
-use crate::evaluate::figure::{frames_svg, roc_svg};
+use crate::evaluate::curves::{frames_svg, roc_svg};
 use crate::evaluate::statistics::Mean;
 use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, FramesStudy, Ranking, Searches, motion_name};
 use crate::synth::{ChartParams, Motion, synth_chart};

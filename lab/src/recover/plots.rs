@@ -34,11 +34,11 @@ pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
     let plot = |varied: Varied| {
         let shares = report.shares_over(varied);
         let curve = |label: &str, (colour, dashes), point: &dyn Fn(&LevelShare) -> StudyCurvePoint| StudyCurve {
-            method: None,
             label: label.to_owned(),
             colour,
             dashes,
             points: shares.iter().map(point).collect(),
+            ..StudyCurve::default()
         };
         let found = |share: &LevelShare| StudyCurvePoint {
             x: share.level,
@@ -77,7 +77,7 @@ fn fitted_curve(report: &RecoverReport) -> StudyCurve {
         StudyCurvePoint { x, y: 100.0 * report.curve.share(x), spread: None, row_value: x }
     };
     let points = (0..CURVE_POINTS).map(point).collect();
-    StudyCurve { method: None, label: "fitted".to_owned(), colour: GREEN, dashes: "2 3", points }
+    StudyCurve { label: "fitted".to_owned(), colour: GREEN, dashes: "2 3", points, ..StudyCurve::default() }
 }
 
 /// The report as an SVG figure: its curves, and the map with the things on it.

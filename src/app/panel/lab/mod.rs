@@ -10,7 +10,6 @@ use crate::app::panel::widgets::{name_field, section_ui};
 use crate::app::project::Model;
 use crate::app::project::lab::{Lab, LabQuestion};
 use crate::evaluate::BurstMethod;
-use crate::evaluate::figure::method_line;
 use crate::synth::Motion;
 use egui::{Color32, DragValue, Grid, Label, ProgressBar, RichText, TextEdit, Ui};
 
@@ -179,7 +178,7 @@ fn methods_ui(ui: &mut Ui, lab: &mut Lab) {
     for method in BurstMethod::ALL {
         let mut on = lab.methods.contains(&method);
         ui.horizontal(|ui| {
-            crate::app::panel::widgets::dot_ui(ui, curve_colour(ui, method_line(method).0));
+            crate::app::panel::widgets::dot_ui(ui, curve_colour(ui, method.line().0));
             if ui.checkbox(&mut on, method.label()).changed() {
                 if on {
                     lab.methods.push(method);
