@@ -8,6 +8,7 @@ use crate::detector::memory;
 use crate::monitor::Monitor;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
 use std::io::IsTerminal;
 use std::time::Duration;
 
@@ -81,8 +82,20 @@ impl Console {
         }
     }
 
+    /// Prints the JSON document of `command`: its version, its name, and the fields of `report`, if JSON was asked for.
+    pub fn say_document(&self, command: &str, report: &impl Serialize) -> Result<(), Failure> {
+        #[derive(Serialize)]
+        struct Document<'a, R> {
+            version: &'a str,
+            command: &'a str,
+            #[serde(flatten)]
+            report: &'a R,
+        }
+        self.say_json(&Document { version: env!("CARGO_PKG_VERSION"), command, report })
+    }
+
     /// Prints a JSON document, if JSON was asked for.
-    pub fn say_json(&self, value: &impl serde::Serialize) -> Result<(), Failure> {
+    pub fn say_json(&self, value: &impl Serialize) -> Result<(), Failure> {
         if !self.output.json {
             return Ok(());
         }

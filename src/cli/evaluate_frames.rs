@@ -7,7 +7,7 @@ use super::evaluate_tables::{burst_frames_table, frames_table};
 use super::failure::Failure;
 use super::inputs;
 use super::inputs::{Input, open_options, resolve_one, resolve_pair};
-use super::study::{Document, chart_study, check_plot, write_plot};
+use super::study::{chart_study, check_plot, write_plot};
 use crate::burst::Burst;
 use crate::detector::params::doc;
 use crate::evaluate::curves::{burst_frames_svg, frames_svg};
@@ -85,7 +85,7 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
         ));
     }
     let study = FramesStudy {
-        charts: chart_study((&args.charts, &args.compared), &args.run.search, vec![args.snr])?,
+        charts: chart_study(&args.charts, &args.compared, &args.run.search, vec![args.snr])?,
         frame_counts: if args.frame_counts.is_empty() { FRAME_COUNTS.to_vec() } else { args.frame_counts.clone() },
     };
     let console = Console::new(&args.run.output)?;
@@ -94,7 +94,7 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
     let report = study.run(&console.monitor)?;
     console.say(&frames_table(&report))?;
     write_plot(&console, args.plot.as_deref(), &rules, || frames_svg(&report))?;
-    console.say_json(&Document::new("evaluate frames", &report))
+    console.say_document("evaluate frames", &report)
 }
 
 fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
@@ -117,5 +117,5 @@ fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
     let report = study.run(&bursts[0], bursts.get(1), truth.as_ref(), &console.monitor)?;
     console.say(&burst_frames_table(&report))?;
     write_plot(&console, args.plot.as_deref(), &rules, || burst_frames_svg(&report))?;
-    console.say_json(&Document::new("evaluate frames", &report))
+    console.say_document("evaluate frames", &report)
 }

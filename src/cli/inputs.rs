@@ -3,7 +3,8 @@
 //! Each folder is resolved on its own, so that an unreadable one does not stop the others. Files are resolved together:
 //! several pictures are the frames of one burst.
 
-use super::args::{CalibrationArgs, OverwriteArgs, SequenceArgs};
+use super::args::{BurstSearchArgs, CalibrationArgs, OverwriteArgs, SequenceArgs};
+use super::console::Console;
 use super::failure::Failure;
 use crate::burst::{
     Burst, BurstFiles, Entries, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries,
@@ -248,6 +249,43 @@ pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Op
         .flat_map(|path| BurstSource::Paths(vec![path.clone()]).files());
     let settings = settings.iter().flatten().map(|path| (*path).clone());
     OpenedFiles::of(bursts.chain(frames).chain(settings))
+}
+
+/// A command on one burst, before a pixel is read.
+pub(super) struct OneBurst {
+    pub console: Console,
+    pub input: Input,
+    pub options: OpenOptions,
+    /// Rules for the files that it writes.
+    pub rules: OutputRules,
+}
+
+impl BurstSearchArgs {
+    /// Begins `command` on the one burst that `inputs` name; `outputs` may be written.
+    ///
+    /// # Errors
+    /// When there are several bursts, when the calibration makes no sense, or when an output must not be overwritten.
+    pub(super) fn begin(
+        &self,
+        command: &str,
+        inputs: &[PathBuf],
+        overwrite: OverwriteArgs,
+        outputs: &[Option<&PathBuf>],
+    ) -> Result<OneBurst, Failure> {
+        let console = Console::new(&self.output)?;
+        let input = resolve_one(inputs, command)?;
+        let options = open_options(std::slice::from_ref(&input), &self.calibration)?;
+        let rules = overwrite.rules(std::slice::from_ref(&input), &options, &[self.search.file.params.as_ref()]);
+        outputs.iter().flatten().try_for_each(|path| rules.check(path))?;
+        console.begin(format!("{}: ", input.name));
+        Ok(OneBurst { console, input, options, rules })
+    }
+}
+
+/// Checks that the name of `path` has one of `endings`; `problem` says why and what to do.
+pub(super) fn check_ending(path: &Path, endings: &[&str], problem: &str) -> Result<(), Failure> {
+    let has = |ending: &&str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
+    if endings.iter().any(has) { Ok(()) } else { Err(Failure::usage(format!("{problem}: {}", path.display()))) }
 }
 
 /// Checks that `path`, if there is one, may be written.

@@ -1,19 +1,18 @@
 //! `recover` plants things in a burst and reports which of them the search finds.
 
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
-use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{self, open_options, resolve_one};
-use super::study::{Document, check_plot, write_plot};
+use super::inputs::{OneBurst, check_ending};
+use super::study::{check_plot, write_plot};
 use crate::detector::SearchParams;
-use crate::export::case::{CASE_EXTENSION, Case, Enclosed, is_case, write_case};
+use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::export::write_whole;
 use crate::recover::RecoverStudy;
 use crate::recover::plots::recover_svg;
 use crate::recover::report::planted_csv;
 use clap::Args;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Say what the search as it is set would find: things planted in the burst, and counted.
 ///
@@ -62,35 +61,14 @@ JSON (--json):
      \"found\": {\"feature\", \"slope\", \"snr\"} or null, \"failed\": test or null, \"why\"}]}
   Amplitudes are fractions of full scale; shares 0 … 1; expected is what the noise of the burst and the gate let expect.";
 
-/// Checks that a table's name ends in `.csv`.
-fn check_csv(path: &Path) -> Result<(), Failure> {
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
-        return Ok(());
-    }
-    Err(Failure::usage(format!("--csv: name the table .csv: {}", path.display())))
-}
-
-/// Checks that a case's name ends in `.burstcase`.
-fn check_case(path: &Path) -> Result<(), Failure> {
-    if is_case(path) {
-        return Ok(());
-    }
-    Err(Failure::usage(format!("--case: name the case .{CASE_EXTENSION}: {}", path.display())))
-}
-
 pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
     let study = RecoverStudy { search: args.run.search.params()?, ..args.study.clone() };
     args.plot.as_deref().map_or(Ok(()), check_plot)?;
-    args.csv.as_deref().map_or(Ok(()), check_csv)?;
-    args.case.as_deref().map_or(Ok(()), check_case)?;
-    let console = Console::new(&args.run.output)?;
-    let input = resolve_one(&args.inputs, "recover")?;
-    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
-    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
-    for path in [&args.plot, &args.csv, &args.case] {
-        inputs::check(&rules, path.as_deref())?;
-    }
-    console.begin(format!("{}: ", input.name));
+    args.csv.iter().try_for_each(|path| check_ending(path, &["csv"], "--csv: name the table .csv"))?;
+    args.case.iter().try_for_each(|path| check_ending(path, &[CASE_EXTENSION], "--case: name the case .burstcase"))?;
+    let outputs = [args.plot.as_ref(), args.csv.as_ref(), args.case.as_ref()];
+    let OneBurst { console, input, options, rules } =
+        args.run.begin("recover", &args.inputs, args.overwrite, &outputs)?;
     let burst = input.open_to_search(&options, &study.search, &console.monitor.silent())?;
     let report = study.run(&burst, &console.monitor)?;
     console.say(&report.text())?;
@@ -112,5 +90,5 @@ pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
         write_case(path, (&case, &copy), &enclosed, &console.monitor.silent())?;
         console.say(&format!("wrote {}\n", path.display()))?;
     }
-    console.say_json(&Document::new("recover", &report))
+    console.say_document("recover", &report)
 }

@@ -51,8 +51,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     console.begin("Drawing the window: ".to_owned());
     drawn(&options, &args.out)?;
     console.say(&format!("wrote {}\n", args.out.display()))?;
-    console
-        .say_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "command": "render", "file": path_text(&args.out) }))
+    console.say_document("render", &json!({ "file": path_text(&args.out) }))
 }
 
 /// Draws the window into `file`. A panic of the graphics driver is returned as a failure.

@@ -60,12 +60,13 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
         truth.gain,
         args.out.display()
     ))?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "synth",
-        "folder": path_text(&args.out),
-        "truth": truth,
-    }))
+    console.say_document(
+        "synth",
+        &json!({
+            "folder": path_text(&args.out),
+            "truth": truth,
+        }),
+    )
 }
 
 /// Writes bursts along a camera's trajectory, with its poses.
@@ -95,12 +96,13 @@ fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
         truth.planes.len(),
         args.out.display()
     ))?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "synth",
-        "folder": path_text(&args.out),
-        "truth": truth,
-    }))
+    console.say_document(
+        "synth",
+        &json!({
+            "folder": path_text(&args.out),
+            "truth": truth,
+        }),
+    )
 }
 
 fn finish(out: &Path, burst: &Burst, truth: &Truth, console: &Console) -> Result<(), Failure> {
@@ -116,12 +118,13 @@ fn finish(out: &Path, burst: &Burst, truth: &Truth, console: &Console) -> Result
         truth.features.len(),
         out.display()
     ))?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "synth",
-        "folder": path_text(out),
-        "truth": truth,
-    }))
+    console.say_document(
+        "synth",
+        &json!({
+            "folder": path_text(out),
+            "truth": truth,
+        }),
+    )
 }
 
 /// Make a burst with exactly known truth, or noisy copies of real frames.
