@@ -91,16 +91,13 @@ impl Console {
             #[serde(flatten)]
             report: &'a R,
         }
-        self.say_json(&Document { version: env!("CARGO_PKG_VERSION"), command, report })
-    }
-
-    /// Prints a JSON document, if JSON was asked for.
-    pub fn say_json(&self, value: &impl Serialize) -> Result<(), Failure> {
         if !self.output.json {
             return Ok(());
         }
-        let text =
-            serde_json::to_string_pretty(value).context("cannot put the results into JSON").map_err(Failure::Failed)?;
+        let document = Document { version: env!("CARGO_PKG_VERSION"), command, report };
+        let text = serde_json::to_string_pretty(&document)
+            .context("cannot put the results into JSON")
+            .map_err(Failure::Failed)?;
         self.bar.suspend(|| print_json(&(text + "\n"))).map_err(Failure::output)
     }
 

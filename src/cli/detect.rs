@@ -78,7 +78,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     job.rules = args.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
     let folder = job.take_folder(&inputs, &[])?;
     let count = inputs.len();
-    let mut report = DetectReport::new(&params);
+    let mut report = DetectReport { params: &params, bursts: Vec::new(), failures: Vec::new() };
     for (index, input) in inputs.into_iter().enumerate() {
         let name = input.name.clone();
         console.begin(if count > 1 { format!("[{}/{count}] {name}: ", index + 1) } else { format!("{name}: ") });
@@ -100,7 +100,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
         let done = report.bursts.len();
         console.say(&format!("{done} of {count} bursts done, {features} features in {}\n", args.out.display()))?;
     }
-    console.say_json(&report)?;
+    console.say_document("detect", &report)?;
     if report.failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
 }
 
@@ -139,10 +139,8 @@ pub(super) fn detect_burst(
     let write_secs = start.elapsed().as_secs_f32();
     let files = job.formats.iter().map(ToString::to_string).zip(files.iter().map(|file| path_text(file))).collect();
     let advice = explain(&detection, &params, burst.size());
-    let report = BurstReport::new(&name, paths, &burst, &detection, files, [open_secs, slopes_secs, write_secs])
-        .with_slopes(finding)
-        .with_judgement(judged)
-        .with_advice(advice);
+    let times = [open_secs, slopes_secs, write_secs];
+    let report = BurstReport::new(&name, paths, &burst, &detection, files, finding, judged, advice, times);
     console.say(&summary(&report, &job.params.detector))?;
     Ok((report, burst, detection))
 }
