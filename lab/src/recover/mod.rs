@@ -100,7 +100,7 @@ pub struct RecoverStudy {
     /// between, and a step beyond].
     #[cfg_attr(
         feature = "cli",
-        arg(long = "planted-slopes", value_name = "MIN:MAX:COUNT", allow_hyphen_values = true)
+        arg(id = "planted-slopes", long = "planted-slopes", value_name = "MIN:MAX:COUNT", allow_hyphen_values = true)
     )]
     pub slopes: Option<SlopeAxis>,
     /// SNR of things of several slopes or radii [default: 1.7 times the one of which half are expected to be found].
