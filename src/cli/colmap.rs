@@ -20,7 +20,6 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// JSON document of `colmap`.
 #[derive(Serialize)]
 struct ColmapDocument<'a> {
     params: &'a SearchParams,
@@ -45,7 +44,6 @@ fn gate_help(arg: Arg) -> Arg {
     arg.help(text(NOISE_GATE.short_help())).long_help(text(NOISE_GATE.long_help()))
 }
 
-/// Maximum number of bursts that one line names.
 const NAMED: usize = 3;
 
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {

@@ -12,7 +12,6 @@ use serde::Serialize;
 use std::io::IsTerminal;
 use std::time::Duration;
 
-/// Terminal of a command.
 pub(super) struct Console {
     /// Carries progress to the bar, and Ctrl-C to the work.
     pub monitor: Monitor,
@@ -26,9 +25,6 @@ const STEPS: u64 = 1000;
 impl Console {
     /// Sets up threads, the memory budget, the progress bar (only where the standard error is a terminal), and the
     /// signals that ask the program to end: the first cancels the work, the second ends the program at once.
-    ///
-    /// # Errors
-    /// When threads cannot be started, or signals cannot be listened for.
     pub fn new(output: &OutputArgs) -> Result<Self, Failure> {
         if let Some(threads) = output.threads {
             rayon::ThreadPoolBuilder::new()
@@ -101,18 +97,15 @@ impl Console {
         self.bar.suspend(|| print_json(&(text + "\n"))).map_err(Failure::output)
     }
 
-    /// Prints an error on the standard error.
     pub fn complain(&self, text: &str) {
         self.bar.suspend(|| complain(&format!("error: {text}")));
     }
 
-    /// Prints a note on the standard error.
     #[cfg(feature = "colmap")]
     pub fn note(&self, text: &str) {
         self.bar.suspend(|| complain(&format!("note: {text}")));
     }
 
-    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }

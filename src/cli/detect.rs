@@ -25,15 +25,11 @@ pub(super) struct DetectJob<'a> {
     params: &'a SearchParams,
     /// Camera that took the bursts, where known. Bursts of another size are refused.
     camera: CameraChoice,
-    /// Rules for overwriting files.
     pub rules: OutputRules,
 }
 
 impl<'a> DetectJob<'a> {
     /// Creates the job of finding features with `params` and writing them into the folder `out` in `formats`.
-    ///
-    /// # Errors
-    /// When `out` is not a folder.
     pub fn new(out: &'a Path, formats: &[ExportFormat], params: &'a SearchParams) -> Result<Self, Failure> {
         if out.exists() && !out.is_dir() {
             let problem = "--out: this is not a folder; name a folder for the features";
@@ -48,9 +44,6 @@ impl<'a> DetectJob<'a> {
 
     /// Locks the folder for this process, after checking that the features of `inputs` and the files `others` may be
     /// written there.
-    ///
-    /// # Errors
-    /// When a file there must not be overwritten, or another process has locked the folder.
     pub fn take_folder(&self, inputs: &[Input], others: &[PathBuf]) -> Result<FolderLock, Failure> {
         for file in inputs.iter().flat_map(|input| self.files(&input.name)).chain(others.iter().cloned()) {
             self.rules.check(&file)?;
@@ -58,7 +51,6 @@ impl<'a> DetectJob<'a> {
         Ok(FolderLock::take(self.out)?)
     }
 
-    /// Paths of the files for the features of the burst `name`.
     fn files(&self, name: &str) -> Vec<PathBuf> {
         detection_files(self.out, name, &self.formats)
     }
@@ -105,10 +97,6 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
 }
 
 /// Opens a burst, finds its features, writes them and prints the summary.
-///
-/// # Errors
-/// When the burst cannot be opened or its size is not the camera's, when the parameters make no sense for it, when
-/// files cannot or must not be written, and when the work is interrupted.
 pub(super) fn detect_burst(
     input: Input,
     options: &OpenOptions,

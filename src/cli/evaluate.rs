@@ -2,12 +2,12 @@
 
 use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
+use super::evaluate_frames;
 use super::evaluate_matches;
 use super::evaluate_poses;
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
 use super::study::{Searched, chart_study, check_plot, searched, write_plot};
-use super::{evaluate_frames, inputs};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
@@ -35,7 +35,7 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     let study = chart_study(&args.charts, &args.compared, &args.search, args.snr.clone())?;
     let console = Console::new(&args.output)?;
     let rules = args.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);
-    inputs::check(&rules, args.plot.as_deref())?;
+    args.plot.iter().try_for_each(|path| rules.check(path))?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_table(&report))?;
     write_plot(&console, args.plot.as_deref(), &rules, || roc_svg(&report))?;
@@ -63,7 +63,6 @@ fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
     console.say_document("evaluate accuracy", &report)
 }
 
-/// JSON document of `evaluate accuracy`.
 #[derive(Serialize)]
 struct AccuracyDocument {
     #[serde(flatten)]

@@ -146,7 +146,6 @@ pub struct NoiseArgs {
     pub output: OutputArgs,
 }
 
-/// Bits of a converter, or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bits(pub Option<u32>);
 

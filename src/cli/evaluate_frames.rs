@@ -5,7 +5,6 @@ use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::console::Console;
 use super::evaluate_tables::{burst_frames_table, frames_table};
 use super::failure::Failure;
-use super::inputs;
 use super::inputs::{Input, open_options, resolve_one, resolve_pair};
 use super::study::{chart_study, check_plot, write_plot};
 use crate::burst::Burst;
@@ -90,7 +89,7 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
     };
     let console = Console::new(&args.run.output)?;
     let rules = rules(args, &[]);
-    inputs::check(&rules, args.plot.as_deref())?;
+    args.plot.iter().try_for_each(|path| rules.check(path))?;
     let report = study.run(&console.monitor)?;
     console.say(&frames_table(&report))?;
     write_plot(&console, args.plot.as_deref(), &rules, || frames_svg(&report))?;
@@ -110,7 +109,7 @@ fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
     };
     let options = open_options(&inputs, &args.run.calibration)?;
     let rules = rules(args, &inputs);
-    inputs::check(&rules, args.plot.as_deref())?;
+    args.plot.iter().try_for_each(|path| rules.check(path))?;
     let silent = console.monitor.silent();
     let bursts = inputs.iter().map(|i| i.open(&options, &silent)).collect::<Result<Vec<Burst>, _>>()?;
     let truth = truth_of(&bursts[0]).map_err(|e| Failure::Failed(e.into()))?;

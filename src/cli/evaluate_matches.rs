@@ -81,7 +81,6 @@ JSON (--json):
      \"by_pair\": [{\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"on_gold_geometry\"}]}]}
   frame_noise is that of a frame at the mean signal, a fraction of full scale.";
 
-/// Noise that was added to the frames.
 #[derive(Debug, Clone, Copy, Serialize)]
 struct AddedNoise {
     snr: f64,

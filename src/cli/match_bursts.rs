@@ -22,7 +22,6 @@ use nalgebra::Matrix3;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// JSON document of `match`.
 #[derive(Serialize)]
 struct MatchDocument<'a> {
     params: &'a SearchParams,

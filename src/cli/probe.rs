@@ -95,7 +95,6 @@ impl From<ProbeError> for Failure {
 
 const NO_SVG: &str = "--plot: figures are written as SVG; name the file .svg";
 
-/// Share of the progress that the search takes.
 const SEARCH_SHARE: f32 = 0.8;
 
 pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {

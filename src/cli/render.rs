@@ -68,20 +68,13 @@ pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure>
 
 /// Content that the window opens: a burst, perhaps with a second one beside it, a dataset, or a session.
 pub(super) struct Sources {
-    /// First burst.
     pub source: Option<BurstSource>,
-    /// Second burst, shown beside the first.
     pub second: Option<BurstSource>,
-    /// Dataset.
     pub dataset: Option<DatasetSource>,
-    /// Session file, in place of all others.
     pub session: Option<PathBuf>,
 }
 
 /// Turns `opening` into the window's sources.
-///
-/// # Errors
-/// When a burst was not found.
 pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
     let none = Sources { source: None, second: None, dataset: None, session: None };
     match opening {

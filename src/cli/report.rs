@@ -13,11 +13,9 @@ use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The JSON document of `detect`.
 #[derive(Debug, Serialize)]
 pub(super) struct DetectReport<'a> {
     pub params: &'a SearchParams,
-    /// Bursts that were searched, in the order of the arguments.
     pub bursts: Vec<BurstReport>,
     pub failures: Vec<FailureReport>,
 }
@@ -86,7 +84,6 @@ pub fn burst_document(burst: &Burst, searched: &Searched) -> serde_json::Result<
     serde_json::to_string(&report)
 }
 
-/// Description of a problem, and the one option to change.
 #[derive(Debug, Serialize)]
 struct AdviceReport {
     message: String,
@@ -104,7 +101,6 @@ fn shared<S: Serializer>(noise: &Arc<NoiseModel>, serializer: S) -> Result<S::Ok
     noise.serialize(serializer)
 }
 
-/// Number of features found at a slope of the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct SlopeCount {
     u: f32,
@@ -195,7 +191,6 @@ pub(super) fn slope_counts(detection: &Detection) -> Vec<SlopeCount> {
     detection.slopes.slopes().zip(counts).map(|(s, features)| SlopeCount { u: s.u, v: s.v, features }).collect()
 }
 
-/// Maximum number of slopes in the summary.
 const SLOPES_SHOWN: usize = 25;
 /// Width of the longest bar of the histogram, characters.
 const BAR_WIDTH: usize = 30;

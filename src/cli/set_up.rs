@@ -46,7 +46,6 @@ fn parse_depth(text: &str) -> Result<[f64; 2], String> {
     Ok([number(near)?, number(far)?])
 }
 
-/// Depth that a slope means.
 #[derive(Debug, Serialize)]
 pub(super) struct SlopeDepth {
     slope: Slope,
@@ -55,7 +54,6 @@ pub(super) struct SlopeDepth {
 }
 
 impl SetUpArgs {
-    /// The set-up, if a speed is given.
     pub(super) fn set_up(&self) -> Option<SetUp> {
         Some(SetUp {
             speed_m_s: self.speed?,
@@ -94,7 +92,6 @@ pub(super) fn depths(set_up: &SetUp, spectrum: &Spectrum) -> Vec<SlopeDepth> {
         .collect()
 }
 
-/// The depths as text.
 pub(super) fn depths_text(depths: &[SlopeDepth]) -> String {
     let row = |one: &SlopeDepth| {
         let depth = or_dash(one.depth_m, |depth| number(depth as f32, 2));

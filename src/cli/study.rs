@@ -12,10 +12,8 @@ use crate::export::{OutputRules, write_text};
 use crate::files::mark::Kind;
 use std::path::Path;
 
-/// Search parameters of a study.
 pub(super) struct Searched {
     pub detector: DetectorParams,
-    /// Slopes, if any are given.
     pub slopes: Option<SlopeGrid>,
     /// Direction in which slopes are found, degrees from +u towards +v.
     pub direction_deg: Option<f32>,
@@ -84,7 +82,6 @@ pub(super) fn chart_study(
     })
 }
 
-/// Writes the figure, if a path is given.
 pub(super) fn write_plot(
     console: &Console,
     path: Option<&Path>,

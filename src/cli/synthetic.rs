@@ -24,9 +24,6 @@ pub fn synthetic_burst(arguments: &[String], monitor: &Monitor) -> Result<(Burst
 }
 
 /// Parses `arguments`, the program's name and what follows it.
-///
-/// # Errors
-/// When they make no sense; the message is one line.
 fn parsed<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<Cli, Failure> {
     Cli::try_parse_from(arguments).map_err(|error| {
         let text = error.to_string();

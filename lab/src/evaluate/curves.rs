@@ -19,9 +19,7 @@ use std::fmt::Write;
 const GOOD: (&str, &str) = (BLUE, "");
 /// Colour and dashes of wrong or unconfirmed results.
 const BAD: (&str, &str) = (RED, "7 4");
-/// Label of the axis of ratios.
 const SNR: &str = "SNR of one pixel in one frame";
-/// Label of the axis of numbers of frames.
 const FRAMES: &str = "number of frames";
 
 /// One plot.
@@ -155,7 +153,6 @@ pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
     plots.into_iter().flatten().collect()
 }
 
-/// The ROC curves of one row's methods.
 fn roc_plot(methods: &[MethodReport], row_value: f64, title: String, discs: usize) -> StudyPlot {
     let curve = |method: &MethodReport| {
         // No chart has more false features than this; nothing was measured further right.
@@ -262,7 +259,6 @@ pub fn curves_csv(sets: &[(String, Vec<StudyPlot>)]) -> String {
 const WIDTH: f64 = 880.0;
 const LEFT: f64 = 70.0;
 const HEIGHT: f64 = 280.0;
-/// Width of a curve, pixels.
 pub(crate) const LINE: f64 = 2.2;
 
 /// The ROC curves of a study in the dark as a figure, one plot for each ratio. A grey line is where the requested share

@@ -265,7 +265,6 @@ pub struct PairCounts {
     pub on_gold_geometry: Option<usize>,
 }
 
-/// The row of a method from the counts of its pairs.
 fn row(
     method: BurstMethod,
     keypoints: &[usize],

@@ -102,7 +102,6 @@ pub fn motion_name(motion: Motion) -> &'static str {
     }
 }
 
-/// Checks the lists that several studies share.
 fn check_lists(snrs: &[f64], seeds: u64) -> Result<(), EvaluateError> {
     if snrs.is_empty() {
         return Err(EvaluateError::param("snr", "no ratio is given", "give one or more, such as 0.2,0.35,0.6"));
@@ -121,7 +120,6 @@ struct Steps<'a> {
 }
 
 impl Steps<'_> {
-    /// Counts one more finished step.
     fn done(&self) {
         let finished = 1 + self.finished.fetch_add(1, Ordering::Relaxed);
         self.monitor.report(Stage::Evaluate, finished as f32 / self.total.max(1) as f32);

@@ -1,22 +1,21 @@
 //! Things planted in a burst and searched for, to measure what the search as it is set would find.
 //!
-//! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames ([`thing`]), with the
-//! noise that their light would have. The search that is set runs on every copy, and each thing is found, by the rule
-//! of [`burstscope_core::inspect::score`], or has a fate in the words of the
-//! [probe](burstscope_core::inspect::probe()). From these follow the shares found over SNR, slope and size, the SNR at
-//! which half are found ([`fit`]), and how faint a thing is seen at each place ([`report`]). Beside each share stands
-//! the one that the burst's noise and the gate let expect ([`mod@expected`]).
+//! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames, with the noise that their
+//! light would have. The search that is set runs on every copy, and each thing is found, by the rule of
+//! [`burstscope_core::inspect::score`], or has a fate in the words of the [probe](burstscope_core::inspect::probe()).
+//! From these follow the shares found over SNR, slope and size, the SNR at which half are found, and how faint a thing
+//! is seen at each place ([`report`]). Beside each share stands the one that the burst's noise and the gate let expect.
 //!
 //! Slopes are found once, in the burst itself, where they are to be found. The same study gives the same report for any
 //! number of threads, except for its times.
 
-pub mod expected;
-pub mod fit;
-pub mod ground;
-pub mod levels;
+mod expected;
+mod fit;
+mod ground;
+mod levels;
 pub mod plots;
 pub mod report;
-pub mod thing;
+mod thing;
 
 pub use levels::Levels;
 pub use report::RecoverReport;
@@ -198,12 +197,10 @@ pub struct RecoverTimes {
     pub fate_secs: f64,
 }
 
-/// An error about a parameter of the study.
 fn param(parameter: &'static str, problem: impl Into<String>, remedy: &'static str) -> EvaluateError {
     EvaluateError::Param { parameter, problem: problem.into(), remedy }
 }
 
-/// The truth of a thing.
 fn truth_of_thing(id: usize, (u, v): (f64, f64), radius: f64, slope: Slope, contrast_sign: i8) -> FeatureTruth {
     let (slope_u, slope_v) = (f64::from(slope.u), f64::from(slope.v));
     FeatureTruth { id, layer: None, u, v, radius, sigma: disc_sigma(radius), slope_u, slope_v, contrast_sign }
@@ -315,7 +312,6 @@ impl RecoverStudy {
         Ok((copy, truth))
     }
 
-    /// Plants, searches and judges one copy.
     fn copy(
         &self,
         burst: &Burst,
@@ -354,7 +350,6 @@ impl RecoverStudy {
         Ok((SearchedCopy { cache, planted }, RecoverTimes { plant_secs, search_secs, fate_secs }))
     }
 
-    /// Draws the things of a copy.
     fn things(
         &self,
         ground: &Ground,

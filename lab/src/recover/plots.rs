@@ -6,7 +6,6 @@ use crate::evaluate::curves::{StudyCurve, StudyCurvePoint, StudyPlot, curves_svg
 use burstscope_core::export::sheet::{Anchor, Area, BLUE, GREEN, INK, RED, Sheet, stacked};
 use burstscope_core::plane::display::{ColourMap, Display};
 
-/// Number of points of the fitted curve.
 const CURVE_POINTS: usize = 60;
 
 impl Varied {
@@ -19,7 +18,6 @@ impl Varied {
         }
     }
 
-    /// Label of the axis, with its unit.
     fn label(self) -> &'static str {
         match self {
             Self::Snr => "SNR of one pixel in one frame",
@@ -87,7 +85,6 @@ pub fn recover_svg(report: &RecoverReport) -> String {
     stacked(&title, &[map_svg(report), curves])
 }
 
-/// Width of the figure, pixels.
 const WIDTH: f64 = 880.0;
 
 fn map_svg(report: &RecoverReport) -> String {

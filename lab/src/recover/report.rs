@@ -164,7 +164,6 @@ impl RecoverReport {
         }
     }
 
-    /// Adds a searched copy.
     pub(super) fn add(&mut self, ground: &Ground, planted: Vec<Planted>, times: RecoverTimes) {
         self.planted.extend(planted);
         self.copies_done += 1;

@@ -188,7 +188,6 @@ pub struct NoisyTruth {
     pub frames: Vec<String>,
 }
 
-/// Name of the file that describes a folder of noisy copies.
 const TRUTH_FILE: &str = "noise.json";
 
 /// Writes noisy copies of bursts into the folder `dir`: 16-bit PNG frames under the originals' names, those of each

@@ -108,7 +108,6 @@ impl Default for TrajectoryParams {
     }
 }
 
-/// Ratio of the focal length to the image's width.
 const FOCAL_SHARE: f64 = 0.9;
 /// Electrons at full scale at the highest useful gain, for a camera in the dark: 8 levels of 12 bits for each electron.
 /// In more light the gain is lower.
@@ -361,7 +360,6 @@ pub struct BurstTruth {
     pub slope_v: [f64; 2],
 }
 
-/// File that holds the folder's truth.
 const TRUTH_FILE: &str = "trajectory.json";
 
 /// Writes a trajectory into the folder `dir`, which is created: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
@@ -402,7 +400,6 @@ pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) 
     })
 }
 
-/// The text of the trajectory file.
 fn poses(trajectory: &Trajectory) -> String {
     let mut text = String::from(
         "# timestamp tx ty tz qx qy qz qw: the burst's number, the camera in the world at mid-burst, metres\n",
