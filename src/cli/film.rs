@@ -3,7 +3,7 @@
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, parse_slope};
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{open_options, resolve_one};
+use super::inputs::OneBurst;
 use super::probe::parse_place;
 use crate::app::figure::rasterise;
 use crate::detect::search;
@@ -26,7 +26,6 @@ use std::sync::Arc;
 #[command(after_long_help = FILM_HELP)]
 pub struct FilmArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// What changes from picture to picture: slope-u=MIN:MAX:COUNT or slope-v=MIN:MAX:COUNT in pixels per frame; scale,
     /// the DoG of every octave and level; frames, added one by one; flip=A,B, two pictures in turn: frame (the middle
@@ -57,10 +56,8 @@ pub struct FilmArgs {
     /// The file to write: .gif, or .apng or .png for an animated PNG.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }
@@ -82,12 +79,8 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
             args.out.display()
         ))
     })?;
-    let console = Console::new(&args.run.output)?;
-    let input = resolve_one(&args.inputs, "film")?;
-    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
-    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
-    rules.check(&args.out)?;
-    console.begin(format!("{}: ", input.name));
+    let OneBurst { console, input, options, rules } =
+        args.run.begin("film", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor.part(0.0, 0.1))?;
     params.detector.validate_for(burst.len(), burst.size())?;
     let source = BurstSource::Paths(input.paths().to_vec());
@@ -124,18 +117,19 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     film.write(file, &rasterise, &may_write, &console.monitor.part(0.5, 0.5)).map_err(failed)?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
     console.say(&format!("wrote {}, {}\n", args.out.display(), megabytes(bytes)))?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "film",
-        "file": path_text(&args.out),
-        "pictures": count,
-        "width": width,
-        "height": height,
-        "rate": args.rate,
-        "features": features,
-        "estimated_bytes": estimated,
-        "bytes": bytes,
-    }))
+    console.say_document(
+        "film",
+        &json!({
+            "file": path_text(&args.out),
+            "pictures": count,
+            "width": width,
+            "height": height,
+            "rate": args.rate,
+            "features": features,
+            "estimated_bytes": estimated,
+            "bytes": bytes,
+        }),
+    )
 }
 
 /// Finds the features of each method whose pictures are shown.

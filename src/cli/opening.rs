@@ -20,21 +20,14 @@ pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
 /// Content that the window opens.
 #[derive(Debug)]
 pub(super) enum Opening {
-    /// One burst.
     Burst(Input),
-    /// Two side by side.
     Two([Input; 2]),
-    /// Dataset of bursts.
     Dataset(DatasetSource),
-    /// Session file that the window saved.
     Session(PathBuf),
 }
 
 /// Resolves `arguments`: a session file, one burst, two bursts if each argument is one, or a dataset if there are more
 /// or a sequence is cut.
-///
-/// # Errors
-/// When a cut makes no sense, when a built-in burst is among others, and when one of several bursts was not found.
 pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Opening, Failure> {
     let SequenceArgs { burst_length, burst_step } = sequence;
     if let [one] = arguments

@@ -21,7 +21,6 @@ impl<P: Default + 'static> Given<P> {
         Self(records.iter().filter_map(value).collect())
     }
 
-    /// Whether there is a value for `record`.
     pub(super) fn has(&self, record: &Param<P>) -> bool {
         self.0.iter().any(|(given, _)| given == record)
     }

@@ -12,10 +12,8 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Request for a study.
 #[derive(Debug, Clone)]
 pub struct StudyRequest {
-    /// The study.
     pub study: Study,
     /// The open burst; a study of it uses its truth, if there is one.
     pub open: Option<OpenBurst>,
@@ -85,12 +83,10 @@ impl Request for FiguresJob {
 pub enum TrajectorySource {
     /// The folder of a sparse model or a trajectory file.
     Path(PathBuf),
-    /// A trajectory that was read, with its path.
     Read(PathBuf, Arc<Trajectory>),
 }
 
 impl TrajectorySource {
-    /// Path of the trajectory's file.
     pub fn path(&self) -> &PathBuf {
         match self {
             Self::Path(path) | Self::Read(path, _) => path,
@@ -111,11 +107,8 @@ impl TrajectorySource {
 /// Trajectories to read, and to compare if both are given.
 #[derive(Debug, Clone)]
 pub struct PosesRequest {
-    /// The estimate.
     pub estimate: Option<TrajectorySource>,
-    /// The truth.
     pub truth: Option<TrajectorySource>,
-    /// Parameters of the comparison.
     pub study: PoseStudy,
 }
 
@@ -152,12 +145,9 @@ impl Request for PosesRequest {
     }
 }
 
-/// Trajectories that were read, and their comparison.
 #[derive(Debug, Clone, Default)]
 pub struct ComparedPoses {
-    /// The estimate, with its path.
     pub estimate: Option<(PathBuf, Arc<Trajectory>)>,
-    /// The truth, with its path.
     pub truth: Option<(PathBuf, Arc<Trajectory>)>,
     /// The comparison, or why there is none; `None` as long as one of them is missing.
     pub report: Option<Result<Arc<PoseReport>, String>>,

@@ -25,6 +25,8 @@ pub mod examples;
 mod layer;
 pub mod noise;
 pub mod noise_case;
+#[cfg(feature = "cli")]
+pub mod options;
 pub mod paint;
 pub mod random;
 pub mod scene;

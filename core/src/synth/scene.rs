@@ -6,6 +6,8 @@
 
 use super::layer::{Layer, draw_layers, visible_landmarks};
 use super::noise::Camera;
+#[cfg(feature = "cli")]
+use super::options::{SNR_HELP, motions};
 use super::paint::{Area, fractal_relief};
 use super::random::Stream;
 use super::truth::{NoiseTruth, Truth, TruthKind};
@@ -15,28 +17,38 @@ use crate::monitor::Monitor;
 
 /// Parameters of a layered scene.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct SceneParams {
     /// Columns.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "PIXELS", default_value_t = Self::default().width))]
     pub width: usize,
     /// Rows.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "PIXELS", default_value_t = Self::default().height))]
     pub height: usize,
-    /// Number of layers, 1 … 16; the farthest one fills the frame.
+    /// Number of layers; the farthest fills the frame.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().layers))]
     pub layers: usize,
-    /// Number of frames, N.
+    /// Number of frames.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().frames))]
     pub frames: usize,
-    /// Directions in which layers move.
+    /// Directions of motion: 1d is horizontal, 2d any.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions()))]
     pub motion: Motion,
-    /// Largest slope of a layer, pixels per frame. Layers are spread over −`max_slope` … `max_slope`, at random within
-    /// their parts.
+    /// Largest slope on each axis, pixels per frame.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SLOPE", default_value_t = Self::default().max_slope))]
     pub max_slope: f64,
-    /// Per-pixel signal-to-noise ratio, as [`super::noise`] defines it, between boards ([`BOARD`]) and marks
-    /// ([`MARK`]); infinite for no noise.
+    /// Signal-to-noise ratio of one pixel in one frame, as [`super::noise`] defines it, between boards ([`BOARD`]) and
+    /// marks ([`MARK`]); infinite for no noise.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "RATIO", default_value_t = Self::default().snr, help = SNR_HELP))]
     pub snr: f64,
     /// Standard deviation of the read noise, electrons.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ELECTRONS", default_value_t = Self::default().read_noise))]
     pub read_noise: f64,
-    /// Bits of the converter, 4 … 16.
+    /// Bits of the camera's converter.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "BITS", default_value_t = Self::default().bits))]
     pub bits: u32,
-    /// Seed of layout and noise.
+    /// Seed: the same seed makes the same burst on every machine.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().seed))]
     pub seed: u64,
 }
 

@@ -1,7 +1,7 @@
 //! One method on one trajectory: from its features to COLMAP's cameras. Writes the dataset and its database, runs the
 //! mapper, computes the errors.
 
-use crate::evaluate::MatchMethod;
+use crate::evaluate::BurstMethod;
 use crate::figures::FiguresError;
 use crate::synth::{Motion, Trajectory};
 use burstscope_core::detector::SearchParams;
@@ -294,7 +294,7 @@ pub(super) struct Run {
     /// Seed of the trajectory.
     pub seed: u64,
     /// The method.
-    pub method: MatchMethod,
+    pub method: BurstMethod,
     /// Number of bursts of the trajectory.
     pub bursts: usize,
     /// Results of matching.
