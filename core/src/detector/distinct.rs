@@ -5,10 +5,18 @@
 //! ambiguous, so that the ratio test rejects both. So, from the strongest to the weakest: a keypoint stays unless it
 //! lies within [`Rule::radius`] σ of one that stayed, σ being the stronger one's, and their scales differ by at most
 //! the factor [`Rule::scale_ratio`]. A removed keypoint removes no other. So the strongest keypoint of a blob
-//! determines its slope. Two blobs that pass each other at one place both stay if the frames show two motions; the
-//! caller decides that.
+//! determines its slope.
+//!
+//! Two blobs that pass each other at one place both stay if the frames show two motions ([`Along::are_two`]). A blob
+//! also appears in the stack of a wrong slope, smeared along its path there: a ghost, which responds only in those
+//! frames in which the true blob crosses the ghost's path. A lantern before a wall responds in every frame along its
+//! own path. So only the frames are used in which the paths of both keypoints are well apart: there a separate
+//! structure still has its full response, well above the noise, and between the two paths there is none. (An elongated
+//! structure that slides along itself responds on both paths, but between them too.)
 
 use super::feature::Keypoint;
+use crate::detector::along::Along;
+use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
@@ -58,6 +66,47 @@ impl Blob {
     pub fn covers(&self, weaker: &Self, rule: Rule) -> bool {
         let ratio = self.sigma.max(weaker.sigma) / self.sigma.min(weaker.sigma);
         ratio <= rule.scale_ratio && (self.u - weaker.u).hypot(self.v - weaker.v) <= rule.radius * self.sigma
+    }
+}
+
+/// Frames count in which the two paths are farther apart than this many σ of the stronger keypoint: at that distance
+/// its response has passed through 0.
+const APART_SIGMAS: f32 = 2.5;
+/// Minimum share of all frames that must count; two frames must in any case.
+const FRAMES_SHARE: f32 = 0.2;
+/// Minimum fraction of its response that a separate structure keeps in those frames.
+const KEPT_RESPONSE: f32 = 0.6;
+/// Minimum of that response in standard deviations of its noise. A mean of few frames is noisy, and a false second
+/// keypoint makes matches ambiguous.
+const FRAMES_SNR: f32 = 5.0;
+/// Maximum response between the two paths, as a fraction of the weaker response.
+const BETWEEN_RESPONSE: f32 = 0.5;
+
+impl Along<'_> {
+    /// Whether `weaker`, which lies near `stronger`, is a separate structure.
+    pub(super) fn are_two(&self, stronger: &Keypoint, weaker: &Keypoint) -> bool {
+        let ((su, sv, sigma), (wu, wv, _)) = (stronger.in_image(), weaker.in_image());
+        let between = |a: f32, b: f32| 0.5 * (a + b);
+        let (du, dv) = (wu - su, wv - sv);
+        let (slope_u, slope_v) = (weaker.slope.u - stronger.slope.u, weaker.slope.v - stronger.slope.v);
+        let times = self.inputs.times.from_middle();
+        let is_apart = |dt: f32| (du + dt * slope_u).hypot(dv + dt * slope_v) > APART_SIGMAS * sigma;
+        let apart: Vec<usize> = (0..times.len()).filter(|&index| is_apart(times[index])).collect();
+        if apart.len() < 2 || (apart.len() as f32) < FRAMES_SHARE * times.len() as f32 {
+            return false;
+        }
+        // Of the weaker one's sign, at its octave and level.
+        let response = |place: (f32, f32), slope: Slope| {
+            let levels = weaker.level..weaker.level + 1;
+            self.response(weaker.octave, levels, place, slope, &apart)[0] * weaker.value.signum()
+        };
+        let own = response((wu, wv), weaker.slope);
+        let noise = weaker.value.abs() / weaker.snr * (times.len() as f32 / apart.len() as f32).sqrt();
+        if own < KEPT_RESPONSE * weaker.value.abs() || own < FRAMES_SNR * noise {
+            return false;
+        }
+        let slope = Slope::new(between(stronger.slope.u, weaker.slope.u), between(stronger.slope.v, weaker.slope.v));
+        response((between(su, wu), between(sv, wv)), slope) < BETWEEN_RESPONSE * weaker.value.abs()
     }
 }
 

@@ -234,14 +234,17 @@ impl Plan {
 
     /// Runs `work` on the threads that the plan allows.
     pub(crate) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        if self.threads >= rayon::current_num_threads() {
-            return work();
-        }
-        match rayon::ThreadPoolBuilder::new().num_threads(self.threads).build() {
-            Ok(pool) => pool.install(work),
-            // If the system gives no more threads, those of the pool are used, and the search may take more memory.
-            Err(_) => work(),
-        }
+        // If the system gives no more threads, those of the pool are used, and the search may take more memory.
+        if self.threads >= rayon::current_num_threads() { work() } else { on_threads(self.threads, work) }
+    }
+}
+
+/// Calls `work` in a pool of `threads` threads of its own, 0 for as many as usual; in the current one where the system
+/// gives no more threads.
+pub(super) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(work),
+        Err(_) => work(),
     }
 }
 

@@ -3,17 +3,14 @@
 
 use super::combine::{Combine, combined_stack};
 use super::feature::DetectError;
-use super::noise::gate_factor;
 use super::noise_model::reading::sample_at;
 use super::params::{DetectorParams, ParamError, doc};
-use super::search::place_factor;
 use super::search::setup::{Inputs, known_noise};
 use crate::burst::Burst;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
 use crate::detector::scale_space::{Base, ScaleSpace, octave_size, searched_octaves};
 use crate::detector::stack::{coverage, frame_offsets, motion_stack};
-use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -140,9 +137,9 @@ pub fn gate_noise_map(
 ) -> Result<Plane, DetectError> {
     check_level(params, burst.size(), octave, level)?;
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
-    let offsets = offsets_of(&inputs, slope);
-    let min = inputs.noise.sigma_d(&inputs.space, (octave, level), (slope, &offsets), gate_factor(params));
-    let at = |x, y| min * place_factor(&inputs.noise, octave, &offsets, (x, y), inputs.size_image);
+    let offsets = inputs.offsets(slope);
+    let min = inputs.sigma_d(octave, level, slope, &offsets);
+    let at = |x, y| min * inputs.place_factor(octave, &offsets, (x, y));
     Ok(plane_of(octave_size(burst.size(), octave), at, monitor)?)
 }
 
@@ -159,15 +156,9 @@ pub fn coverage_view(
     monitor: &Monitor,
 ) -> Result<Plane, DetectError> {
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
-    let (offsets, size) = (offsets_of(&inputs, slope), inputs.size_image);
+    let (offsets, size) = (inputs.offsets(slope), inputs.size_image);
     let share = |u, v| coverage(&offsets, u, v, size) as f32 / offsets.len().max(1) as f32;
     Ok(plane_of(size, share, monitor)?)
-}
-
-/// Offsets of the frames that take part at `slope`.
-fn offsets_of(inputs: &Inputs, slope: Slope) -> Vec<FrameOffset> {
-    let times = &inputs.times;
-    times.of(frame_offsets(times.frame_count, slope, inputs.params.rules.interpolation))
 }
 
 /// Plane of `size` with the value of `at` at each (column, row); rows in parallel.

@@ -5,7 +5,7 @@
 //! so the stacked patch is halved once, and each level is a blur of that.
 
 use super::descriptor::{DescriptorScratch, Sums, coarse_radius, disc_sums};
-use super::patch::around;
+use crate::detector::along::around;
 use crate::kernel::patch::{BlurScratch, Patch};
 use crate::plane::blur::GaussianKernel;
 

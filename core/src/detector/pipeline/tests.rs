@@ -45,7 +45,7 @@ fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
         assert!(plan.search.len() > 1 && plan.search.iter().all(|group| group.visited.len() <= slopes), "{plan:?}");
         counts.push(plan.describe.len());
         let found = search_within(burst, params, Some(budget)).expect("it fits").ready();
-        assert!(found.left.bases.is_none() && whole.left.bases.is_some());
+        assert!(found.outcome.bases.is_none() && whole.outcome.bases.is_some());
         assert_eq!(found.keypoints(), whole.keypoints(), "{plan:?}");
         let covered = |trail: &Trail| (0..trail.keypoints().len()).map(|k| trail.covered_by(k)).collect::<Vec<_>>();
         assert_eq!(covered(&found), covered(&whole));

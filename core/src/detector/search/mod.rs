@@ -15,22 +15,17 @@ pub(super) mod setup;
 pub mod slope_window;
 
 use crate::detector::feature::{Keypoint, Tally};
-use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::params::{DetectorParams, Localisation};
 use crate::detector::refine::ascent::FirstLevel;
 use crate::detector::refine::{Limits, Refined, refine};
-use crate::detector::scale_space::{
-    Base, DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_pixel, octave_size, stack_tiles,
-};
+use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_size, stack_tiles};
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
 use crate::detector::search::setup::{FirstLevels, HELD, Search, SlopeGroup, TileScratch};
 use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
-use crate::detector::stack::coverage;
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::gaussian_bank::FilterScratch;
 use crate::kernel::machine::{STACKED_SLOPES, TILE_COLUMNS, TILE_ROWS, WINDOW_BYTES, WINDOWS_BYTES};
-use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile, cuts, split_mut};
@@ -102,7 +97,7 @@ impl Search<'_> {
         (mut done, share): (f32, f32),
     ) -> Result<Option<Vec<FirstLevels>>, Cancelled> {
         let pixels = |octave: i32| {
-            let (width, height) = octave_size(self.size_image, octave);
+            let (width, height) = octave_size(self.inputs.size_image, octave);
             width as f32 * height as f32
         };
         let all_pixels: f32 = octaves.clone().map(pixels).sum();
@@ -123,15 +118,6 @@ impl Search<'_> {
         Ok(keeps.then_some(bases))
     }
 
-    /// Source of the first level of an octave at a slope of the grid: the frames, or `bases`.
-    pub(crate) fn base<'s>(&'s self, octave: i32, bases: &'s FirstLevels, slope_index: usize) -> Base<'s> {
-        if octave == self.space.first_octave {
-            Base::Frames { frames: self.frames, offsets: &self.offsets[slope_index], octave }
-        } else {
-            Base::Level(bases.at(slope_index))
-        }
-    }
-
     /// Number of slopes of the first octave that are stacked together.
     pub(crate) fn slopes_together(&self) -> usize {
         match self.grid.u.count {
@@ -142,10 +128,9 @@ impl Search<'_> {
 
     /// σ_D at `octave` and DoG level index `level_index` for each slope, at the place of least noise.
     pub(crate) fn sigma_d(&self, octave: i32, level_index: usize) -> Vec<f32> {
-        let sigma = |(slope, offsets): (Slope, &Vec<FrameOffset>)| {
-            self.noise.sigma_d(&self.space, (octave, level_index as i32 - 1), (slope, offsets), self.gate_factor)
-        };
-        self.grid.slopes().zip(&self.offsets).map(sigma).collect()
+        let level = level_index as i32 - 1;
+        let slopes = self.grid.slopes().zip(&self.offsets);
+        slopes.map(|(slope, offsets)| self.inputs.sigma_d(octave, level, slope, offsets)).collect()
     }
 
     /// Buffers for a thread: unused ones, or new ones. Allocating memory anew costs as much as a good part of the
@@ -184,7 +169,7 @@ impl Search<'_> {
         tally: &mut Tally,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<(Vec<Vec<FoundKeypoint>>, FirstLevels), Cancelled> {
-        let size = octave_size(self.size_image, octave);
+        let size = octave_size(self.inputs.size_image, octave);
         let (columns, rows) = self.tile_cuts(size);
         let sigma_d: Vec<Vec<f32>> =
             (0..self.space.levels + 2).map(|level_index| self.sigma_d(octave, level_index)).collect();
@@ -194,7 +179,7 @@ impl Search<'_> {
             size,
             group,
             bases,
-            filters: OctaveFilters::new(&self.space, bank, &self.space.all_levels(), size),
+            filters: OctaveFilters::new(self.space, bank, &self.space.all_levels(), size),
             sigma_d,
         };
         let mut next: Vec<Plane> = (0..if wants_next { group.visited.len() } else { 0 })
@@ -231,7 +216,7 @@ impl Search<'_> {
             .collect::<Result<_, Cancelled>>()?;
         results.iter().for_each(|(_, of_tile)| tally.merge(of_tile));
         let found = results.into_iter().map(|(found, _)| found).collect();
-        Ok((found, FirstLevels::new(group.visited.start, next)))
+        Ok((found, FirstLevels { first_slope: group.visited.start, planes: next }))
     }
 }
 
@@ -292,7 +277,7 @@ impl Search<'_> {
             let TileScratch { stacked, filter, next: level, window, .. } = &mut *scratch;
             if first && place % together == 0 {
                 let slopes = &self.offsets[index..(index + together).min(visited.end)];
-                stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
+                stack_tiles(&self.planes, slopes, job.octave, &inputs, stacked);
             }
             let pixels =
                 if first { Pixels::Stacked(&stacked[place % together]) } else { Pixels::Level(job.bases.at(index)) };
@@ -334,7 +319,7 @@ impl Search<'_> {
         Thresholds {
             peak: FIRST_PEAK_PART * self.params.peak_threshold,
             scale_ease: scale_ease(ascends(self.params, octave)),
-            gate: sigma_d.iter().map(|by_slope| first_part * self.gate_factor * by_slope[slope_index]).collect(),
+            gate: sigma_d.iter().map(|by_slope| first_part * self.inputs.gate_factor * by_slope[slope_index]).collect(),
         }
     }
 
@@ -346,13 +331,13 @@ impl Search<'_> {
 
     /// Whether a sample whose noise is `sigma_d` passes the noise gate's first test.
     pub(crate) fn passes_gate(&self, candidate: &Candidate, sigma_d: f32) -> bool {
-        candidate.value.abs() >= first_gate_part(self.params) * (self.gate_factor * sigma_d)
+        candidate.value.abs() >= first_gate_part(self.params) * (self.inputs.gate_factor * sigma_d)
     }
 
     /// Limits for a refined candidate whose noise is `sigma_d`.
     pub(crate) fn limits(&self, sigma_d: f32) -> Limits {
         Limits {
-            gate: if first_gate_part(self.params) < 1.0 { self.gate_factor * sigma_d } else { 0.0 },
+            gate: if first_gate_part(self.params) < 1.0 { self.inputs.gate_factor * sigma_d } else { 0.0 },
             peak_threshold: self.params.peak_threshold,
             edge_threshold: self.params.edge_threshold,
         }
@@ -371,7 +356,7 @@ impl Search<'_> {
 
     /// Source of exact values of D in an octave after the first, whose first level is `pixels`.
     pub(crate) fn first_level<'p>(&'p self, pixels: PixelView<'p>) -> FirstLevel<'p> {
-        FirstLevel { pixels, sigma: SIGMA_BASE, space: &self.space }
+        FirstLevel { pixels, sigma: SIGMA_BASE, space: self.space }
     }
 
     /// Appends the keypoints among the unbeaten candidates of one slope, and counts the others.
@@ -423,24 +408,8 @@ impl Search<'_> {
         .with_noise(sigma_d)
     }
 
-    /// See [`place_factor`], at one of the grid's slopes.
+    /// See [`Inputs::place_factor`](setup::Inputs::place_factor), at one of the grid's slopes.
     pub(crate) fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
-        place_factor(self.noise, octave, &self.offsets[slope_index], (x, y), self.size_image)
+        self.inputs.place_factor(octave, &self.offsets[slope_index], (x, y))
     }
-}
-
-/// √(N / number of frames that cover the octave pixel (x, y) in the stack whose frames are read at `offsets`), times
-/// the ratio of the noise there to its smallest value.
-pub(crate) fn place_factor(
-    noise: &NoiseModel,
-    octave: i32,
-    offsets: &[FrameOffset],
-    (x, y): (usize, usize),
-    size_image: (usize, usize),
-) -> f32 {
-    let pixel = octave_pixel(octave);
-    let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
-    let at = (to_image(x, size_image.0), to_image(y, size_image.1));
-    let covering = coverage(offsets, at.0, at.1, size_image);
-    (offsets.len() as f32 / covering.max(1) as f32).sqrt() * noise.place_factor(octave, offsets, at, size_image)
 }
