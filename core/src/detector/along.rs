@@ -26,7 +26,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Pixels within `radius` of the pixel in which `place` lies.
-pub(in crate::detector) fn around(place: f32, radius: usize) -> Range<i64> {
+pub fn around(place: f32, radius: usize) -> Range<i64> {
     let (middle, radius) = ((place + 0.5).floor() as i64, radius as i64);
     middle - radius..middle + radius + 1
 }
@@ -81,10 +81,10 @@ impl Base<'_> {
 
 /// For each octave from 0 on, means of 2^octave × 2^octave pixels of each frame, computed on first use; octave 0 uses
 /// the frames unchanged.
-pub(in crate::detector) type Means = Vec<OnceLock<Vec<Plane>>>;
+pub type Means = Vec<OnceLock<Vec<Plane>>>;
 
 /// The frames of a search at the resolutions of all octaves.
-pub(in crate::detector) struct Along<'a> {
+pub struct Along<'a> {
     pub inputs: &'a Inputs,
     planes: Vec<&'a Plane>,
     means: Cow<'a, Means>,
@@ -122,8 +122,8 @@ impl<'a> Along<'a> {
             return self.planes.clone();
         }
         let make = || match self.made(octave - 1, in_parallel) {
-            finer if in_parallel => finer.into_par_iter().map(halved).collect(),
-            finer => finer.into_iter().map(halved).collect(),
+            finer if in_parallel => finer.into_par_iter().map(Plane::halved).collect(),
+            finer => finer.into_iter().map(Plane::halved).collect(),
         };
         self.means[octave as usize].get_or_init(make).iter().collect()
     }
@@ -148,7 +148,7 @@ impl<'a> Along<'a> {
 }
 
 /// Frames at the resolution of one octave.
-pub(in crate::detector) struct OctaveFrames<'a> {
+pub struct OctaveFrames<'a> {
     octave: i32,
     inputs: &'a Inputs,
     /// Those that take part, in time order.
@@ -216,19 +216,6 @@ fn weighted(patch: &Patch, kernel: &GaussianKernel, reach: usize) -> f32 {
     let row = |v: i64| -> f32 { patch.row(v)[within.clone()].iter().zip(&taps).map(|(x, w)| x * w).sum() };
     let first = patch.rows().start + (reach - radius) as i64;
     taps.iter().zip(first..).map(|(w, v)| w * row(v)).sum()
-}
-
-/// Means of 2 × 2 pixels; of the size of the next octave.
-fn halved(plane: &Plane) -> Plane {
-    let (width, height) = octave_size(plane.size(), 1);
-    let mut out = Plane::zeros(width, height);
-    for v in 0..height {
-        let (upper, lower) = (plane.row(2 * v), plane.row(2 * v + 1));
-        for ((out, a), b) in out.row_mut(v).iter_mut().zip(upper.chunks_exact(2)).zip(lower.chunks_exact(2)) {
-            *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
-        }
-    }
-    out
 }
 
 #[cfg(test)]

@@ -165,9 +165,15 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
         }
     };
     let uneven = unevenness > f64::from(UNEVEN);
+    // The frames that respond lie next to each other and are not all.
+    let is_one_bump = || {
+        let on = responding(answers);
+        let starts = (0..on.len()).filter(|&i| on[i] && (i == 0 || !on[i - 1])).count();
+        starts == 1 && on.contains(&false)
+    };
     let shape = match coherence {
         _ if answers.len() < 3 => Shape::Unclear,
-        Some(coherence) if uneven && coherence < BUMP_COHERENCE && is_one_bump(answers) => Shape::Bump,
+        Some(coherence) if uneven && coherence < BUMP_COHERENCE && is_one_bump() => Shape::Bump,
         _ if uneven => Shape::Uneven,
         Some(_) => Shape::Level,
         None => Shape::Unclear,
@@ -175,26 +181,15 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     Evenness { mean: mean as f32, coherence, unevenness: unevenness as f32, shape }
 }
 
-/// Whether the frames that respond lie next to each other and are not all.
-fn is_one_bump(answers: &[(f32, f32)]) -> bool {
-    let on = responding(answers);
-    let starts = (0..on.len()).filter(|&i| on[i] && (i == 0 || !on[i - 1])).count();
-    starts == 1 && on.iter().any(|&x| !x)
-}
-
 /// For each of the responses, whether its frame responds: those averaged with their neighbours that are at least half
-/// the largest. None where the mean has no sign.
+/// the largest, all with the sign of their mean. None where the mean has no sign.
 pub fn responding(answers: &[(f32, f32)]) -> Vec<bool> {
-    let smooth = answering(answers);
-    let max = smooth.iter().copied().fold(0.0, f32::max);
-    smooth.iter().map(|&x| max > 0.0 && x >= ANSWERS * max).collect()
-}
-
-/// The responses with the sign of their mean, each averaged with its neighbours.
-fn answering(answers: &[(f32, f32)]) -> Vec<f32> {
     let sign = answers.iter().map(|a| a.0).sum::<f32>().signum();
     let at = |i: i64| answers[i.clamp(0, answers.len() as i64 - 1) as usize].0;
-    (0..answers.len() as i64).map(|i| sign * (0.25 * at(i - 1) + 0.5 * at(i) + 0.25 * at(i + 1))).collect()
+    let smooth: Vec<f32> =
+        (0..answers.len() as i64).map(|i| sign * (0.25 * at(i - 1) + 0.5 * at(i) + 0.25 * at(i + 1))).collect();
+    let max = smooth.iter().copied().fold(0.0, f32::max);
+    smooth.iter().map(|&x| max > 0.0 && x >= ANSWERS * max).collect()
 }
 
 #[cfg(test)]

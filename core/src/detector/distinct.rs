@@ -21,7 +21,7 @@ use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 
-/// Rule by which a weaker keypoint is taken for the same blob as a stronger one.
+/// When a weaker keypoint is taken for the same blob as a stronger one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rule {
     /// Largest distance in σ of the stronger one; above 0.
@@ -30,16 +30,14 @@ pub struct Rule {
     pub scale_ratio: f32,
 }
 
-/// Place, scale and rank of a keypoint.
+/// Place and scale (input pixels) and rank of a keypoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blob {
-    /// Column, input pixels.
     pub u: f32,
-    /// Row, input pixels.
     pub v: f32,
-    /// Scale, input pixels; above 0.
+    /// Above 0.
     pub sigma: f32,
-    /// Rank; a stronger keypoint has a larger one.
+    /// The larger, the stronger.
     pub rank: f32,
 }
 
@@ -129,9 +127,6 @@ const BLOCK: usize = 512;
 /// For each blob the index of the strongest one that stayed and covers it; `None` for those that stay. Of equally
 /// strong blobs the first one goes first. `both_stay(stronger, weaker)` tells whether two that lie so near are separate
 /// structures all the same.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn covered_by(
     blobs: &[Blob],
     rule: Rule,
@@ -144,12 +139,9 @@ pub fn covered_by(
     Ok(all.iter().map(|&index| deciding.covered_by(index)).collect())
 }
 
-/// Decision on one blob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Decision {
-    /// Not made yet.
     Open,
-    /// The blob stays.
     Stays,
     /// A stronger blob, with this index, stands for it.
     CoveredBy(u32),
@@ -162,13 +154,11 @@ enum Decision {
 pub struct Deciding<'b> {
     /// All blobs, each cell from the strongest to the weakest.
     all: Cells<'b>,
-    /// The blobs that stayed.
     stayed: Cells<'b>,
     decisions: Vec<Decision>,
 }
 
 impl<'b> Deciding<'b> {
-    /// No decision on any of `blobs` yet.
     pub fn new(blobs: &'b [Blob], rule: Rule) -> Self {
         let mut order: Vec<usize> = (0..blobs.len()).collect();
         order.par_sort_unstable_by(|&a, &b| blobs[b].rank.total_cmp(&blobs[a].rank).then(a.cmp(&b)));
@@ -186,7 +176,6 @@ impl<'b> Deciding<'b> {
         }
     }
 
-    /// Blobs that are known to stay.
     pub fn stayed(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.decisions.len()).filter(|&index| self.decisions[index] == Decision::Stays)
     }
@@ -196,9 +185,6 @@ impl<'b> Deciding<'b> {
     ///
     /// Blobs are taken in blocks from the strongest to the weakest: a block is compared with those that stayed before
     /// it in parallel, then with its own members one after the other.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn decide(
         &mut self,
         asked: &[usize],
@@ -253,7 +239,6 @@ impl<'b> Deciding<'b> {
     }
 }
 
-/// Marker for no blob.
 const NONE: u32 = u32::MAX;
 
 /// Smallest ratio between the ends of a grid's range of scales.
@@ -263,7 +248,7 @@ const MIN_CLASS_RATIO: f32 = 1.2;
 /// another.
 #[derive(Clone)]
 struct Grid {
-    /// Side of a cell, input pixels.
+    /// Of a cell, input pixels.
     side: f32,
     columns: usize,
     rows: usize,
@@ -271,14 +256,12 @@ struct Grid {
     last: Vec<u32>,
 }
 
-/// Blobs by scale and place.
 #[derive(Clone)]
 struct Cells<'b> {
     blobs: &'b [Blob],
     rule: Rule,
     /// Position of the first cell, input pixels.
     start: (f32, f32),
-    /// Smallest scale, input pixels.
     sigma_min: f32,
     /// Grids by scale: grid k holds scales from r^k to r^(k+1) times the smallest, r being [`Cells::class_ratio`].
     grids: Vec<Grid>,
@@ -286,7 +269,6 @@ struct Cells<'b> {
     before: Vec<u32>,
     /// For each blob that is inserted, the number of those inserted before it.
     turn: Vec<u32>,
-    /// Number of blobs that are inserted.
     inserted: u32,
     /// Position of each blob in the order of strength: 0 for the strongest.
     place: Vec<u32>,
@@ -328,7 +310,6 @@ impl<'b> Cells<'b> {
         self.rule.scale_ratio.max(MIN_CLASS_RATIO)
     }
 
-    /// Index of the grid for scale `sigma`.
     fn scale_class(&self, sigma: f32) -> usize {
         ((sigma / self.sigma_min).ln() / self.class_ratio().ln()).max(0.0) as usize
     }
@@ -351,7 +332,6 @@ impl<'b> Cells<'b> {
         self.inserted += 1;
     }
 
-    /// Whether blob `stronger` covers blob `weaker`.
     fn covers(&self, stronger: u32, weaker: usize) -> bool {
         self.blobs[stronger as usize].covers(&self.blobs[weaker], self.rule)
     }
@@ -437,25 +417,8 @@ mod tests {
             (blob(10.0, 20.0, 2.7, 8.0), true),
             (blob(10.0, 20.0, 2.6, 8.0), false),
         ] {
-            let expected = if goes { Some(0) } else { None };
-            assert_eq!(covered_by(&[strong, other], RULE, |_, _| false), [None, expected], "{other:?}");
+            assert_eq!(covered_by(&[strong, other], RULE, |_, _| false), [None, goes.then_some(0)], "{other:?}");
         }
-    }
-
-    #[test]
-    fn what_was_removed_removes_nothing() {
-        let row = [blob(0.0, 0.0, 2.0, 9.0), blob(2.0, 0.0, 2.0, 8.0), blob(4.0, 0.0, 2.0, 7.0)];
-        assert_eq!(covered_by(&row, RULE, |_, _| false), [None, Some(0), None]);
-        assert_eq!(covered_by(&[], RULE, |_, _| false), []);
-    }
-
-    #[test]
-    fn different_things_at_one_place_both_stay_and_each_removes_its_own() {
-        let at = |rank| blob(10.0, 20.0, 4.0, rank);
-        // Even and odd ones are separate structures.
-        let differ = |a: usize, b: usize| a % 2 != b % 2;
-        let all = [at(9.0), at(8.0), at(7.0), at(6.0)];
-        assert_eq!(covered_by(&all, RULE, differ), [None, None, Some(0), Some(1)]);
     }
 
     proptest! {
@@ -550,13 +513,5 @@ mod tests {
                 assert!(count < 5 * blobs.len(), "{count} cells at {radius}, {scale_ratio}");
             }
         }
-    }
-
-    #[test]
-    fn a_cancel_ends_it() {
-        let monitor = Monitor::default();
-        monitor.cancel();
-        let blobs = [blob(0.0, 0.0, 2.0, 9.0)];
-        assert_eq!(super::covered_by(&blobs, RULE, |_, _| false, &monitor), Err(Cancelled));
     }
 }

@@ -29,7 +29,7 @@ pub(super) fn misaligned(px: f32, sigma_px: f32) -> bool {
     px > MISALIGNED_SIGMAS * sigma_px
 }
 
-/// Buffers that a thread reuses from keypoint to keypoint.
+/// Reused by a thread from keypoint to keypoint.
 #[derive(Default)]
 pub(super) struct DescribeScratch {
     raw: Patch,
@@ -42,7 +42,6 @@ pub(super) struct DescribeScratch {
     coarse: CoarseScratch,
 }
 
-/// A feature, its descriptor, and the index of its keypoint.
 #[derive(Debug, Clone)]
 pub(super) struct Described {
     pub feature: Feature,

@@ -17,7 +17,7 @@ const SCALE_RATIO: f32 = 1.75;
 /// lies beyond weighs 0.3 %.
 const MAX_CUT: f64 = 3.0;
 
-/// Buffers of the coarser scales; reused from keypoint to keypoint.
+/// Reused from keypoint to keypoint.
 #[derive(Default)]
 pub(super) struct CoarseScratch {
     half: Patch,

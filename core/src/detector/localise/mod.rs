@@ -28,7 +28,6 @@ use crate::detector::search::setup::{FirstLevels, Search};
 use crate::detector::stack::interpolation_blur;
 use crate::kernel::compact_kernel::{CompactKernel, KernelResponse, PixelView, RIM, SOFT};
 use crate::kernel::patch::{Patch, PatchScratch};
-use crate::plane::Plane;
 
 /// Buffers for the pixels around a keypoint at other slopes or of a finer octave; reused from keypoint to keypoint.
 #[derive(Debug, Default)]
@@ -37,41 +36,25 @@ pub(super) struct LocateScratch {
     pixels: Patch,
 }
 
-/// Pixels around a keypoint at one slope: a patch made for it, or the octave's first level.
-enum Around<'p> {
-    Made(&'p Patch),
-    Level(&'p Plane),
-}
-
-impl Around<'_> {
-    /// Pixels of `base`, `reach` to each side of `at`, of an octave of `size`.
-    fn of<'p>(
-        base: &Base<'p>,
-        size: (usize, usize),
-        at: (f64, f64),
-        reach: usize,
-        scratch: &'p mut LocateScratch,
-    ) -> Around<'p> {
-        match base {
-            Base::Level(plane) => Around::Level(plane),
-            Base::Frames { .. } => {
-                let (columns, rows) = (around(at.0 as f32, reach), around(at.1 as f32, reach));
-                base.patch(size, columns, rows, &mut scratch.patch, &mut scratch.pixels);
-                Around::Made(&scratch.pixels)
-            }
-        }
+/// Pixels of `base`, of an octave of `size`, `reach` to each side of `at` at least: a patch made for it, or the octave's
+/// first level.
+fn pixels_around<'p>(
+    base: &Base<'p>,
+    size: (usize, usize),
+    at: (f64, f64),
+    reach: usize,
+    scratch: &'p mut LocateScratch,
+) -> PixelView<'p> {
+    if let Base::Level(plane) = base {
+        return PixelView::of(plane);
     }
-
-    fn pixels(&self) -> PixelView<'_> {
-        match self {
-            Self::Made(patch) => patch.pixels(),
-            Self::Level(plane) => PixelView::of(plane),
-        }
-    }
+    let (columns, rows) = (around(at.0 as f32, reach), around(at.1 as f32, reach));
+    base.patch(size, columns, rows, &mut scratch.patch, &mut scratch.pixels);
+    scratch.pixels.pixels()
 }
 
 /// Distance, in running slope indices, from a keypoint's slope to the farthest one that its localisation uses.
-pub(in crate::detector) fn slopes_around(params: &DetectorParams, grid: &SlopeGrid) -> usize {
+pub(super) fn slopes_around(params: &DetectorParams, grid: &SlopeGrid) -> usize {
     match params.rules.localisation {
         Localisation::Quadratic => 0,
         Localisation::Continuous => grid.neighbour_distance(),
@@ -101,9 +84,8 @@ pub(super) fn located(
     } else {
         let finer = search.base(bases, octave - 1, keypoint.slope_index);
         let (at, rim) = ((2.0 * at.0, 2.0 * at.1), 2.0 * rim);
-        let around = Around::of(&finer, size(octave - 1), at, kernel_reach(rim, 2), scratch);
-        place(&around.pixels(), at, rim, 2.0 * FARTHEST_MOVE_PX as f64)
-            .map(|((x, y), kernel)| ((0.5 * x, 0.5 * y), kernel))
+        let pixels = pixels_around(&finer, size(octave - 1), at, kernel_reach(rim, 2), scratch);
+        place(&pixels, at, rim, 2.0 * FARTHEST_MOVE_PX as f64).map(|((x, y), kernel)| ((0.5 * x, 0.5 * y), kernel))
     };
     let (at, kernel) = match placed {
         Some(found) => found,
@@ -125,8 +107,8 @@ pub(super) fn located(
         let j = own.1.checked_add_signed(dj).filter(|&j| j < grid.v.count)?;
         let slope_index = j * grid.u.count + i;
         let base = search.base(bases, octave, slope_index);
-        let around = Around::of(&base, size(octave), at, radius.ceil() as usize + 1, scratch);
-        Some(sharp_response(&around.pixels(), slope_index))
+        let pixels = pixels_around(&base, size(octave), at, radius.ceil() as usize + 1, scratch);
+        Some(sharp_response(&pixels, slope_index))
     });
     let slope = grid.at(own.0 as f32 + i, own.1 as f32 + j);
     if placed.is_none() {

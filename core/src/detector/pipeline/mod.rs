@@ -37,19 +37,12 @@ use std::time::Instant;
 
 /// Finds the features of a burst whose frames are merged already, where the method merges them; callers use
 /// [`crate::detect`].
-///
-/// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
-/// was cancelled.
 pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
-    Ok(search_all(burst, params, (&OF_PROCESS, memory::budget()), false, monitor)?.detection)
+    Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), false, monitor)?.detection)
 }
 
 /// Finds the features of a burst and keeps the data that explains them: the coarser octaves, if there is memory for
 /// them, and the keypoints that were removed.
-///
-/// # Errors
-/// As [`search`].
 pub(crate) fn search_with_trail(
     burst: &Burst,
     params: &DetectorParams,
@@ -57,7 +50,7 @@ pub(crate) fn search_with_trail(
 ) -> Result<Trail, DetectError> {
     // Trails that are kept already have their part of the budget.
     let budget = memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()));
-    Ok(search_all(burst, params, (&OF_PROCESS, budget), true, monitor)?.ready())
+    Ok(search_all(burst, params, &OF_PROCESS, budget, true, monitor)?.ready())
 }
 
 /// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave. If the trail `keeps`
@@ -65,7 +58,8 @@ pub(crate) fn search_with_trail(
 fn search_all(
     burst: &Burst,
     params: &DetectorParams,
-    (account, budget): (&Account, Option<u64>),
+    account: &Account,
+    budget: Option<u64>,
     keeps: bool,
     monitor: &Monitor,
 ) -> Result<Trail, DetectError> {

@@ -139,6 +139,5 @@ impl Outcome {
 
 /// σ_D of a search at the place of least noise.
 pub(super) fn sigma_d(search: &Search<'_>) -> SigmaD {
-    let of_octave = |octave| (0..search.space.levels + 2).map(|level| search.sigma_d(octave, level)).collect();
-    search.inputs.octaves().map(of_octave).collect()
+    search.inputs.octaves().map(|octave| search.sigma_d(octave)).collect()
 }

@@ -81,7 +81,6 @@ impl Trail {
         self
     }
 
-    /// Calls `work` with the search of this detection.
     pub(super) fn with_search<T>(&self, monitor: &Monitor, work: impl FnOnce(&Search<'_>) -> T) -> T {
         work(&Search::new(&self.inputs, monitor))
     }
@@ -115,7 +114,7 @@ impl Trail {
         Arc::ptr_eq(&self.outcome, &other.outcome)
     }
 
-    /// The detection.
+    /// The result.
     pub fn detection(&self) -> &Detection {
         &self.detection
     }
@@ -218,24 +217,20 @@ impl Trail {
     /// Whether keypoint `index` would stay among those around it with another `radius` and `scale_ratio` for distinct
     /// keypoints. All of these are compared again: removed ones may then stay, and remove others.
     pub fn would_stay(&self, index: usize, radius: f32, scale_ratio: f32) -> bool {
-        let own = self.keypoints()[index].in_image();
+        let keypoints = self.keypoints();
+        let own = keypoints[index].in_image();
+        let own_radius = if let Distinct::Radius(radius) = self.inputs.params.distinct { radius } else { 0.0 };
         let near = |k: &Keypoint| {
             let (u, v, sigma) = k.in_image();
-            let reach = CHAIN_LINKS * radius.max(self.distinct_radius()) * sigma.max(own.2);
-            (u - own.0).hypot(v - own.1) <= reach
+            (u - own.0).hypot(v - own.1) <= CHAIN_LINKS * radius.max(own_radius) * sigma.max(own.2)
         };
-        let around: Vec<usize> = (0..self.keypoints().len()).filter(|&other| near(&self.keypoints()[other])).collect();
-        let blobs: Vec<Blob> =
-            around.iter().map(|&other| Blob::of(&self.keypoints()[other], &self.inputs.space)).collect();
+        let around: Vec<usize> = (0..keypoints.len()).filter(|&other| near(&keypoints[other])).collect();
+        let blobs: Vec<Blob> = around.iter().map(|&other| Blob::of(&keypoints[other], &self.inputs.space)).collect();
         let along = self.along();
-        let are_two = |a: usize, b: usize| along.are_two(&self.keypoints()[around[a]], &self.keypoints()[around[b]]);
+        let are_two = |a: usize, b: usize| along.are_two(&keypoints[around[a]], &keypoints[around[b]]);
         let rule = distinct::Rule { radius, scale_ratio };
         let covered = distinct::covered_by(&blobs, rule, are_two, &Monitor::default()).expect("nobody cancels it");
         around.iter().zip(covered).any(|(&other, by)| other == index && by.is_none())
-    }
-
-    fn distinct_radius(&self) -> f32 {
-        if let Distinct::Radius(radius) = self.inputs.params.distinct { radius } else { 0.0 }
     }
 
     /// Index of the keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for

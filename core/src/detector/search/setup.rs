@@ -33,11 +33,8 @@ pub(crate) const HELD: usize = MAX_FITS + 1;
 /// Constants of a detection that its tiles share.
 pub(crate) struct Search<'a> {
     pub(crate) inputs: &'a Inputs,
-    /// Those of the inputs.
     pub(crate) params: &'a DetectorParams,
-    /// Those of the inputs.
     pub(crate) space: &'a ScaleSpace,
-    /// The frames of the inputs.
     pub(crate) planes: Vec<&'a Plane>,
     pub(crate) grid: SlopeGrid,
     /// Offsets of the frames at each slope.
@@ -55,7 +52,7 @@ pub(crate) struct TileScratch {
     pub(crate) filter: FilterScratch,
     /// The level from which the next octave starts.
     pub(crate) next: Tile,
-    pub(in crate::detector) window: SlopeWindow,
+    pub window: SlopeWindow,
 }
 
 impl<'a> Search<'a> {
@@ -75,7 +72,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Motion stack of one of the grid's slopes.
     pub(crate) fn stack(&self, slope_index: usize) -> SlopeStack<'_> {
         let (frames, offsets) = (&self.planes, &self.offsets[slope_index]);
         SlopeStack { frames, offsets, space: self.space, size_image: self.inputs.size_image }
@@ -102,7 +98,6 @@ pub(crate) struct Inputs {
     pub(crate) space: ScaleSpace,
     pub(crate) params: DetectorParams,
     pub(crate) noise: Arc<NoiseModel>,
-    /// Factor of the noise gate.
     pub(crate) gate_factor: f32,
 }
 
@@ -132,7 +127,6 @@ impl Inputs {
         self.frames.iter().map(|frame| &**frame).collect()
     }
 
-    /// Octaves that are searched.
     pub(crate) fn octaves(&self) -> Range<i32> {
         searched_octaves(&self.params, self.size_image)
     }
@@ -197,7 +191,6 @@ pub(crate) struct SlopeGroup {
 }
 
 impl SlopeGroup {
-    /// Group of all `count` slopes.
     pub(crate) fn whole(count: usize) -> Self {
         Self { own: 0..count, visited: 0..count }
     }
@@ -222,7 +215,6 @@ impl SlopeGroup {
 /// First levels (s = −1) of one octave at consecutive slopes.
 #[derive(Debug, Default)]
 pub(crate) struct FirstLevels {
-    /// Index of the first slope in the grid.
     pub(crate) first_slope: usize,
     pub(crate) planes: Vec<Plane>,
 }
