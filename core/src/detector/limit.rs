@@ -22,18 +22,36 @@ const RISE_RATIO: f32 = 1.02;
 /// Minimum number of frames that show the place at both slopes.
 const MIN_FRAMES: usize = 2;
 
+/// Rise of a feature's response from the rim of the slopes to a slope a step beyond; it does not depend on the noise.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rise {
+    difference: f32,
+    /// Ratio of the noise in D of the frames that show the place at both slopes to that of all, times the response.
+    noise: f32,
+    /// √(2·loss).
+    spread: f32,
+}
+
+impl Rise {
+    /// Whether the rise is none of noise's, for a feature of signal-to-noise ratio `snr`.
+    pub(super) fn exceeds_noise(self, snr: f32) -> bool {
+        let sigma_d = self.noise / snr;
+        self.difference > RISE_SIGMAS * sigma_d * self.spread
+    }
+}
+
 impl Along<'_> {
-    /// Value of [`Feature::at_slope_limit`] for a feature: whether its response rises from the rim of the slopes to a
-    /// slope a step beyond. All features of one keypoint have the same.
-    pub(super) fn is_at_limit(&self, feature: &Feature) -> bool {
-        let Some((rim, beyond)) = self.rim_and_beyond(feature.slope) else { return false };
+    /// Rises of the response of `feature` that are large enough but for the noise; all features of one keypoint have
+    /// the same. It is [at the limit](Feature::at_slope_limit) if one of them exceeds the noise.
+    pub(super) fn rises(&self, feature: &Feature) -> Vec<Rise> {
+        let Some((rim, beyond)) = self.rim_and_beyond(feature.slope) else { return Vec::new() };
         let place = (feature.u, feature.v);
         let on_rim = self.covering(place, rim);
-        beyond.into_iter().any(|slope| {
+        let rise = |slope: Slope| {
             let there = self.covering(place, slope);
             let both: Vec<usize> = on_rim.iter().copied().filter(|index| there.contains(index)).collect();
             if both.len() < MIN_FRAMES {
-                return false;
+                return None;
             }
             let levels = feature.level..feature.level + 1;
             let of = |slope: Slope| {
@@ -43,9 +61,10 @@ impl Along<'_> {
             let apart = (slope.u - rim.u).hypot(slope.v - rim.v);
             let loss = response_loss(apart, self.inputs.times.frame_count, feature.sigma);
             let frames = (on_rim.len() as f32 / both.len() as f32).sqrt();
-            let sigma_d = frames * feature.response.abs() / feature.snr;
-            there > RISE_RATIO * here.abs() && there - here > RISE_SIGMAS * sigma_d * (2.0 * loss).sqrt()
-        })
+            let (noise, spread) = (frames * feature.response.abs(), (2.0 * loss).sqrt());
+            (there > RISE_RATIO * here.abs()).then_some(Rise { difference: there - here, noise, spread })
+        };
+        beyond.into_iter().filter_map(rise).collect()
     }
 
     /// The slope on the rim nearest to `slope`, and those a step beyond it: three at a corner of a plane, one

@@ -160,7 +160,9 @@ impl Chooser<'_> {
     pub(super) fn mark(&self, found: &mut [Described]) -> Result<(), Cancelled> {
         found.par_iter_mut().try_for_each(|one| {
             self.search.monitor.check()?;
-            one.feature.at_slope_limit = self.along.is_at_limit(&one.feature);
+            let number = self.passing.numbers[one.keypoint] as usize;
+            let rises = self.outcome.rises[number].get_or_init(|| self.along.rises(&one.feature));
+            one.feature.at_slope_limit = rises.iter().any(|rise| rise.exceeds_noise(one.feature.snr));
             Ok(())
         })
     }

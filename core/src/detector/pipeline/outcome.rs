@@ -8,6 +8,7 @@
 use crate::detector::along::{Along, Means};
 use crate::detector::describe::Described;
 use crate::detector::feature::{Keypoint, Tally, Test};
+use crate::detector::limit::Rise;
 use crate::detector::noise::gate_factor;
 use crate::detector::params::DetectorParams;
 use crate::detector::refine::edge_limit;
@@ -47,6 +48,8 @@ pub(super) struct Outcome {
     gate: Option<(f32, SigmaD)>,
     /// Features of each keypoint, once it was described; empty where nothing is kept for later judgements.
     pub(super) described: Vec<OnceLock<Box<[Described]>>>,
+    /// Rises beyond the slopes of the features of each keypoint, once they were asked for.
+    pub(super) rises: Vec<OnceLock<Vec<Rise>>>,
     pub(super) means: Means,
 }
 
@@ -75,6 +78,7 @@ impl Outcome {
             bases,
             groups: groups.to_vec(),
             described: vec![OnceLock::new(); if keeps { keypoints.len() } else { 0 }],
+            rises: vec![OnceLock::new(); keypoints.len()],
             keypoints,
             evidence,
             tally,
@@ -132,6 +136,7 @@ impl Outcome {
         let described: usize = self.described.iter().filter_map(OnceLock::get).map(|one| size_of_val(&one[..])).sum();
         described
             + size_of_val(&self.described[..])
+            + size_of_val(&self.rises[..])
             + size_of_val(&self.keypoints[..])
             + size_of_val(&self.evidence[..])
     }
