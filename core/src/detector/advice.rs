@@ -217,7 +217,7 @@ mod tests {
         let above = [(Test::NoiseGate, 9_900_000), (Test::SpaceExtremum, 95_000), (Test::ScaleExtremum, 2_000)];
         let with = |more: &[(Test, u64)]| [&above[..], more].concat();
         for (params, factor, rejected, parameter, value, words) in [
-            // Where the gate had nothing left to do, the peak threshold is to blame; where that let noise pass, the gate.
+            // Where the gate had nothing left to do, the peak threshold is to blame; where that let noise pass, it is.
             (
                 &peak,
                 4.96,

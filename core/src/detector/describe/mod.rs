@@ -107,7 +107,7 @@ impl Describing<'_> {
         CoarserScales::new(params.describe_scales, space.sigma_octave(f64::from(level)), from, space.kernel_cut)
     }
 
-    /// The octave's frames, and their offsets at a keypoint's own slope, if it is described there and not at the grid's.
+    /// The octave's frames, and their offsets at a keypoint's own slope if it is described there, not at the grid's.
     fn own_slope(&self, keypoint: &Keypoint) -> Option<(&OctaveFrames<'_>, Vec<FrameOffset>)> {
         let frames = self.own_slopes.as_ref()?;
         let grid = self.search.grid.slope(keypoint.slope_index);

@@ -36,8 +36,8 @@ pub(super) struct LocateScratch {
     pixels: Patch,
 }
 
-/// Pixels of `base`, of an octave of `size`, `reach` to each side of `at` at least: a patch made for it, or the octave's
-/// first level.
+/// Pixels of `base`, of an octave of `size`, `reach` to each side of `at` at least: a patch made for it, or the
+/// octave's first level.
 fn pixels_around<'p>(
     base: &Base<'p>,
     size: (usize, usize),
@@ -285,8 +285,8 @@ mod tests {
         assert_eq!(at(&blob(2.5, 44.0, 35.0), 40.0), None);
     }
 
-    /// Steps to the peak (0.3, −0.2) of responses that fall off like a Gaussian of two steps, with a `blur` at odd steps
-    /// along u and at even ones along v, but none at the step `missing`.
+    /// Steps to the peak (0.3, −0.2) of responses that fall off like a Gaussian of two steps, with a `blur` at odd
+    /// steps along u and at even ones along v, but none at the step `missing`.
     fn steps_to_peak(blur: (f64, f64), missing: (isize, isize)) -> (f32, f32) {
         let value = |di: isize, dj: isize| {
             let sharp = (-((di as f64 - 0.3).powi(2) + (dj as f64 + 0.2).powi(2)) / 8.0).exp();
