@@ -118,6 +118,18 @@ impl Plane {
         let (u, v) = (usize::try_from(u).ok()?, usize::try_from(v).ok()?);
         (u < self.width && v < self.height).then(|| self.data()[v * self.width + u])
     }
+
+    /// Means of 2×2 pixels; an odd last column or row is left out.
+    pub(crate) fn halved(&self) -> Self {
+        let mut out = Self::zeros(self.width() / 2, self.height() / 2);
+        for v in 0..out.height() {
+            let (upper, lower) = (self.row(2 * v), self.row(2 * v + 1));
+            for ((out, a), b) in out.row_mut(v).iter_mut().zip(upper.chunks_exact(2)).zip(lower.chunks_exact(2)) {
+                *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
+            }
+        }
+        out
+    }
 }
 
 /// Owner of pixels that planes show without a copy, such as an array of another program part. The pixels must stay the

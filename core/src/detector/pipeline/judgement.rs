@@ -116,7 +116,7 @@ impl Trail {
             let held = region.widened(HELD, size);
             let first = octave == search.space.first_octave;
             let bank = if first { &search.banks.0 } else { &search.banks.1 };
-            let filters = OctaveFilters::new(&search.space, bank, &search.space.all_levels(), size);
+            let filters = OctaveFilters::new(search.space, bank, &search.space.all_levels(), size);
             let inputs = filters.inputs(&held);
             let one = |pixels: Pixels<'_>, scratch: &mut FilterScratch| {
                 let mut dog = DogTile::default();
@@ -127,12 +127,12 @@ impl Trail {
                 };
                 (dog, part)
             };
-            let bases = self.left.bases.as_ref().map(|bases| &bases[(octave - search.space.first_octave) as usize]);
+            let bases = self.outcome.bases.as_ref().map(|bases| &bases[(octave - search.space.first_octave) as usize]);
             let of_slope = |index: usize, scratch: &mut FilterScratch, stacked: &mut Vec<Tile>| {
                 monitor.check()?;
                 let pixels = match bases.filter(|_| !first) {
                     None => {
-                        stack_tiles(search.frames, &search.offsets[index..=index], octave, &inputs, stacked);
+                        stack_tiles(&search.planes, &search.offsets[index..=index], octave, &inputs, stacked);
                         Pixels::Stacked(&stacked[0])
                     }
                     Some(bases) => Pixels::Level(bases.at(index)),
