@@ -8,14 +8,14 @@ use crate::app::project::pair::{MatchColumn, MatchRow, Side};
 use crate::app::project::workspace::Workspace;
 use crate::app::view::fixed;
 use crate::burst::OpenOptions;
-use crate::detector::Feature;
-use crate::export::{COLUMNS, FeatureRow};
+use crate::detector::{Feature, Quantity};
+use crate::export::feature_header;
 use crate::requests::{BurstSource, detect_line};
 
 /// The features' columns and one feature's numbers, separated by tabs: two rows for a spreadsheet.
 pub fn feature_text(feature: &Feature) -> String {
-    let values = FeatureRow::from(feature).values().map(|value| value.to_string());
-    format!("{}\n{}", COLUMNS.join("\t"), values.join("\t"))
+    let values = Quantity::STORED.map(|quantity| quantity.cell(feature));
+    format!("{}\n{}", feature_header().replace(',', "\t"), values.join("\t"))
 }
 
 /// The table's headings and one match's values, separated by tabs: two rows for a spreadsheet.

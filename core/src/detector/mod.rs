@@ -5,7 +5,7 @@
 //! place and scale, at each slope for itself or jointly over slope) → [`refine`] (between the samples) → [`distinct`]
 //! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale,
 //! slope) → [`orient`] and [`describe`] (on the pixels around the feature) → [`coherence`] (if requested, the single
-//! frames agree) → [`feature`].
+//! frames agree) → [`feature`], whose values [`quantity`] lists.
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
@@ -27,6 +27,7 @@ pub mod noise_model;
 pub mod orient;
 pub mod params;
 pub mod pipeline;
+pub mod quantity;
 pub mod refine;
 pub mod scale_space;
 pub mod search;
@@ -44,4 +45,5 @@ pub use params::{
     SlopeNeighbours,
 };
 pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, follows};
+pub use quantity::Quantity;
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

@@ -5,48 +5,20 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
 use crate::app::inspector::copy_ui;
 use crate::app::project::Model;
-use crate::app::project::filter::{Column, Interval, Order};
+use crate::app::project::filter::{Interval, Order};
 use crate::app::project::side::Side;
+use crate::app::view::{quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
-use crate::detector::Feature;
+use crate::detector::quantity::Record;
+use crate::detector::{Feature, Quantity};
 use crate::inspect::verdict::Verdict;
 use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};
 
-impl SortedColumn for Column {
-    fn heading(self) -> &'static str {
-        Self::heading(self)
-    }
-
-    fn help(self) -> &'static str {
-        Self::help(self)
-    }
-
-    fn word(self) -> Option<&'static str> {
-        match self {
-            Self::Rank | Self::U | Self::V => None,
-            Self::Sigma => Some("scale"),
-            Self::Orientation => Some("orientation"),
-            Self::SlopeU | Self::SlopeV => Some("slope"),
-            Self::Response => Some("response"),
-            Self::Snr => Some("snr"),
-            Self::Octave => Some("octave"),
-            Self::Level => Some("level"),
-            Self::AtSlopeLimit => Some("slope-limit"),
-            Self::Coherence => Some("coherence"),
-            Self::Verdict => Some("ghost"),
-            Self::Depth => None,
-        }
-    }
-
-    fn width(self) -> f32 {
-        match self {
-            Self::Rank | Self::Sigma | Self::Octave => 34.0,
-            Self::Level | Self::AtSlopeLimit => 36.0,
-            Self::Orientation | Self::Snr | Self::Coherence => 40.0,
-            Self::U | Self::V | Self::SlopeU | Self::SlopeV | Self::Depth => 46.0,
-            Self::Response | Self::Verdict => 64.0,
-        }
+impl SortedColumn for Quantity {
+    fn look(self) -> ColumnLook {
+        let Record { heading, help, term, width, .. } = self.record();
+        ColumnLook { heading, help, term, width }
     }
 }
 
@@ -63,15 +35,12 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let listed = Listed { items: &model.listed, selected: model.selected, hovered: model.hovered };
     let judged = model.judged().cloned();
-    let text = |column: Column, index: usize| {
+    let text = |quantity, index: usize| {
         let feature = &model.features()[index];
-        column.text(
-            index,
-            feature,
-            model.set_up.known(feature.slope, judged.as_ref().and_then(|judged| judged.get(index))),
-        )
+        let judged = judged.as_ref().and_then(|judged| judged.get(index));
+        quantity_text(quantity, index, feature, model.set_up.known(feature.slope, judged))
     };
-    let columns: Vec<Column> = Column::shown(model.set_up.reads_depths).collect();
+    let columns: Vec<Quantity> = shown_quantities(model.set_up.reads_depths).collect();
     let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
         let Some(feature) = model.features().get(index) else { return };
@@ -105,16 +74,20 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 /// Height of a row, in points.
 pub(in crate::app) const ROW_HEIGHT: f32 = 18.0;
 
-/// Columns that a table can have.
+/// Column of a table.
 pub(in crate::app) trait SortedColumn: Copy + PartialEq + 'static {
-    /// Heading.
-    fn heading(self) -> &'static str;
+    fn look(self) -> ColumnLook;
+}
+
+/// Looks of a column.
+pub(in crate::app) struct ColumnLook {
+    pub heading: &'static str,
     /// Description, with the unit.
-    fn help(self) -> &'static str;
-    /// Name of the glossary entry for the column.
-    fn word(self) -> Option<&'static str>;
+    pub help: &'static str,
+    /// Name of the glossary entry.
+    pub term: Option<&'static str>,
     /// Width that the numbers need, points; the remaining space is shared.
-    fn width(self) -> f32;
+    pub width: f32,
 }
 
 /// Items that a table lists, by their indices.
@@ -160,9 +133,9 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
             .cell_layout(Layout::left_to_right(Align::Center))
             .min_scrolled_height(0.0)
             .auto_shrink(false)
-            .column(TableColumn::exact(columns.first().map_or(0.0, |first| first.width())));
+            .column(TableColumn::exact(columns.first().map_or(0.0, |first| first.look().width)));
         for column in columns.iter().skip(1) {
-            table = table.column(TableColumn::remainder().at_least(column.width()));
+            table = table.column(TableColumn::remainder().at_least(column.look().width));
         }
         // Scrolls to the selection once, when it was made elsewhere.
         if let Some(row) = selected_row.filter(|_| selected != scrolled_to) {
@@ -172,10 +145,11 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
             .header(20.0, |mut header| {
                 for &column in columns {
                     let sorted = (order.column == column).then_some(order.descending);
-                    let (_, cell) = header.col(|ui| heading_ui(ui, column.heading(), sorted));
-                    let label = format!("Sort by {}", column.heading());
+                    let ColumnLook { heading, help, term, .. } = column.look();
+                    let (_, cell) = header.col(|ui| heading_ui(ui, heading, sorted));
+                    let label = format!("Sort by {heading}");
                     cell.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
-                    if explained(cell, column.help(), column.word().and_then(word)).clicked() {
+                    if explained(cell, help, term.and_then(word)).clicked() {
                         pointed.order = order.clicked(column);
                     }
                 }
@@ -270,7 +244,7 @@ fn ranges_ui(ui: &mut Ui, model: &mut Model) {
 /// Draws the choice of the verdict.
 fn verdict_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
-        crate::app::panel::widgets::label_ui(ui, "Verdict", 70.0).on_hover_text(Column::Verdict.help());
+        crate::app::panel::widgets::label_ui(ui, "Verdict", 70.0).on_hover_text(Quantity::Verdict.record().help);
         let text = |verdict: Option<Verdict>| verdict.map_or("all", Verdict::word);
         // No list that unfolds: a click on one would close the menu.
         for verdict in std::iter::once(None).chain(Verdict::ALL.map(Some)) {

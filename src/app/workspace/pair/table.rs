@@ -3,7 +3,7 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::inspector::match_menu_ui;
-use crate::app::panel::table::{Listed, ROW_HEIGHT, SortedColumn, sorted_table_ui};
+use crate::app::panel::table::{ColumnLook, Listed, ROW_HEIGHT, SortedColumn, sorted_table_ui};
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchColumn, Matches, PairTab, Side, lost_label};
@@ -14,16 +14,8 @@ use egui::{Align, Label, Layout, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
 impl SortedColumn for MatchColumn {
-    fn heading(self) -> &'static str {
-        Self::heading(self)
-    }
-
-    fn help(self) -> &'static str {
-        Self::help(self)
-    }
-
-    fn word(self) -> Option<&'static str> {
-        match self {
+    fn look(self) -> ColumnLook {
+        let term = match self {
             Self::Number | Self::UA | Self::VA | Self::UB | Self::VB => None,
             Self::SigmaA | Self::SigmaB => Some("scale"),
             Self::SlopeA | Self::SlopeB => Some("slope"),
@@ -31,11 +23,9 @@ impl SortedColumn for MatchColumn {
             Self::Ratio => Some("ratio-test"),
             Self::Error => Some("epipolar-line"),
             Self::Inlier => Some("inlier"),
-        }
-    }
-
-    fn width(self) -> f32 {
-        if self == Self::Number { 36.0 } else { 47.0 }
+        };
+        let width = if self == Self::Number { 36.0 } else { 47.0 };
+        ColumnLook { heading: self.heading(), help: self.help(), term, width }
     }
 }
 
