@@ -96,7 +96,6 @@ fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<Strin
     Ok(detect_line(&inputs, &model.asked_of(side), &calibration))
 }
 
-/// Copies the picture in focus.
 pub fn copy_picture(ctx: &egui::Context, model: &mut Model) {
     if let Some(image) = picture_of(model, model.focus()) {
         ctx.copy_image(image);

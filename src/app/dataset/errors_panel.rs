@@ -131,14 +131,12 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
     });
 }
 
-/// Draws a row: a name with its meaning, and a number.
 fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
     ui.label(RichText::new(name).weak()).on_hover_text(help);
     ui.label(RichText::new(value).monospace());
     ui.end_row();
 }
 
-/// Draws the columns of the paper's table, as far as they are known.
 fn reconstruction_ui(ui: &mut Ui, model: &Model) {
     let report = model.trajectories.report();
     let estimate = model.trajectories.compared.estimate.as_ref();

@@ -19,27 +19,22 @@ use egui::{
 };
 use std::collections::HashMap;
 
-/// Sizes of a burst's cell and of its parts, in points.
 const CELL_WIDTH: f32 = 116.0;
 const PICTURE_HEIGHT: f32 = 76.0;
 const TEXT_HEIGHT: f32 = 17.0;
 const GAP: f32 = 6.0;
 const CELL_HEIGHT: f32 = PICTURE_HEIGHT + 2.0 * TEXT_HEIGHT;
 
-/// Height of the whole strip, in points.
 pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 
 /// Letters of the two bursts that are matched.
 pub const SIDES: [&str; 2] = ["A", "B"];
 
-/// Request made in the strip.
 #[derive(Debug, Default)]
 pub struct Asked {
-    /// Index of the burst to open.
     pub open: Option<usize>,
 }
 
-/// Draws the strip of the open dataset.
 pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails, queue: &mut Queue) -> Asked {
     let mut asked = Asked::default();
     ui.horizontal(|ui| header_ui(ui, model, queue));
@@ -81,7 +76,6 @@ pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails,
     asked
 }
 
-/// Draws the menu of one burst; returns whether to open the burst.
 fn menu_ui(ui: &mut Ui, dataset: &mut Dataset, place: usize) -> bool {
     ui.set_min_width(150.0);
     let open = ui.button("Open").clicked();
@@ -165,7 +159,6 @@ fn summary(dataset: &Dataset) -> String {
     text
 }
 
-/// Draws the progress of the whole work.
 pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
     let Some(work) = datasets.work else { return };
     let fraction = datasets.wanted.running().and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
@@ -210,7 +203,6 @@ fn cell_ui(
     response.on_hover_text(text)
 }
 
-/// Draws the switch that makes a burst A or B.
 fn side_ui(ui: &Ui, dataset: &mut Dataset, place: usize, side: usize, rect: Rect, name: &str) {
     let corner = rect.right_top() + vec2(-33.0 + 16.0 * side as f32, 1.5);
     let square = Rect::from_min_size(corner, vec2(14.0, 14.0));
@@ -308,17 +300,12 @@ const MAX_KEPT: usize = 400;
 /// Maximum number of thumbnails in a request, so that those that come into view soon need not wait long.
 const MAX_ASKED: usize = 8;
 
-/// State of a thumbnail.
 pub enum ThumbnailState {
-    /// Requested.
     Asked,
-    /// Available.
     Picture(TextureHandle),
-    /// Failed, with the reason.
     Failed(String),
 }
 
-/// Thumbnails of one dataset, by the bursts' names.
 #[derive(Default)]
 pub struct Thumbnails {
     shown: HashMap<String, ThumbnailState>,
@@ -341,7 +328,6 @@ impl Thumbnails {
         self.shown.get(&burst.name)
     }
 
-    /// Whether some thumbnails that came into view are still missing.
     pub fn is_waiting(&self) -> bool {
         !self.in_view.is_empty() || self.shown.values().any(|s| matches!(s, ThumbnailState::Asked))
     }
@@ -361,7 +347,6 @@ impl Thumbnails {
         self.wanted.ask(engine, ThumbnailsRequest { bursts, max_side_px: SIDE_PX, open: open.clone() });
     }
 
-    /// Takes the pictures that were made of `bursts`.
     pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstFiles]) {
         for (source, picture) in self.wanted.take_told().into_iter().filter(|(source, _)| bursts.contains(source)) {
             let shown = match picture {

@@ -8,12 +8,9 @@ use crate::inspect::verdict::{Judged, Verdict};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A closed interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
-    /// Smallest value in the interval.
     pub min: f32,
-    /// Largest value in the interval.
     pub max: f32,
 }
 
@@ -39,19 +36,16 @@ pub struct Filter {
     pub hide_slope_limit: bool,
     /// Coherence of the frames' responses, 0 … 1. Features without one (too noisy to tell) pass.
     pub coherence: Option<Interval>,
-    /// Verdict on the feature.
     pub verdict: Option<Verdict>,
     /// Largest distance of a feature's slope from the slope on show, pixels per frame.
     pub near_slope: Option<f32>,
 }
 
 impl Filter {
-    /// Whether the filter has no condition.
     pub fn is_open(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Whether it depends on what is judged of the features.
     pub fn needs_verdicts(&self) -> bool {
         self.coherence.is_some() || self.verdict.is_some()
     }
@@ -96,7 +90,6 @@ pub fn listed(
     indices
 }
 
-/// Inputs from which the list was made.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ListedFor {
     detection: usize,
@@ -138,7 +131,6 @@ impl Model {
         }
     }
 
-    /// For each feature whether it passes the filter.
     pub fn listed_flags(&self) -> Vec<bool> {
         let mut flags = vec![false; self.features().len()];
         for &i in &self.listed {
@@ -149,7 +141,6 @@ impl Model {
         flags
     }
 
-    /// Selects the feature after (or before) the selected one in the table's order.
     pub fn select_neighbour(&mut self, forward: bool) {
         self.refresh_listed();
         self.selected = neighbour(&self.listed, self.selected, forward);
@@ -174,7 +165,6 @@ pub(crate) fn neighbour(listed: &[usize], selected: Option<usize>, forward: bool
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, bound(deserialize = "C: Default + Deserialize<'de>"))]
 pub struct Order<C> {
-    /// The column.
     pub column: C,
     /// Whether the largest value comes first.
     pub descending: bool,

@@ -10,12 +10,9 @@ use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// One of the two trajectories.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
-    /// The estimated trajectory.
     Estimate,
-    /// The true trajectory.
     Truth,
 }
 
@@ -25,18 +22,15 @@ const PLANE_UNITS: f64 = 1000.0;
 /// Margin around the cameras, as a fraction of the longer side.
 const MARGIN: f64 = 0.06;
 
-/// A place of a camera in the plane on show.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spot {
     /// Position in plane units, positive downwards.
     pub pos: egui::Pos2,
-    /// Index in its own trajectory.
     pub index: usize,
     /// The pair of the report that it belongs to.
     pub pair: Option<usize>,
 }
 
-/// Both trajectories in the plane.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlaneScene {
     /// True cameras, in order.
@@ -49,24 +43,17 @@ pub struct PlaneScene {
     pub scale: f64,
 }
 
-/// The trajectories, their comparison, and their view.
 #[derive(Debug, Default)]
 pub struct Trajectories {
-    /// The trajectories that were read, and their comparison.
     pub compared: ComparedPoses,
-    /// Options of the comparison.
     pub study: PoseStudy,
-    /// Direction from which the trajectories are seen.
     pub projection: Projection,
-    /// Pan and zoom of the plane.
     pub view: View,
     /// The pair of cameras that is pointed at, in the plane or in the table.
     pub hovered: Option<usize>,
-    /// The pair of cameras that was clicked.
     pub selected: Option<usize>,
     /// Label of the camera whose burst a second click asked to open; `None` once that was handled.
     pub wanted: Option<String>,
-    /// The request to read and compare.
     pub reading: Wanted<PosesRequest>,
     scene: Option<(Projection, Arc<PlaneScene>)>,
 }
@@ -109,13 +96,11 @@ impl Trajectories {
         (self.scene, self.hovered, self.selected) = (None, None, None);
     }
 
-    /// Removes both trajectories.
     pub fn clear(&mut self) {
         self.reading.forget();
         self.take(ComparedPoses::default());
     }
 
-    /// Whether there is neither trajectory.
     pub fn is_empty(&self) -> bool {
         self.compared.estimate.is_none() && self.compared.truth.is_none()
     }
@@ -144,7 +129,6 @@ impl Trajectories {
 }
 
 impl Model {
-    /// Reads a trajectory, and compares it with the other one.
     pub fn open_trajectory(&mut self, which: Which, path: PathBuf, engine: &Engine) {
         let request = self.trajectories.request_with(which, path);
         self.trajectories.reading.ask(engine, request);
@@ -157,7 +141,6 @@ impl Model {
         self.trajectories.reading.ask(engine, request);
     }
 
-    /// Takes the trajectories that were read.
     pub(in crate::app) fn take_trajectories(&mut self) {
         const TITLE: &str = "Trajectories";
         for ended in self.trajectories.reading.take() {
@@ -171,7 +154,6 @@ impl Model {
         }
     }
 
-    /// Restores the trajectories of a session.
     pub(in crate::app) fn restore_trajectories(&mut self, saved: Option<SavedTrajectories>, engine: &Engine) {
         self.trajectories.clear();
         if let Some(SavedTrajectories { estimate, truth, projection }) = saved {

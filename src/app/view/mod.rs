@@ -18,9 +18,7 @@ pub enum ColourBy {
     /// The apparent motion: hue for its direction, saturation for its length.
     #[default]
     SlopeDirection,
-    /// The horizontal part of the apparent motion.
     SlopeU,
-    /// The vertical part of the apparent motion.
     SlopeV,
     /// The scale σ, in logarithmic steps.
     Scale,
@@ -37,7 +35,6 @@ pub enum ColourBy {
 }
 
 impl ColourBy {
-    /// All choices, in the order of a picker.
     pub const ALL: [Self; 9] = [
         Self::SlopeDirection,
         Self::SlopeU,
@@ -70,7 +67,6 @@ impl ColourBy {
         }
     }
 
-    /// Name, in sentence case.
     pub fn name(self) -> &'static str {
         self.quantity().map_or("Slope", |quantity| quantity.record().title)
     }

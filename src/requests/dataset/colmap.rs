@@ -14,17 +14,13 @@ use std::path::PathBuf;
 /// Export for COLMAP: its folder and parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColmapRequest {
-    /// Folder that is written.
     pub out: PathBuf,
     /// Folder in which the dataset's features are kept: those of the same parameters are copied, not found again.
     pub kept: Option<PathBuf>,
-    /// Parameters of the detection.
     pub params: SearchParams,
-    /// Options with which bursts are opened.
     pub open: OpenOptions,
     /// Parameters of matching, with the camera where it is known.
     pub matching: MatchParams,
-    /// Selection of the pairs that are matched.
     pub pairs: PairSelection,
 }
 
@@ -48,7 +44,6 @@ impl ColmapRequest {
 /// Result of an export for COLMAP.
 #[derive(Debug, Clone)]
 pub struct ColmapDone {
-    /// Report of the files that were written.
     pub report: ColmapReport,
     /// Name and reason of each burst that could not be opened.
     pub left_out: Vec<(String, String)>,

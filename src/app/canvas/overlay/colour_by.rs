@@ -13,7 +13,6 @@ use std::sync::Arc;
 /// detection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourScale {
-    /// Quantity that the colour shows.
     pub by: ColourBy,
     /// Value of the first colour, in the quantity's unit; unused (0) for the directions of a plane of slopes.
     pub min: f32,
@@ -22,7 +21,6 @@ pub struct ColourScale {
     /// For [`ColourBy::SlopeDirection`] of slopes on a line: the line's direction, degrees from +u towards +v. The
     /// colours then run along it instead of around a wheel.
     pub line_deg: Option<f32>,
-    /// 256 colours from min to max.
     table: Vec<Color32>,
     /// Coherence of each feature, where known; for [`ColourBy::Coherence`].
     coherences: Option<Arc<Vec<Judged>>>,
@@ -120,7 +118,6 @@ impl ColourScale {
         }
     }
 
-    /// Colour of `feature`, whose index is `index`.
     pub fn colour(&self, index: usize, feature: &Feature) -> Color32 {
         let slope = feature.slope;
         let value = match (self.by.quantity(), self.line_deg) {
@@ -140,12 +137,10 @@ impl ColourScale {
         value.map_or(UNKNOWN, |value| self.along(value))
     }
 
-    /// Colour of unknown quantities.
     pub fn unknown(&self) -> Color32 {
         UNKNOWN
     }
 
-    /// Colour of a value.
     pub fn along(&self, value: f32) -> Color32 {
         let t = if self.by.colours().is_log {
             (value.max(1e-6) / self.min).ln() / (self.max / self.min).ln()

@@ -8,7 +8,6 @@ use crate::inspect::truth::AgainstTruth;
 use crate::requests::{Against, ProbeQuestion};
 use crate::synth::Truth;
 
-/// Kind of a row: in which of the two results the feature is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
     /// Theirs alone: lost, only in the file, missed.
@@ -32,7 +31,6 @@ impl Kind {
         }
     }
 
-    /// Label of the kind in a comparison with `with`.
     pub fn label(self, with: With) -> &'static str {
         match (with, self) {
             (With::Pinned, Self::Theirs) => "Lost",
@@ -50,10 +48,8 @@ impl Kind {
     }
 }
 
-/// A feature of ours or theirs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Kind of the row.
     pub kind: Kind,
     /// Place (u, v) at mid-burst, input pixels: ours where both have it.
     pub pos_image: [f32; 2],
@@ -63,7 +59,6 @@ pub struct Row {
     pub slope: Option<Slope>,
     /// Place in the other result, if it moved.
     pub from_image: Option<[f32; 2]>,
-    /// Our feature.
     pub feature: Option<usize>,
     /// The candidate of ours that was to become it, where one is known.
     pub candidate: Option<Sample>,

@@ -10,10 +10,8 @@ use crate::requests::{BurstSource, Bursts, DatasetEvent, Keeping, OpenBurst, Ope
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A dataset that is open.
 #[derive(Debug, Clone)]
 pub struct Dataset {
-    /// Source of the dataset.
     pub source: DatasetSource,
     /// Its bursts; at least one.
     pub bursts: Bursts,
@@ -21,17 +19,13 @@ pub struct Dataset {
     pub folder: Option<PathBuf>,
     /// Reason why they cannot be kept there.
     pub folder_error: Option<String>,
-    /// The parameters to which the states refer.
     pub params: SearchParams,
-    /// Options with which its bursts are opened.
     pub open: OpenOptions,
     /// Other parameters, with which the features in the folder were found.
     pub other_params: Option<SearchParams>,
-    /// State of each burst.
     pub states: Vec<BurstState>,
     /// The bursts chosen as A and B, by their places.
     pub pair: [Option<usize>; 2],
-    /// The matches of its pairs.
     pub matches: PairTable,
 }
 
@@ -65,7 +59,6 @@ impl Dataset {
         }
     }
 
-    /// Place of the burst that is open in the inspector, if it belongs to the dataset.
     pub fn place_of(&self, open: Option<&OpenBurst>) -> Option<usize> {
         let BurstSource::Paths(paths) = &open?.source else { return None };
         self.bursts.iter().position(|b| b.paths == *paths)
@@ -79,7 +72,6 @@ impl Dataset {
         self.bursts.iter().position(named)
     }
 
-    /// The burst at `place`, as the inspector opens it.
     pub fn source_at(&self, place: usize) -> Option<BurstSource> {
         self.bursts.get(place).map(|burst| BurstSource::Paths(burst.paths.clone()))
     }
@@ -102,13 +94,11 @@ impl Dataset {
         }
     }
 
-    /// Folder, parameters and options for keeping features; `None` if they cannot be kept.
     pub fn keeping(&self) -> Option<Keeping> {
         let folder = self.folder.clone().filter(|_| self.folder_error.is_none())?;
         Some(Keeping { folder, params: self.params.clone(), open: self.open.clone() })
     }
 
-    /// Numbers of bursts by state.
     pub fn counts(&self) -> StateCounts {
         let mut counts = StateCounts::default();
         for state in &self.states {
@@ -154,7 +144,6 @@ impl Dataset {
         }
     }
 
-    /// Updates states and matches after an event of the work.
     pub fn take_event(&mut self, event: &DatasetEvent) {
         let (index, state) = match event {
             // A finished burst is only checked.
@@ -179,7 +168,6 @@ impl Dataset {
         }
     }
 
-    /// The pair of A and B, if both are chosen.
     pub fn selected(&self) -> Option<BurstPair> {
         let [a, b] = self.pair;
         pair_of(a?, b?)
@@ -190,7 +178,6 @@ impl Dataset {
         self.pair = [Some(a), Some(b)];
     }
 
-    /// Marks running bursts as waiting: the work has ended.
     pub fn stop(&mut self) {
         for state in &mut self.states {
             if *state == BurstState::Running {
@@ -210,12 +197,10 @@ impl Dataset {
     }
 }
 
-/// State of a burst.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BurstState {
     /// Its features were not found yet, or with other parameters.
     Waiting,
-    /// Its features are being found.
     Running,
     /// Its features are in the dataset's folder.
     Done(FinishedBurst),
@@ -249,14 +234,10 @@ impl BurstState {
     }
 }
 
-/// Numbers of bursts by state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct StateCounts {
-    /// Number of bursts that are finished.
     pub done: usize,
-    /// Number of bursts that failed.
     pub failed: usize,
-    /// Number of features in all finished bursts.
     pub features: usize,
 }
 

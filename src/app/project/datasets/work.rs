@@ -45,7 +45,6 @@ impl Model {
         }
     }
 
-    /// Sets the folder in which the dataset's features are kept.
     pub(in crate::app) fn use_feature_folder(&mut self, folder: PathBuf, engine: &Engine) {
         if let Some(dataset) = &self.datasets.open {
             self.look_at_dataset(dataset.source.clone(), Some(folder), engine);
@@ -81,7 +80,6 @@ impl Model {
         })
     }
 
-    /// Cuts the open film into bursts of `length` frames, one after another, and opens them as a dataset.
     pub(in crate::app) fn cut_open_burst(&mut self, length: usize, engine: &Engine) {
         if let Some(Effect::Cut { paths, .. }) = self.cut_of_open_burst() {
             self.open_dataset(DatasetSource { paths, burst_length: Some(length), burst_step: None }, engine);
@@ -98,7 +96,6 @@ impl Model {
         None
     }
 
-    /// Finds the features of all bursts.
     pub(in crate::app) fn detect_all(&mut self, engine: &Engine) {
         let params = self.asked();
         let Some(dataset) = &mut self.datasets.open else { return };
@@ -110,14 +107,12 @@ impl Model {
         }
     }
 
-    /// Matches the pairs that are chosen by rule.
     pub(in crate::app) fn match_pairs(&mut self, engine: &Engine) {
         if let Some(dataset) = &self.datasets.open {
             self.start_matching_pairs(self.datasets.choice.selection().pairs(dataset.bursts.len()), engine);
         }
     }
 
-    /// Matches A with B.
     pub(in crate::app) fn match_selected(&mut self, engine: &Engine) {
         if let Some(pair) = self.datasets.open.as_ref().and_then(Dataset::selected) {
             self.start_matching_pairs(vec![pair], engine);
@@ -152,7 +147,6 @@ impl Model {
         self.datasets.begin(Work::Exporting, DatasetRequest::Colmap { bursts, request: Box::new(request) }, engine);
     }
 
-    /// Opens A and B side by side.
     pub(in crate::app) fn show_selected_pair(&mut self, engine: &Engine) {
         let Some(dataset) = &self.datasets.open else { return };
         let [Some(a), Some(b)] = dataset.pair else { return };
@@ -203,7 +197,6 @@ impl Model {
         }
     }
 
-    /// Chooses the burst that is open in the inspector as `side` of the pair to be matched.
     pub(in crate::app) fn choose_open_burst(&mut self, side: Side) {
         let shown = self.slots.a.burst.as_ref();
         if let Some(dataset) = &mut self.datasets.open
@@ -213,7 +206,6 @@ impl Model {
         }
     }
 
-    /// Takes the end of work on the dataset.
     pub(in crate::app) fn take_dataset_answer(
         &mut self,
         answer: Ended<DatasetRequest>,
@@ -320,7 +312,6 @@ impl Model {
         self.messages.note(text);
     }
 
-    /// Shows a message that says which files were written and which bursts were left out.
     #[cfg(feature = "colmap")]
     fn say_what_was_exported(&mut self, done: &ColmapDone) {
         let report = &done.report;
