@@ -74,28 +74,17 @@ pub const IMAGES_FOLDER: &str = "images";
 /// Folder of feature files in the dataset's folder.
 pub const FEATURES_FOLDER: &str = "features";
 
-/// Event of finding the features of bursts.
+/// Event of the work on a dataset; the bursts are named by their indices in it, from 0.
 #[derive(Debug)]
 pub enum BurstEvent<'a> {
     /// A burst was started.
-    Begin {
-        /// Index in the dataset, from 0.
-        index: usize,
-    },
-    /// A burst was finished.
-    Done {
-        /// Index in the dataset, from 0.
-        index: usize,
-        /// Features, found now or earlier.
-        features: BurstFeatures,
-    },
+    Begin(usize),
+    /// A burst was finished; its features were found now or earlier.
+    Done(usize, &'a BurstFeatures),
     /// A burst cannot be opened; the work continues with the others.
-    Failed {
-        /// Index in the dataset, from 0.
-        index: usize,
-        /// Reason.
-        error: &'a DatasetError,
-    },
+    Failed(usize, &'a DatasetError),
+    /// All bursts are finished, and so many pairs are matched.
+    Matching(usize),
 }
 
 /// The files of a dataset, with the state of its bursts.
@@ -464,11 +453,11 @@ pub fn detect_all(
     store.protect(bursts)?;
     let share = 1.0 / bursts.len().max(1) as f32;
     for (index, source) in bursts.iter().enumerate() {
-        on(BurstEvent::Begin { index });
+        on(BurstEvent::Begin(index));
         match store.features(source, camera, &monitor.part(index as f32 * share, share)) {
-            Ok(features) => on(BurstEvent::Done { index, features }),
+            Ok(features) => on(BurstEvent::Done(index, &features)),
             Err(error) if error.is_final() => return Err(error),
-            Err(error) => on(BurstEvent::Failed { index, error: &error }),
+            Err(error) => on(BurstEvent::Failed(index, &error)),
         }
     }
     Ok(monitor.check()?)

@@ -13,7 +13,7 @@ pub use colmap::{ColmapDone, ColmapRequest};
 
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{
-    DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind, Thumbnail, thumbnail,
+    BurstEvent, DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind, Thumbnail, thumbnail,
 };
 use crate::detector::SearchParams;
 use crate::matching::{MatchCounts, MatchParams};
@@ -100,6 +100,18 @@ pub enum DatasetEvent {
     Done { index: usize, finished: FinishedBurst },
     Failed { index: usize, error: String },
     Matched { pair: (usize, usize), counts: MatchCounts },
+}
+
+impl DatasetEvent {
+    /// What is told of `event`; `None` of the begin of matching, whose pairs are told one by one.
+    fn of(event: &BurstEvent<'_>) -> Option<Self> {
+        match *event {
+            BurstEvent::Begin(index) => Some(Self::Begun { index }),
+            BurstEvent::Done(index, features) => Some(Self::Done { index, finished: features.summary() }),
+            BurstEvent::Failed(index, error) => Some(Self::Failed { index, error: error.to_string() }),
+            BurstEvent::Matching(_) => None,
+        }
+    }
 }
 
 /// Small pictures of some bursts.

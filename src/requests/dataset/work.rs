@@ -99,13 +99,7 @@ fn detect(
     monitor: &Monitor,
 ) -> Result<DatasetAnswer, JobError> {
     let mut store = keeping.store()?;
-    let mut on = |event: BurstEvent<'_>| {
-        tell(match event {
-            BurstEvent::Begin { index } => DatasetEvent::Begun { index },
-            BurstEvent::Done { index, features } => DatasetEvent::Done { index, finished: features.summary() },
-            BurstEvent::Failed { index, error } => DatasetEvent::Failed { index, error: error.to_string() },
-        });
-    };
+    let mut on = |event: BurstEvent<'_>| DatasetEvent::of(&event).into_iter().for_each(tell);
     detect_all(&mut store, bursts, &CameraChoice::default(), &mut on, monitor)?;
     Ok(DatasetAnswer::Detected)
 }
