@@ -46,7 +46,7 @@ pub fn read_features_csv(path: &Path) -> Result<Vec<Feature>, ExportError> {
     parse(text).map_err(|(line, problem)| ExportError::Text { path: path.into(), line, problem })
 }
 
-/// Parses the rows; the error is the number of the wrong line and its problem.
+/// The error is the number of the wrong line and its problem.
 fn parse(text: &str) -> Result<Vec<Feature>, (usize, String)> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
     let header = feature_header();

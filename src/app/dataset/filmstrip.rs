@@ -30,17 +30,13 @@ pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 /// Letters of the two bursts that are matched.
 pub const SIDES: [&str; 2] = ["A", "B"];
 
-#[derive(Debug, Default)]
-pub struct Asked {
-    pub open: Option<usize>,
-}
-
-pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails, queue: &mut Queue) -> Asked {
-    let mut asked = Asked::default();
+/// Draws the strip; returns the place of the burst to open.
+pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails, queue: &mut Queue) -> Option<usize> {
+    let mut asked = None;
     ui.horizontal(|ui| header_ui(ui, model, queue));
     let shown = model.datasets.open.as_ref().and_then(|d| d.place_of(model.slots.a.burst.as_ref()));
     let fraction = model.datasets.burst_fraction();
-    let Some(dataset) = &mut model.datasets.open else { return asked };
+    let Some(dataset) = &mut model.datasets.open else { return None };
     ui.add_space(2.0);
     let count = dataset.bursts.len();
     let scroll_id = ui.scope_id().with("shown burst");
@@ -63,11 +59,11 @@ pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails,
             let picture = thumbnails.get(&dataset.bursts[place]);
             let response = cell_ui(ui, dataset, place, cell(place), picture, shown == Some(place), fraction);
             if response.clicked() {
-                asked.open = Some(place);
+                asked = Some(place);
             }
             response.context_menu(|ui| {
                 if menu_ui(ui, dataset, place) {
-                    asked.open = Some(place);
+                    asked = Some(place);
                 }
             });
         }
@@ -149,14 +145,9 @@ fn notice_ui(ui: &mut Ui, model: &Model, dataset: &Dataset, queue: &mut Queue) {
 
 fn summary(dataset: &Dataset) -> String {
     let (count, counts) = (dataset.bursts.len(), dataset.counts());
-    let mut text = format!("{}, {} done", counted(count, "burst"), counts.done);
-    if counts.failed > 0 {
-        text += &format!(", {} failed", counts.failed);
-    }
-    if counts.features > 0 {
-        text += &format!(", {}", counted(counts.features, "feature"));
-    }
-    text
+    let failed = if counts.failed > 0 { format!(", {} failed", counts.failed) } else { String::new() };
+    let found = if counts.features > 0 { format!(", {}", counted(counts.features, "feature")) } else { String::new() };
+    format!("{}, {} done{failed}{found}", counted(count, "burst"), counts.done)
 }
 
 pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {

@@ -5,8 +5,9 @@ use crate::app::project::workspace::Workspace;
 use crate::app::session::SavedTrajectories;
 use crate::app::view::View;
 use crate::engine::{Engine, Wanted};
-use crate::evaluate::poses::{PlaneAxes, PoseReport, PoseStudy, Projection, Trajectory};
+use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
 use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -117,14 +118,11 @@ impl Trajectories {
 
     /// The plane as it is to be drawn; recomputed only after a change.
     pub fn scene(&mut self) -> Arc<PlaneScene> {
-        match &self.scene {
-            Some((projection, scene)) if *projection == self.projection => scene.clone(),
-            _ => {
-                let scene = Arc::new(PlaneScene::of(&self.compared, self.projection));
-                self.scene = Some((self.projection, scene.clone()));
-                scene
-            }
-        }
+        let projection = self.projection;
+        self.scene.take_if(|(of, _)| *of != projection);
+        let (_, scene) =
+            self.scene.get_or_insert_with(|| (projection, Arc::new(PlaneScene::of(&self.compared, projection))));
+        scene.clone()
     }
 }
 
@@ -182,20 +180,10 @@ impl PlaneScene {
         };
         let axes = projection.axes(if truth.is_empty() { &estimate } else { &truth });
         let pairs = report.map_or(&[][..], |r| &r.pairs);
-        let of_truth = pairs.iter().enumerate().map(|(k, p)| (p.truth, k)).collect();
-        let of_estimate = pairs.iter().enumerate().map(|(k, p)| (p.estimate, k)).collect();
-        Self::laid_out(&truth, &estimate, &axes, &of_truth, &of_estimate)
-    }
-
-    fn laid_out(
-        truth: &[[f64; 3]],
-        estimate: &[[f64; 3]],
-        axes: &PlaneAxes,
-        of_truth: &std::collections::HashMap<usize, usize>,
-        of_estimate: &std::collections::HashMap<usize, usize>,
-    ) -> Self {
-        let flat = |centres: &[[f64; 3]]| centres.iter().map(|c| axes.project(*c)).collect::<Vec<_>>();
-        let (truth, estimate) = (flat(truth), flat(estimate));
+        let of_truth: HashMap<usize, usize> = pairs.iter().enumerate().map(|(k, p)| (p.truth, k)).collect();
+        let of_estimate: HashMap<usize, usize> = pairs.iter().enumerate().map(|(k, p)| (p.estimate, k)).collect();
+        let [truth, estimate] =
+            [truth, estimate].map(|centres| centres.into_iter().map(|c| axes.project(c)).collect::<Vec<_>>());
         // The truth determines the section shown, so that a diverging estimate does not shrink the truth to a point.
         let framed = if truth.is_empty() { &estimate } else { &truth };
         let range = |k: usize| {
@@ -215,14 +203,14 @@ impl PlaneScene {
             let (x, y) = (0.5 * width + (p[0] - mid_right) * scale, 0.5 * height - (p[1] - mid_up) * scale);
             egui::pos2(x as f32, y as f32)
         };
-        let spots = |flat: &[[f64; 2]], pair_of: &std::collections::HashMap<usize, usize>| {
+        let spots = |flat: &[[f64; 2]], pair_of: &HashMap<usize, usize>| {
             let spot =
                 |(index, p): (usize, &[f64; 2])| Spot { pos: place(p), index, pair: pair_of.get(&index).copied() };
             flat.iter().enumerate().map(spot).collect()
         };
         Self {
-            truth: spots(&truth, of_truth),
-            estimate: spots(&estimate, of_estimate),
+            truth: spots(&truth, &of_truth),
+            estimate: spots(&estimate, &of_estimate),
             size: (width.ceil() as usize, height.ceil() as usize),
             scale,
         }

@@ -10,7 +10,7 @@ use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Stage};
 use crate::requests::error::JobError;
 use crate::requests::request::{Request, Urgency, Work};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 impl Request for DatasetRequest {
@@ -68,7 +68,7 @@ fn look(
                     monitor.report(Stage::Open, index as f32 / bursts.len() as f32);
                     *finished = store.finished(burst);
                 }
-                other_params = other_params_in(folder, &params);
+                other_params = FeatureStore::params_in(folder).filter(|stored| *stored != params);
             }
             Err(error) => folder_error = Some(error.to_string()),
         }
@@ -86,10 +86,6 @@ fn look(
         finished,
         other_params,
     })
-}
-
-fn other_params_in(folder: &Path, params: &SearchParams) -> Option<SearchParams> {
-    FeatureStore::params_in(folder).filter(|stored| stored != params)
 }
 
 fn detect(

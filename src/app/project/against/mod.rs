@@ -138,9 +138,7 @@ impl Against {
     pub fn shows(&self, kind: Kind) -> bool {
         !self.hidden.contains(&kind)
     }
-}
 
-impl Against {
     /// Forgets the references of another burst than the open one.
     fn check(&mut self, open: Option<&OpenBurst>) {
         let id = open.map(|open| open.id);
@@ -207,14 +205,6 @@ impl Model {
         }
     }
 
-    pub fn unpin_result(&mut self, side: Side) {
-        let against = &mut self.slots[side].against;
-        against.pinned = None;
-        if against.with == Some(With::Pinned) {
-            against.show(None);
-        }
-    }
-
     /// Compares the features of `side` with those of the file at `path`.
     pub fn lay_over(&mut self, side: Side, path: PathBuf) {
         let slot = &mut self.slots[side];
@@ -225,10 +215,15 @@ impl Model {
         }
     }
 
-    pub fn forget_foreign(&mut self, side: Side) {
+    /// Forgets the pinned result or the opened features of `side`.
+    pub fn forget_reference(&mut self, side: Side, with: With) {
         let against = &mut self.slots[side].against;
-        against.file = None;
-        if against.with == Some(With::File) {
+        match with {
+            With::Pinned => against.pinned = None,
+            With::File => against.file = None,
+            With::Truth => {}
+        }
+        if against.with == Some(with) {
             against.show(None);
         }
     }
@@ -342,7 +337,7 @@ mod tests {
         assert!(shown.count(Kind::Theirs) > 0 && shown.count(Kind::Ours) == 0, "{}", shown.summary);
         let saved = bench.model.saved_against(Side::B).expect("pinned");
         assert!(saved.pinned.is_some() && bench.model.saved_against(Side::A).is_none());
-        bench.model.unpin_result(Side::B);
+        bench.model.forget_reference(Side::B, With::Pinned);
         assert!(bench.model.shown_comparison(Side::B).is_none() && bench.model.saved_against(Side::B).is_none());
     }
 }

@@ -92,12 +92,6 @@ impl Compare {
     }
 }
 
-impl MethodFound {
-    pub fn new(detected: Detected, elapsed: Duration) -> Self {
-        Self { burst: detected.burst, params: detected.params, detection: detected.detection, elapsed }
-    }
-}
-
 impl Model {
     pub(in crate::app) fn open_gold(&mut self, side: Side, source: BurstSource, engine: &Engine) {
         let options = self.calibration.clone();
@@ -122,8 +116,9 @@ impl Model {
         for ended in self.compare.wanted.take() {
             let Some(job) = self.compare.asked.take() else { continue };
             match ended.result {
-                Ok(Compared::Detected(detected)) => {
-                    self.compare.take_found(job.method, job.side, MethodFound::new(detected, ended.elapsed));
+                Ok(Compared::Detected(Detected { burst, params, detection, .. })) => {
+                    let found = MethodFound { burst, params, detection, elapsed: ended.elapsed };
+                    self.compare.take_found(job.method, job.side, found);
                 }
                 Ok(Compared::Matched(matched)) => {
                     self.compare.take_matches(job.method, Matches::new(matched, ended.elapsed));

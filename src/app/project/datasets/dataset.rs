@@ -1,50 +1,38 @@
 //! A dataset with the states of its bursts and the matches of its pairs.
 
 use super::pairs::{BurstPair, PairTable, pair_of};
-use crate::burst::{BurstFiles, OpenOptions};
-use crate::dataset::{DatasetSource, FinishedBurst, image_name};
+use crate::burst::BurstFiles;
+use crate::dataset::{FinishedBurst, image_name};
 use crate::detector::SearchParams;
 use crate::inspect::words::counted;
 use crate::matching::ImageCounts;
-use crate::requests::{BurstSource, Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset};
-use std::path::PathBuf;
+use crate::requests::{BurstSource, DatasetEvent, Keeping, OpenBurst, OpenDataset};
+use std::ops::Deref;
 use std::sync::Arc;
 
+/// A dataset that is open. All that the engine has said of it is read as if it were its own.
 #[derive(Debug, Clone)]
 pub struct Dataset {
-    pub source: DatasetSource,
-    /// Its bursts; at least one.
-    pub bursts: Bursts,
-    /// Folder in which its features are kept.
-    pub folder: Option<PathBuf>,
-    /// Reason why they cannot be kept there.
-    pub folder_error: Option<String>,
-    pub params: SearchParams,
-    pub open: OpenOptions,
-    /// Other parameters, with which the features in the folder were found.
-    pub other_params: Option<SearchParams>,
+    pub opened: OpenDataset,
     pub states: Vec<BurstState>,
     /// The bursts chosen as A and B, by their places.
     pub pair: [Option<usize>; 2],
     pub matches: PairTable,
 }
 
+impl Deref for Dataset {
+    type Target = OpenDataset;
+
+    fn deref(&self) -> &OpenDataset {
+        &self.opened
+    }
+}
+
 impl Dataset {
     /// The dataset of the engine's answer; nothing is chosen and nothing matched.
-    pub fn new(open: OpenDataset) -> Self {
-        let states = open.finished.into_iter().map(|f| f.map_or(BurstState::Waiting, BurstState::Done)).collect();
-        Self {
-            source: open.source,
-            bursts: open.bursts,
-            folder: open.folder,
-            folder_error: open.folder_error,
-            params: open.params,
-            open: open.open,
-            other_params: open.other_params,
-            states,
-            pair: [None; 2],
-            matches: PairTable::default(),
-        }
+    pub fn new(opened: OpenDataset) -> Self {
+        let states = opened.finished.iter().map(|f| f.map_or(BurstState::Waiting, BurstState::Done)).collect();
+        Self { opened, states, pair: [None; 2], matches: PairTable::default() }
     }
 
     /// Replaces the dataset by a newer reading of the same bursts, with another folder or other parameters. The chosen
@@ -136,7 +124,7 @@ impl Dataset {
         if others {
             self.matches.forget();
         }
-        self.params = params.clone();
+        self.opened.params = params.clone();
         for state in &mut self.states {
             if others || !matches!(state, BurstState::Done(_)) {
                 *state = BurstState::Waiting;
@@ -151,7 +139,7 @@ impl Dataset {
             DatasetEvent::Begun { index } => (*index, BurstState::Running),
             DatasetEvent::Done { index, finished } => {
                 // These features replace those of other parameters.
-                self.other_params = None;
+                self.opened.other_params = None;
                 if !matches!(self.states.get(*index), Some(BurstState::Done(_))) {
                     self.matches.forget_burst(*index);
                 }
@@ -244,7 +232,8 @@ pub struct StateCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::FinishedBurst;
+    use crate::burst::OpenOptions;
+    use crate::dataset::DatasetSource;
     use std::path::Path;
 
     fn dataset(count: usize) -> Dataset {

@@ -40,8 +40,8 @@ impl Model {
 
     /// Reads the open dataset again: its folder, the parameters or the calibration changed.
     pub(in crate::app) fn look_at_dataset_again(&mut self, engine: &Engine) {
-        if let Some(Dataset { source, folder, .. }) = &self.datasets.open {
-            self.look_at_dataset(source.clone(), folder.clone(), engine);
+        if let Some(dataset) = &self.datasets.open {
+            self.look_at_dataset(dataset.source.clone(), dataset.folder.clone(), engine);
         }
     }
 
