@@ -120,8 +120,8 @@ mod tests {
             snr: 8.0,
             octave: 1,
             level: 2,
-            slope_index: 3,
             at_slope_limit: true,
+            ..Feature::default()
         };
         let text = feature_text(&feature);
         let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split('\t').collect()).collect();

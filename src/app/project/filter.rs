@@ -185,19 +185,8 @@ mod tests {
     use crate::app::view::quantity_text;
 
     fn feature(u: f32, sigma: f32, slope_u: f32) -> Feature {
-        Feature {
-            u,
-            v: 0.0,
-            sigma,
-            orientation: 0.0,
-            slope: Slope::new(slope_u, 0.0),
-            response: -0.1 * sigma,
-            snr: 9.0,
-            octave: 0,
-            level: 1,
-            slope_index: 0,
-            at_slope_limit: slope_u.abs() >= 3.0,
-        }
+        let (slope, response, at_slope_limit) = (Slope::new(slope_u, 0.0), -0.1 * sigma, slope_u.abs() >= 3.0);
+        Feature { u, sigma, slope, response, at_slope_limit, ..Feature::default() }
     }
 
     #[test]

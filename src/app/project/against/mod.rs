@@ -322,22 +322,4 @@ mod tests {
         let [a, b] = summaries(&bench.model);
         assert_eq!([b, a], before);
     }
-
-    #[test]
-    fn a_result_of_b_is_pinned_and_compared_with_what_is_found_next() {
-        let mut bench = Bench::with_two_charts();
-        bench.model.pin_result(Side::B);
-        assert!(bench.model.slots.b.against.has(With::Pinned) && !bench.model.slots.a.against.has(With::Pinned));
-        bench.model.params.max_features = 2;
-        bench.run_until(|model, _| {
-            model.is_settled()
-                && model.shown_comparison(Side::B).is_some_and(|shown| shown.detection.features.len() == 2)
-        });
-        let shown = bench.model.shown_comparison(Side::B).expect("there");
-        assert!(shown.count(Kind::Theirs) > 0 && shown.count(Kind::Ours) == 0, "{}", shown.summary);
-        let saved = bench.model.saved_against(Side::B).expect("pinned");
-        assert!(saved.pinned.is_some() && bench.model.saved_against(Side::A).is_none());
-        bench.model.forget_reference(Side::B, With::Pinned);
-        assert!(bench.model.shown_comparison(Side::B).is_none() && bench.model.saved_against(Side::B).is_none());
-    }
 }

@@ -232,11 +232,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_missing_is_said() {
-        assert!(missing(&Model::default()).contains("second burst"));
-    }
-
-    #[test]
     fn numbers_that_were_not_asked_for_are_dashes() {
         let counts = MatchCounts { keypoints_a: 100, keypoints_b: 50, putative: 20, inliers: None };
         let values: Vec<String> = rows(&counts).into_iter().map(|row| row.2).collect();
