@@ -68,7 +68,6 @@ fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) 
     Some((of_truth, spot))
 }
 
-/// Name of a camera in its own trajectory.
 fn label_of<'t>(trajectories: &'t Trajectories, of_truth: bool, spot: &Spot) -> &'t str {
     let compared = &trajectories.compared;
     let read = if of_truth { &compared.truth } else { &compared.estimate };
@@ -303,7 +302,6 @@ const HEADINGS: [(&str, &str); 4] = [
     ("3D points", "Points of the sparse model that the image sees"),
 ];
 
-/// Draws the list.
 pub fn camera_list_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     let Some(report) = trajectories.report().cloned() else {
         ui.centered_and_justified(|ui| ui.weak("Cameras that have a true one are listed here"));

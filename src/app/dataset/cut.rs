@@ -103,7 +103,6 @@ pub enum CutChoice {
     Keep,
 }
 
-/// Draws the offer to cut a film of `frames` frames into bursts of `length`.
 pub fn cut_offer_ui(ui: &mut Ui, frames: usize, length: usize) -> Option<CutChoice> {
     let mut choice = None;
     ui.horizontal_wrapped(|ui| {

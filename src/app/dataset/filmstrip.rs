@@ -286,7 +286,6 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
 
 /// Maximum side of a thumbnail, pixels.
 pub const SIDE_PX: usize = 160;
-/// Maximum number of thumbnails kept.
 const MAX_KEPT: usize = 400;
 /// Maximum number of thumbnails in a request, so that those that come into view soon need not wait long.
 const MAX_ASKED: usize = 8;

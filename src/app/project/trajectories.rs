@@ -50,7 +50,6 @@ pub struct Trajectories {
     pub study: PoseStudy,
     pub projection: Projection,
     pub view: View,
-    /// The pair of cameras that is pointed at, in the plane or in the table.
     pub hovered: Option<usize>,
     pub selected: Option<usize>,
     /// Label of the camera whose burst a second click asked to open; `None` once that was handled.
@@ -133,7 +132,6 @@ impl Model {
         self.workspace = Workspace::Trajectories;
     }
 
-    /// Compares both again, after the study was changed.
     pub(in crate::app) fn compare_trajectories_again(&mut self, engine: &Engine) {
         let request = self.trajectories.request();
         self.trajectories.reading.ask(engine, request);

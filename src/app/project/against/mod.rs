@@ -57,7 +57,6 @@ pub struct Shown {
     pub summary: String,
     /// Whether the truth, if it is the reference, is complete.
     pub is_whole_truth: bool,
-    /// Label of rows of ours alone.
     ours: &'static str,
 }
 
@@ -124,7 +123,6 @@ impl Against {
         }
     }
 
-    /// Shows the comparison with `with`, or none.
     pub fn show(&mut self, with: Option<With>) {
         if self.with != with {
             (self.with, self.shown, self.problem) = (with, None, None);
@@ -152,7 +150,6 @@ impl Against {
         }
     }
 
-    /// Request for the comparison that is wanted now, of the features `found` in `burst`.
     fn wanted_for(&self, burst: &OpenBurst, found: &FoundFeatures) -> Option<AgainstRequest> {
         let with = match self.with? {
             With::Pinned => {
@@ -205,7 +202,6 @@ impl Model {
         }
     }
 
-    /// Compares the features of `side` with those of the file at `path`.
     pub fn lay_over(&mut self, side: Side, path: PathBuf) {
         let slot = &mut self.slots[side];
         if let Some(burst) = &slot.burst {
@@ -257,7 +253,6 @@ impl Model {
         }
     }
 
-    /// Request for the comparison of `side` that is wanted now.
     fn wanted_comparison(&self, side: Side) -> Option<AgainstRequest> {
         self.slots[side].against.wanted_for(self.burst_of(side)?, self.found_of(side)?)
     }

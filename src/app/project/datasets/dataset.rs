@@ -29,7 +29,6 @@ impl Deref for Dataset {
 }
 
 impl Dataset {
-    /// The dataset of the engine's answer; nothing is chosen and nothing matched.
     pub fn new(opened: OpenDataset) -> Self {
         let states = opened.finished.iter().map(|f| f.map_or(BurstState::Waiting, BurstState::Done)).collect();
         Self { opened, states, pair: [None; 2], matches: PairTable::default() }

@@ -51,7 +51,6 @@ impl Model {
         }
     }
 
-    /// Takes over the parameters with which the features in the dataset's folder were found.
     pub(in crate::app) fn use_folder_params(&mut self, engine: &Engine) {
         if let Some(params) = self.datasets.open.as_ref().and_then(|dataset| dataset.other_params.clone()) {
             self.set_search(params);
