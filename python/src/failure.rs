@@ -37,7 +37,7 @@ fn of_error(error: &anyhow::Error, text: String) -> PyErr {
             };
         }
         match cause.downcast_ref::<ExportError>() {
-            Some(ExportError::Foreign { .. } | ExportError::InTheWay { .. }) => {
+            Some(ExportError::Foreign(_) | ExportError::InTheWay(_)) => {
                 return PyFileExistsError::new_err(text);
             }
             Some(_) => return PyOSError::new_err(text),

@@ -293,7 +293,7 @@ impl BurstscopeApp {
         let mut open_burst = None;
         if self.model.datasets.open.is_some() && self.model.panels.filmstrip {
             Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
-                open_burst = filmstrip::filmstrip_ui(ui, &mut self.model, &mut self.thumbnails, queue).open;
+                open_burst = filmstrip::filmstrip_ui(ui, &mut self.model, &mut self.thumbnails, queue);
             });
         }
         let wish = self.lesson_panel_ui(ui);

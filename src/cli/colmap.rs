@@ -9,8 +9,8 @@ use super::matching_args::MatchingArgs;
 use super::report::FailureReport;
 use crate::burst::BurstFiles;
 use crate::dataset::{
-    CameraChoice, ColmapJob, ColmapReport, Comparison, Event, FeatureJob, FeatureStore, GatherReport, ImageKind,
-    LeftOut, export_colmap_from, gather,
+    BurstEvent, CameraChoice, ColmapJob, ColmapReport, Comparison, FeatureJob, FeatureStore, GatherReport, ImageKind,
+    LeftOut, export_colmap, gather,
 };
 use crate::detector::params::doc::NOISE_GATE;
 use crate::detector::{DetectorParams, NoiseGate, SearchParams};
@@ -84,18 +84,20 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         gathered = Some(report);
     }
     let mut said = Ok(());
-    let mut on = |event: Event<'_>| match event {
-        Event::Begin { index, count, name } => console.begin(format!("[{}/{count}] {name}: ", index + 1)),
-        Event::Done(burst) => {
+    let mut on = |event: BurstEvent<'_>| match event {
+        BurstEvent::Begin(index) => {
+            console.begin(format!("[{}/{}] {}: ", index + 1, bursts.len(), bursts[index].name));
+        }
+        BurstEvent::Done(_, burst) => {
             let from = if burst.resumed { ", from an earlier run" } else { "" };
             let slopes = burst.slopes.as_ref().map_or(String::new(), |found| format!("; slopes {}", found.summary()));
             let line = format!("{}: {} features{from}{slopes}\n", burst.name, burst.keypoints.len());
             said = std::mem::replace(&mut said, Ok(())).and_then(|()| console.say(&line));
         }
-        Event::Failed { name, error } => fail(name, error.to_string()),
-        Event::Matching { pairs } => console.begin(format!("{pairs} pairs: ")),
+        BurstEvent::Failed(index, error) => fail(&bursts[index].name, error.to_string()),
+        BurstEvent::Matching(pairs) => console.begin(format!("{pairs} pairs: ")),
     };
-    let report = export_colmap_from(&mut store, &bursts, &job, &mut on, &console.monitor)?;
+    let report = export_colmap(&mut store, &bursts, &job, &mut on, &console.monitor)?;
     said?;
     let next = next_commands(&args.out);
     console.say(&summary(&report, &next))?;

@@ -13,7 +13,7 @@ use crate::monitor::Cancelled;
 use std::sync::Arc;
 
 /// A burst feature: a place at mid-burst, a scale, an orientation and an apparent motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Feature {
     /// Column at `t0`, input pixels; the centre of the first pixel is 0.
     pub u: f32,

@@ -4,9 +4,9 @@
 //! and average) → [`scale_space`] (Gaussian levels and their differences D, tile by tile) → [`search`] (extrema over
 //! place and scale, at each slope for itself or jointly over slope) → [`refine`] (between the samples) → [`distinct`]
 //! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale,
-//! slope) → [`orient`] and [`describe`] (on the pixels around the feature) → [`limit`] (motion beyond the slopes) →
-//! [`feature`]. From [`distinct`] on the steps read D along any motion ([`along`]), and so does [`coherence`], which
-//! tells how alike the single frames respond.
+//! slope) → `orient` and [`describe`] (on the pixels around the feature) → `limit` (motion beyond the slopes) →
+//! [`feature`], whose values [`quantity`] lists. From `distinct` on the steps read D along any motion (`along`), and so
+//! does [`coherence`], which tells how alike the single frames respond.
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
@@ -28,6 +28,7 @@ pub mod noise_model;
 mod orient;
 pub mod params;
 pub(crate) mod pipeline;
+pub mod quantity;
 pub(crate) mod refine;
 pub mod scale_space;
 pub(crate) mod search;
@@ -45,4 +46,5 @@ pub use params::{
     SlopeNeighbours,
 };
 pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, follows};
+pub use quantity::Quantity;
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

@@ -7,7 +7,7 @@
 //! which differ in their orientation, choose together; then they are the same one by one, in the order of their list.
 
 use crate::detector::{Feature, Slope};
-use crate::export::{COLUMNS, ExportError, read_colmap, read_features_csv};
+use crate::export::{ExportError, feature_header, read_colmap, read_features_csv};
 use crate::inspect::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
@@ -233,7 +233,7 @@ pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, ExportError> {
                 pos_image: [row.u, row.v],
                 sigma: row.sigma,
                 orientation: row.orientation,
-                slope: Some(Slope::new(row.slope_u, row.slope_v)),
+                slope: Some(row.slope),
                 response: Some(row.response),
                 snr: Some(row.snr),
             })
@@ -274,7 +274,7 @@ fn kind(path: &Path) -> Result<Kind, ExportError> {
     std::fs::File::open(path).map_err(read)?.take(256).read_to_end(&mut start).map_err(read)?;
     let start = String::from_utf8_lossy(&start);
     let first = start.lines().next().unwrap_or_default();
-    let header = COLUMNS.join(",");
+    let header = feature_header();
     if first.starts_with(&header[..header.len().min(12)]) {
         return Ok(Kind::Csv);
     }
@@ -395,7 +395,7 @@ mod tests {
         let error = error_of("x;y;z\n1;2;3\n");
         assert!(error.contains("x;y;z") && error.contains("u,v,sigma") && error.contains("COLMAP"), "{error}");
         assert!(error_of("").contains("neither"));
-        let header = COLUMNS.join(",");
+        let header = feature_header();
         assert!(error_of(&format!("{header}\nnan,2,3,0,0,0,0.1,5,0,0,0\n")).contains("two numbers"));
         assert!(error_of(&format!("{header}\n1,2,0,0,0,0,0.1,5,0,0,0\n")).contains("above 0"));
         assert!(
@@ -406,7 +406,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(96))]
         #[test]
-        fn no_text_panics(start in prop_oneof![Just("2 128\n".to_owned()), Just(COLUMNS.join(",") + "\n"), Just(String::new())], rest in "[0-9 .,eE+\\-\\n]{0,200}|\\PC{0,80}") {
+        fn no_text_panics(start in prop_oneof![Just("2 128\n".to_owned()), Just(feature_header() + "\n"), Just(String::new())], rest in "[0-9 .,eE+\\-\\n]{0,200}|\\PC{0,80}") {
             let file = tempfile::NamedTempFile::new().expect("a file");
             std::fs::write(file.path(), start + &rest).expect("written");
             let _ = read_features(file.path());

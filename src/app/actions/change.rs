@@ -205,8 +205,8 @@ fn change_values(id: ActionId, model: &mut Model) {
             model.bottom_tab = BottomTab::Compared;
             model.messages.note("Pinned: later detections are compared with these features");
         }
-        A::UnpinResult => model.unpin_result(model.active_side()),
-        A::CloseFeatures => model.forget_foreign(model.active_side()),
+        A::UnpinResult => model.forget_reference(model.active_side(), With::Pinned),
+        A::CloseFeatures => model.forget_reference(model.active_side(), With::File),
         A::ShowTruth => {
             let side = model.active_side();
             let on = model.slots[side].against.with == Some(With::Truth);

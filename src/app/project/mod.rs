@@ -38,7 +38,7 @@ use crate::app::pane::{PaneId, Panes};
 use crate::app::project::history::History;
 use crate::app::view::ColourBy;
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, SearchParams, SlopeChoice};
+use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice};
 use crate::engine::Wanted;
 use crate::figures::FiguresJob;
 use crate::requests::{Picture, PictureRequest};
@@ -47,7 +47,7 @@ use datasets::Datasets;
 use explained::{CoherenceState, ExplainedState};
 use figure::FigureChoice;
 use film::FilmChoice;
-use filter::{Column, Filter, Order};
+use filter::{Filter, Order};
 use look::Look;
 use measure::Measure;
 use messages::Messages;
@@ -113,7 +113,7 @@ pub struct Model {
     /// Filter of the features that are shown.
     pub filter: Filter,
     /// The table's order.
-    pub order: Order<Column>,
+    pub order: Order<Quantity>,
     /// Indices of the features that pass the filter, in the table's order; see [`Model::refresh_listed`].
     pub listed: Vec<usize>,
     /// The ranges and maps that panes share, and what is drawn over pictures.

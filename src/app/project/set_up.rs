@@ -2,10 +2,9 @@
 
 use super::BottomTab;
 use super::Model;
-use super::filter::Known;
 use super::panels::Visibility;
 use super::workspace::Workspace;
-use crate::app::view::ColourBy;
+use crate::app::view::{ColourBy, Known};
 use crate::detector::Slope;
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;

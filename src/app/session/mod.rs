@@ -16,7 +16,7 @@ use super::pane::{Content, PaneId, SavedPanes, SavedWorkspaces};
 use crate::app::project::against::{SavedAgainst, With};
 use crate::app::project::compare::CompareLook;
 use crate::app::project::cursor::Cursor;
-use crate::app::project::filter::{Column, Filter, Order};
+use crate::app::project::filter::{Filter, Order};
 use crate::app::project::lab::Lab;
 use crate::app::project::look::Look;
 use crate::app::project::pair::Side;
@@ -24,7 +24,7 @@ use crate::app::project::probe::SavedProbe;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model, SavedSelection};
 use crate::burst::OpenOptions;
-use crate::detector::SearchParams;
+use crate::detector::{Quantity, SearchParams};
 use crate::export::case::read_session;
 use crate::inspect::set_up::SetUp;
 use crate::matching::params::doc;
@@ -88,7 +88,7 @@ pub struct Session {
     pub filter: Filter,
     /// The table's order.
     #[serde(default)]
-    pub order: Order<Column>,
+    pub order: Order<Quantity>,
     /// The selected feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedSelection>,
