@@ -57,7 +57,6 @@ impl BurstscopeApp {
         self.apply(effect);
     }
 
-    /// Applies effects, and those that follow from them.
     pub(super) fn apply(&mut self, effects: impl IntoIterator<Item = Effect>) {
         let mut left: VecDeque<Effect> = effects.into_iter().collect();
         while let Some(effect) = left.pop_front() {
@@ -65,7 +64,6 @@ impl BurstscopeApp {
         }
     }
 
-    /// Applies an effect. Returns those that follow from it.
     fn applied(&mut self, effect: Effect) -> Vec<Effect> {
         let Self { model, engine, .. } = self;
         match effect {
@@ -103,7 +101,6 @@ impl BurstscopeApp {
         Vec::new()
     }
 
-    /// Uses files that were chosen, typed or dropped.
     fn use_files(&mut self, purpose: Purpose, paths: Vec<PathBuf>) {
         let Self { model, engine, .. } = self;
         let Some(first) = paths.first() else { return };

@@ -213,9 +213,6 @@ pub(super) fn write(purpose: Purpose, path: PathBuf, model: &mut Model, widgets:
 type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 
 /// Prepares the writing of the file for `purpose`, with a snapshot of all it needs of the model.
-///
-/// # Errors
-/// When a detection, a picture or a burst is missing; the message names it.
 fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     match purpose {
         Purpose::SaveParams => Ok(settings_work(model.asked().to_toml())),
@@ -256,7 +253,6 @@ fn settings_work(toml: String) -> Work {
     text_work(Kind::Settings, written_by() + &toml)
 }
 
-/// Writes the open burst with the search, the place that is probed in it, the session, and its truth.
 fn case_work(model: &Model) -> Result<Work, String> {
     let open = model.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
     let is_of_a = model.probe.side == Side::A;

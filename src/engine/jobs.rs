@@ -12,25 +12,20 @@ use std::convert::Infallible;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Result of a request, with its id and duration.
 #[derive(Debug, Clone)]
 pub struct JobAnswer<A> {
-    /// Id of the request.
     pub id: JobId,
-    /// The answer, or why there is none.
     pub result: Result<A, JobError>,
     /// Wall-clock time of the work; zero for an answer that was kept.
     pub elapsed: Duration,
 }
 
 impl<A> JobAnswer<A> {
-    /// Whether a newer request took its place.
     pub fn is_superseded(&self) -> bool {
         matches!(self.result, Err(JobError::Superseded))
     }
 }
 
-/// The news of one kind of work, oldest first.
 struct News<A, P> {
     answers: Vec<(u32, JobAnswer<A>)>,
     partial: Vec<(u32, JobId, P)>,
@@ -107,7 +102,6 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         self.submit_as(self.manner, slot, request)
     }
 
-    /// Submits a request for `slot` in another manner than the kind's own.
     pub(super) fn submit_as(&self, manner: Manner, slot: u32, request: Q) -> JobId {
         let job = TypedJob { request, slot, grace: manner.grace, shared: self.shared.clone() };
         self.queue.submit(self.key(slot), manner, Box::new(job))
@@ -123,37 +117,30 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         self.cancel_for(0);
     }
 
-    /// Cancels what runs and what waits for `slot`.
     pub fn cancel_for(&self, slot: u32) {
         self.queue.cancel(self.key(slot));
     }
 
-    /// The request that runs, or the one that waits to.
     pub fn running(&self) -> Option<Running> {
         self.running_for(0)
     }
 
-    /// The request for `slot` that runs, or the one that waits to.
     pub fn running_for(&self, slot: u32) -> Option<Running> {
         self.queue.running(self.key(slot))
     }
 
-    /// Takes the answers since the last call with their slots, oldest first.
     pub fn take_answers_for(&self) -> Vec<(u32, JobAnswer<A>)> {
         std::mem::take(&mut self.shared.news().answers)
     }
 
-    /// Takes the answers since the last call, oldest first.
     pub fn take_answers(&self) -> impl Iterator<Item = JobAnswer<A>> + use<Q, A, P> {
         self.take_answers_for().into_iter().map(|(_, answer)| answer)
     }
 
-    /// Default manner of requests of this kind.
     pub(super) fn manner(&self) -> Manner {
         self.manner
     }
 
-    /// Takes the partial results since the last call, oldest first.
     pub(super) fn take_told(&self) -> Vec<P> {
         std::mem::take(&mut self.shared.news().partial).into_iter().map(|(.., told)| told).collect()
     }

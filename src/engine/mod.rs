@@ -57,7 +57,6 @@ impl Engine {
         Self { tasks: task::Tasks::new(&queue), stores: Stores::new(cache_bytes), queue }
     }
 
-    /// Drops the trails of detections of all bursts but these.
     pub fn keep_trails_of(&self, open: &[BurstId]) {
         self.stores.trails.keep_only(open);
     }

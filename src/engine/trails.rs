@@ -12,7 +12,6 @@ use crate::requests::{BurstId, DetectionSource, JobError, OpenBurst, TrailStore,
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// The trails that are kept. Cheap to clone.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Trails {
     state: Arc<Mutex<State>>,
@@ -43,11 +42,9 @@ struct Kept {
     cache: Arc<ProbeCache>,
 }
 
-/// Time between two looks for a trail that another thread is making.
 const WAIT: Duration = Duration::from_millis(5);
 
 impl Trails {
-    /// Keeps trails up to `budget_bytes`.
     #[cfg(test)]
     pub(super) fn new(budget_bytes: usize) -> Self {
         Self { state: Arc::default(), budget_bytes: Some(budget_bytes) }
@@ -62,7 +59,6 @@ impl Trails {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Drops the trails of all bursts but these.
     pub(super) fn keep_only(&self, bursts: &[BurstId]) {
         self.lock().kept.retain(|kept| bursts.contains(&kept.key.burst));
     }
@@ -73,13 +69,11 @@ impl Trails {
         self.lock().repeated
     }
 
-    /// Number of trails that are kept, and their bytes without the open bursts.
     pub(super) fn held(&self) -> (usize, usize) {
         let state = self.lock();
         (state.kept.len(), state.kept.iter().map(Kept::bytes).sum())
     }
 
-    /// Judges a detection that was asked for with `asked` from what the search of a kept one of the same burst left.
     fn judged(
         &self,
         open: &OpenBurst,
@@ -195,7 +189,6 @@ impl TrailStore for Trails {
 }
 
 impl State {
-    /// Finds the trail for which `is_it` holds, and makes it the most recently used.
     fn used(&mut self, is_it: impl Fn(&Kept) -> bool) -> Option<Arc<ProbeCache>> {
         let index = self.kept.iter().position(is_it)?;
         let kept = self.kept.remove(index);
@@ -222,7 +215,6 @@ impl State {
 }
 
 impl Kept {
-    /// Bytes of the trail without the open burst.
     fn bytes(&self) -> usize {
         self.cache.bytes_beside(&self.open.burst)
     }

@@ -30,14 +30,10 @@ pub struct Wanted<R: Request> {
     running: Option<Running>,
 }
 
-/// The end of a request.
 #[derive(Debug, Clone)]
 pub struct Ended<R: Request> {
-    /// Id of the request.
     pub id: JobId,
-    /// The request.
     pub request: R,
-    /// The answer, or why there is none.
     pub result: Result<R::Answer, JobError>,
     /// Wall-clock time of the work; zero for an answer that was kept.
     pub elapsed: Duration,
@@ -121,17 +117,14 @@ impl<R: Request> Wanted<R> {
         self.jobs.as_ref().map_or_else(Vec::new, Jobs::take_told)
     }
 
-    /// The latest request that has no answer yet.
     pub fn pending(&self) -> Option<&R> {
         self.pending.last().map(|(_, request)| request)
     }
 
-    /// Id of the latest request that has no answer yet.
     pub fn pending_id(&self) -> Option<JobId> {
         self.pending.last().map(|(id, _)| *id)
     }
 
-    /// Whether a request has no answer yet.
     pub fn is_pending(&self) -> bool {
         !self.pending.is_empty()
     }
@@ -141,18 +134,15 @@ impl<R: Request> Wanted<R> {
         self.running
     }
 
-    /// The request that ended last and its error, if it has no answer.
     pub fn failure(&self) -> Option<(&R, &JobError)> {
         let (request, error) = self.ended.as_ref()?;
         Some((request, error.as_ref()?))
     }
 
-    /// Whether `request` ended last and failed.
     pub fn has_failed(&self, request: &R) -> bool {
         self.failure().is_some_and(|(failed, _)| failed.is_same(request))
     }
 
-    /// Cancels the running request: it ends with [`JobError::Cancelled`].
     pub fn cancel(&self) {
         if let Some(jobs) = self.jobs.as_ref().filter(|_| self.is_pending()) {
             jobs.cancel();
@@ -169,7 +159,6 @@ impl<R: Request> Wanted<R> {
         (self.ended, self.running) = (None, None);
     }
 
-    /// Sets the progress, as if a request ran.
     #[cfg(test)]
     pub(crate) fn set_running(&mut self, running: Option<Running>) {
         self.running = running;
@@ -189,13 +178,10 @@ pub trait Want {
     /// Whether nothing is running and nothing was requested whose end was not taken.
     fn is_settled(&self) -> bool;
 
-    /// Urgency of the running request.
     fn urgency(&self) -> Option<Urgency>;
 
-    /// As [`Wanted::cancel`].
     fn cancel(&self);
 
-    /// As [`Wanted::forget`].
     fn forget(&mut self);
 }
 

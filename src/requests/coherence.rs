@@ -8,21 +8,15 @@ use crate::inspect::verdict::{Judged, judged};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// Request for the coherence of the features, and the verdicts on them, of a detection.
 #[derive(Debug, Clone)]
 pub struct CoherenceRequest {
-    /// The detection that found them.
     pub of: DetectionSource,
-    /// The features.
     pub detection: Arc<Detection>,
 }
 
-/// The coherences of the features of a detection, with the verdicts.
 #[derive(Debug, Clone)]
 pub struct Coherences {
-    /// The detection.
     pub detection: Arc<Detection>,
-    /// One for each feature.
     pub values: Arc<Vec<Judged>>,
 }
 

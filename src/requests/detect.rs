@@ -13,12 +13,9 @@ use crate::matching::{MatchParams, MatchResult, match_detections};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// A burst to be opened, and how.
 #[derive(Debug, Clone)]
 pub struct OpenRequest {
-    /// Source of the burst.
     pub source: BurstSource,
-    /// Options with which it is opened: its calibration.
     pub options: OpenOptions,
 }
 
@@ -39,12 +36,9 @@ impl Request for OpenRequest {
     }
 }
 
-/// Request for a detection: snapshot of a burst and of the parameters.
 #[derive(Debug, Clone)]
 pub struct DetectRequest {
-    /// The burst.
     pub burst: OpenBurst,
-    /// The parameters, and how the slopes are chosen.
     pub params: SearchParams,
 }
 
@@ -87,12 +81,9 @@ impl Request for DetectRequest {
     }
 }
 
-/// Finished detection with its burst and parameters.
 #[derive(Debug, Clone)]
 pub struct Detected {
-    /// The burst it belongs to.
     pub burst: BurstId,
-    /// Parameters that were asked for.
     pub asked: SearchParams,
     /// The parameters that were used, with the slopes that were found if they were to be found.
     pub params: DetectorParams,
@@ -101,27 +92,19 @@ pub struct Detected {
     pub searched: DetectorParams,
     /// Time that that search took, seconds.
     pub search_secs: f32,
-    /// Result of the search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
-    /// The features.
     pub detection: Arc<Detection>,
 }
 
-/// Request for one step of the comparison of methods.
 #[derive(Debug, Clone)]
 pub enum CompareRequest {
-    /// Finding features by the method that the parameters ask for.
     Detect(DetectRequest),
-    /// Matching the features of two bursts.
     Match(MatchRequest),
 }
 
-/// Answer to a `CompareRequest`.
 #[derive(Debug, Clone)]
 pub enum Compared {
-    /// The features.
     Detected(Detected),
-    /// The matches.
     Matched(Matched),
 }
 
@@ -155,14 +138,10 @@ impl Request for CompareRequest {
     }
 }
 
-/// Request for matches: snapshot of the features of two bursts and of the parameters.
 #[derive(Debug, Clone)]
 pub struct MatchRequest {
-    /// The features of A.
     pub a: Arc<Detection>,
-    /// The features of B.
     pub b: Arc<Detection>,
-    /// The parameters.
     pub params: MatchParams,
 }
 
@@ -184,11 +163,8 @@ impl Request for MatchRequest {
     }
 }
 
-/// Matches with their request.
 #[derive(Debug, Clone)]
 pub struct Matched {
-    /// The request.
     pub request: MatchRequest,
-    /// The matches, and their geometry.
     pub result: Arc<MatchResult>,
 }

@@ -9,13 +9,10 @@ use crate::inspect::ProbeError;
 use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 
-/// Reason for which a request has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum JobError {
-    /// The asker cancelled it.
     #[error("cancelled")]
     Cancelled,
-    /// A newer request of the same kind and slot took its place.
     #[error("a newer request took its place")]
     Superseded,
     /// The input, a parameter or a limit is at fault; the message says which and what would be right.
@@ -24,10 +21,8 @@ pub enum JobError {
     /// There is more than one burst at the place that was to be opened.
     #[error("there are {} bursts here; open one of them", .0.len())]
     Several(Vec<BurstSource>),
-    /// Panic: a mistake in the program.
     #[error("this is a mistake in Burstscope, please report it: {message} (at {place})")]
     Panicked {
-        /// Message of the panic.
         message: String,
         /// File, line and column.
         place: String,
@@ -35,7 +30,6 @@ pub enum JobError {
 }
 
 impl JobError {
-    /// Failure with the message of `error`.
     pub(super) fn failed(error: impl std::fmt::Display) -> Self {
         Self::Failed(error.to_string())
     }

@@ -18,27 +18,20 @@ pub struct BurstId(u64);
 /// A burst that is open. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct OpenBurst {
-    /// Id of the opening.
     pub id: BurstId,
-    /// The frames.
     pub burst: Arc<Burst>,
-    /// Source of the frames.
     pub source: BurstSource,
     /// Truth of what is planted in the frames, if anything is.
     planted: Option<Arc<Truth>>,
 }
 
 impl OpenBurst {
-    /// Wraps `burst` with a new id.
     pub fn new(burst: Burst, source: BurstSource) -> Self {
         static COUNTER: AtomicU64 = AtomicU64::new(1);
         Self { id: BurstId(COUNTER.fetch_add(1, Ordering::Relaxed)), burst: Arc::new(burst), source, planted: None }
     }
 
     /// Reads or computes the truth of the burst; `None` if it is not known.
-    ///
-    /// # Errors
-    /// When `truth.json` cannot be read, is invalid, or belongs to pictures of another size.
     pub fn truth(&self, monitor: &Monitor) -> Result<Option<Truth>, TruthError> {
         if let Some(truth) = &self.planted {
             return Ok(Some(Truth::clone(truth)));
@@ -55,7 +48,6 @@ impl OpenBurst {
         self.planted.is_some() || matches!(self.source, BurstSource::Chart(_)) || is_known(&self.burst)
     }
 
-    /// Describes the burst: its name, the number of its frames, and their size.
     pub fn describe(&self) -> String {
         let (width, height) = self.burst.size();
         format!("{}: {} of {width} × {height}", self.burst.name, counted(self.burst.len(), "frame"))
@@ -64,10 +56,6 @@ impl OpenBurst {
 
 impl BurstSource {
     /// Opens the burst on the calling thread, with the calibration in `options`; built-in bursts need none.
-    ///
-    /// # Errors
-    /// [`JobError::Several`] for a folder of bursts, [`JobError::Failed`] with a message that names the file,
-    /// [`JobError::Cancelled`] once `monitor` was cancelled.
     pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<OpenBurst, JobError> {
         match self.burst_and_planted(options, monitor) {
             Ok((burst, planted)) => {
@@ -80,7 +68,6 @@ impl BurstSource {
     }
 }
 
-/// The bursts at `paths`, when there are any.
 fn bursts_at(paths: &[PathBuf]) -> Vec<BurstSource> {
     find_bursts(paths).unwrap_or_default().into_iter().map(|found| BurstSource::Paths(found.paths)).collect()
 }

@@ -6,18 +6,14 @@ use super::trail::{NothingKept, TrailStore};
 use crate::monitor::{Monitor, Progress};
 use std::time::{Duration, Instant};
 
-/// Request with all that decides its answer.
 pub trait Request: Clone + Send + 'static {
-    /// The answer.
     type Answer: Send + 'static;
     /// A result that is told before the answer, such as one burst of many;
     /// [`Infallible`](std::convert::Infallible) where there is none.
     type Told: Send + 'static;
 
-    /// Urgency of the answer.
     fn urgency(&self) -> Urgency;
 
-    /// Whether `other` has the same answer.
     fn is_same(&self, other: &Self) -> bool;
 
     /// The answer, if it is kept already and needs no work.
@@ -26,9 +22,6 @@ pub trait Request: Clone + Send + 'static {
     }
 
     /// Computes the answer on the calling thread and its pool.
-    ///
-    /// # Errors
-    /// [`JobError::Cancelled`] once the monitor was cancelled; otherwise the reason for which there is no answer.
     fn compute(self, work: &Work<'_, Self::Told>) -> Result<Self::Answer, JobError>;
 }
 
@@ -41,27 +34,20 @@ pub enum Urgency {
     Write,
     /// Pictures that take a search, such as the map of winning slopes.
     SlowPicture,
-    /// Opening, detecting, matching.
     Search,
-    /// Work on many bursts.
     Dataset,
 }
 
-/// Results of earlier requests.
 #[derive(Clone, Copy)]
 pub struct Kept<'a> {
-    /// Trails of detections.
     pub trails: &'a dyn TrailStore,
-    /// Pictures.
     pub pictures: &'a dyn PictureStore,
 }
 
 /// Pictures that were computed before.
 pub trait PictureStore {
-    /// The picture of `request`, if it is kept.
     fn get(&self, request: &PictureRequest) -> Option<Picture>;
 
-    /// Keeps `picture`.
     fn put(&self, picture: &Picture);
 }
 
@@ -73,11 +59,8 @@ impl PictureStore for NothingKept {
     fn put(&self, _: &Picture) {}
 }
 
-/// Context in which a request is computed.
 pub struct Work<'a, T> {
-    /// Results of earlier requests.
     pub kept: Kept<'a>,
-    /// Reports progress, and tells of cancellation.
     pub monitor: &'a Monitor,
     /// Takes results that are told before the answer.
     pub tell: &'a (dyn Fn(T) + Sync),
@@ -89,13 +72,11 @@ impl<'a, T> Work<'a, T> {
         Self { kept: Kept { trails: &NothingKept, pictures: &NothingKept }, monitor, tell: &|_| {} }
     }
 
-    /// Uses the trails in `trails`.
     #[must_use]
     pub fn with_trails(self, trails: &'a dyn TrailStore) -> Self {
         Self { kept: Kept { trails, ..self.kept }, ..self }
     }
 
-    /// Passes results before the answer to `tell`.
     #[must_use]
     pub fn telling(self, tell: &'a (dyn Fn(T) + Sync)) -> Self {
         Self { tell, ..self }
@@ -106,14 +87,10 @@ impl<'a, T> Work<'a, T> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct JobId(pub(crate) u64);
 
-/// Progress of a running request.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Running {
-    /// Id of the request.
     pub id: JobId,
-    /// Time at which it began.
     pub started: Instant,
-    /// The stage and fraction it last reported.
     pub progress: Option<Progress>,
 }
 

@@ -10,13 +10,9 @@ use std::sync::Arc;
 /// Source of a detection: its burst, and the parameters that were asked for and used.
 #[derive(Debug, Clone)]
 pub struct DetectionSource {
-    /// The burst.
     pub burst: OpenBurst,
-    /// Parameters that were asked for.
     pub asked: SearchParams,
-    /// The parameters that it was made with, with its slopes.
     pub params: DetectorParams,
-    /// Result of the search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
 }
 
@@ -30,10 +26,6 @@ impl DetectionSource {
     }
 }
 
-/// Searches `burst` with `params` and returns the trail of the search.
-///
-/// # Errors
-/// As [`ProbeCache::new`].
 pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -> Result<ProbeCache, JobError> {
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
@@ -41,13 +33,11 @@ pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -
 /// Store of the trails of detections, which the next request may need. [`NothingKept`] keeps none. The answers are the
 /// same with every store, but for the tally of a detection that is [judged](TrailStore::rejudged) from an earlier one.
 pub trait TrailStore {
-    /// Keeps the trail of a detection.
     fn put(&self, burst: &OpenBurst, trail: &Arc<ProbeCache>);
 
     /// Drops trails above the budget, before another one is made.
     fn make_room(&self);
 
-    /// Trail of a detection that was asked for with `asked`, if it is kept.
     fn asked(&self, burst: &OpenBurst, asked: &SearchParams) -> Option<Arc<ProbeCache>>;
 
     /// Trail of the detection that was asked for with `asked`, judged from what the search of a kept one left, see
@@ -62,19 +52,11 @@ pub trait TrailStore {
         monitor: &Monitor,
     ) -> Result<Option<Arc<ProbeCache>>, JobError>;
 
-    /// Trail of `source`, if it is kept.
     fn get(&self, source: &DetectionSource) -> Option<Arc<ProbeCache>>;
 
-    /// Trail of `source`: kept, or made now.
-    ///
-    /// # Errors
-    /// As [`ProbeCache::new`].
     fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError>;
 
     /// Trail of the detection of `burst` with `params`, however it was asked for: kept, or made now.
-    ///
-    /// # Errors
-    /// As [`ProbeCache::new`].
     fn get_or_make_for(
         &self,
         burst: &OpenBurst,
@@ -87,9 +69,6 @@ pub trait TrailStore {
 const TRAIL_SHARE: f32 = 0.6;
 
 /// Trail of `source`, kept or made now, and a monitor for the rest of the work.
-///
-/// # Errors
-/// As [`TrailStore::get_or_make`].
 pub(super) fn trail_and_rest(
     trails: &dyn TrailStore,
     source: &DetectionSource,

@@ -19,7 +19,6 @@ use crate::engine::Engine;
 use crate::requests::{BurstSource, ProbeQuestion};
 use crate::synth::Example;
 
-/// Runs an action that changes the project alone. Returns what it changes beyond the project.
 pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
     use ActionId as A;
     if let Some(purpose) = asked_files(id, model.active_side()) {
@@ -80,7 +79,6 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
     None
 }
 
-/// Files that the action asks for.
 fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
     use ActionId as A;
     Some(match id {
@@ -121,7 +119,6 @@ fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
     })
 }
 
-/// Burst that is built into the program and that the action opens.
 fn built_in(id: ActionId) -> Option<BurstSource> {
     use ActionId as A;
     Some(BurstSource::Example(match id {
@@ -138,7 +135,6 @@ fn built_in(id: ActionId) -> Option<BurstSource> {
     }))
 }
 
-/// Layout of the panes that the action makes from the one in focus.
 fn layout(id: ActionId) -> Option<Preset> {
     use ActionId as A;
     Some(match id {
@@ -170,7 +166,6 @@ pub fn probe_here(model: &mut Model, widgets: &PaneWidgets) {
     }
 }
 
-/// Runs an action that only changes values: content, selection, links.
 fn change_values(id: ActionId, model: &mut Model) {
     use ActionId as A;
     match id {
@@ -285,7 +280,6 @@ fn change_values(id: ActionId, model: &mut Model) {
     }
 }
 
-/// Runs an action that moves the cursor of the focused pane.
 fn move_cursor(model: &mut Model, id: ActionId) {
     use ActionId as A;
     let grid = model.cursor_params().slopes;

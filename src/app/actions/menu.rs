@@ -11,7 +11,6 @@ use crate::requests::BurstSource;
 use egui::{Key, Modifiers, RichText};
 use std::path::PathBuf;
 
-/// Draws the menus. A chosen entry of the recently opened ones is put into `open_recent`.
 pub fn menu_bar_ui(
     ui: &mut egui::Ui,
     model: &Model,
@@ -39,7 +38,6 @@ pub fn menu_bar_ui(
     });
 }
 
-/// Draws one item of a menu.
 pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
     let action = id.action();
     let mark = match checked(id, model) {
@@ -82,7 +80,6 @@ fn recent_ui(ui: &mut egui::Ui, remembered: &Settings, open_recent: &mut Option<
     });
 }
 
-/// Label of a dataset in a list of bursts and datasets.
 pub fn dataset_label(source: &DatasetSource) -> String {
     match source.burst_length {
         Some(length) => format!("{}, in bursts of {length}", source.label()),
@@ -93,7 +90,6 @@ pub fn dataset_label(source: &DatasetSource) -> String {
 /// Maximum height of the list, in points; longer lists scroll.
 const PALETTE_HEIGHT: f32 = 340.0;
 
-/// State of the palette.
 #[derive(Debug, Default)]
 pub struct Palette {
     open: bool,
@@ -102,17 +98,14 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// Opens the palette, with an empty text.
     pub fn open(&mut self) {
         *self = Self { open: true, ..Self::default() };
     }
 
-    /// Whether the palette is open.
     pub fn is_open(&self) -> bool {
         self.open
     }
 
-    /// Draws the palette if it is open.
     pub fn ui(&mut self, ctx: &egui::Context, model: &Model, queue: &mut Queue) {
         if !self.open {
             return;
@@ -219,7 +212,6 @@ fn score(wanted: &str, label: &str) -> Option<i32> {
 /// Minimum width of a window with [`SHEET_COLUMNS`] columns, in points; narrower ones have half as many.
 const SHEET_WIDE: f32 = 900.0;
 const SHEET_COLUMNS: usize = 4;
-/// Height of a menu's heading, in rows.
 const SHEET_HEADING_ROWS: usize = 2;
 
 /// Draws the sheet; `open` becomes false when it is closed.
@@ -259,7 +251,6 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
     }
 }
 
-/// Actions of a menu that have keys.
 fn with_keys(menu: Menu) -> impl Iterator<Item = &'static Action> {
     ACTIONS.iter().filter(move |action| action.menu == menu && action.shortcut.is_some())
 }

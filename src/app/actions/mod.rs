@@ -36,12 +36,10 @@ pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> Stri
 }
 
 impl ActionId {
-    /// Kind of picture that the action shows.
     pub fn shown(self) -> Option<Shown> {
         Shown::ALL.into_iter().find(|shown| shown_by(*shown) == self)
     }
 
-    /// Glossary entry of the content that the action shows.
     pub fn word(self) -> Option<&'static Word> {
         match self {
             Self::LayoutSlice => glossary().of_picture("slice"),
@@ -50,7 +48,6 @@ impl ActionId {
     }
 }
 
-/// Tooltip of an action: its help and its shortcut.
 pub fn tooltip(ctx: &egui::Context, action: &Action) -> String {
     match &action.shortcut {
         Some(shortcut) => format!("{}  ({})", action.help, keys_text(ctx, shortcut)),
@@ -58,7 +55,6 @@ pub fn tooltip(ctx: &egui::Context, action: &Action) -> String {
     }
 }
 
-/// Draws a button for an action, with the action's label or the shorter `label`.
 pub fn button_ui(
     ui: &mut egui::Ui,
     model: &Model,
@@ -114,7 +110,6 @@ mod tests {
     use crate::app::project::tests::open;
     use egui::{Event, Id, Key, Modifiers, Popup, RawInput};
 
-    /// Actions of a pass in which `key` is pressed, with or without an open drop-down.
     fn pressed(key: Key, drop_down_is_open: bool) -> Queue {
         let (ctx, mut model, mut queue) = (egui::Context::default(), Model::default(), Queue::new());
         model.take_burst(open((64, 48), 5));

@@ -12,7 +12,6 @@ use crate::detector::{Method, SearchParams};
 use crate::matching::MatchParams;
 use crate::requests::BurstSource;
 
-/// Whether the action is enabled.
 pub fn enabled(id: ActionId, model: &Model) -> bool {
     use ActionId as A;
     let has_burst = model.slots.a.burst.is_some();

@@ -14,18 +14,14 @@ use crate::engine::OnUpdate;
 use std::path::PathBuf;
 use std::sync::{Arc, mpsc};
 
-/// Question for files.
 #[derive(Debug, Clone)]
 pub struct Question {
-    /// Purpose of the files.
     pub purpose: Purpose,
     /// Suggested name of a new file, or path of a folder that is written; empty for none.
     pub suggested_name: String,
-    /// Folder in which the dialog starts.
     pub folder: Option<PathBuf>,
 }
 
-/// Source of answers to file questions.
 pub trait FileDialogs: Send + Sync {
     /// Whether there are dialogs at all. May wait for the system.
     fn exist(&self) -> bool;
@@ -34,7 +30,6 @@ pub trait FileDialogs: Send + Sync {
     fn ask(&self, question: &Question) -> Option<Vec<PathBuf>>;
 }
 
-/// The system's dialogs.
 #[derive(Debug, Default, Clone, Copy)]
 pub struct SystemDialogs;
 
@@ -74,7 +69,6 @@ impl FileDialogs for SystemDialogs {
     }
 }
 
-/// Search for what shows dialogs on a free desktop, where `rfd` asks the portal, and after it `zenity`.
 #[cfg(all(unix, not(target_os = "macos")))]
 mod free_desktop {
     use std::ffi::OsStr;
@@ -109,18 +103,13 @@ mod free_desktop {
     }
 }
 
-/// Answer to a question.
 #[derive(Debug, Clone)]
 pub enum FileAnswer {
-    /// Files were chosen.
     Chosen(Purpose, Vec<PathBuf>),
-    /// The dialog ended without an answer.
     Nothing(Question),
-    /// The system has no dialogs.
     NoDialog(Question),
 }
 
-/// Asks questions on threads of their own and collects the answers.
 pub struct Desk {
     dialogs: Arc<dyn FileDialogs>,
     sender: mpsc::Sender<FileAnswer>,
@@ -130,7 +119,6 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Creates a desk that asks with `dialogs` and calls `on_update` when there is an answer.
     pub fn new(dialogs: Arc<dyn FileDialogs>, on_update: OnUpdate) -> Self {
         let (sender, receiver) = mpsc::channel();
         Self { dialogs, sender, receiver, on_update, open: 0 }
@@ -158,20 +146,17 @@ impl Desk {
         Ok(())
     }
 
-    /// Returns the answers received since the last call.
     pub fn take_answers(&mut self) -> Vec<FileAnswer> {
         let answers: Vec<FileAnswer> = self.receiver.try_iter().collect();
         self.open -= answers.len();
         answers
     }
 
-    /// Whether a question is open.
     pub fn is_asking(&self) -> bool {
         self.open > 0
     }
 }
 
-/// Asks the question, where there are dialogs.
 fn answer(question: Question, dialogs: &dyn FileDialogs) -> FileAnswer {
     if !dialogs.exist() {
         return FileAnswer::NoDialog(question);
@@ -187,7 +172,6 @@ mod tests {
     use super::*;
     use std::time::{Duration, Instant};
 
-    /// Dialogs that exist or not, and return these paths at once.
     struct Scripted(bool, Option<Vec<PathBuf>>);
 
     impl FileDialogs for Scripted {
@@ -237,7 +221,6 @@ mod tests {
         use std::process::{Child, Command, Stdio};
         use zbus::connection::Builder;
 
-        /// A session bus of its own, which ends with the test.
         struct Bus(Child, String);
 
         impl Bus {
@@ -262,7 +245,6 @@ mod tests {
             }
         }
 
-        /// A portal's file chooser, or an object in its place that is none.
         struct Chooser;
 
         #[zbus::interface(name = "org.freedesktop.portal.FileChooser")]

@@ -16,10 +16,8 @@ use egui::{Color32, RichText, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, Corner, Legend, Line, Plot, PlotPoints};
 use std::collections::HashMap;
 
-/// Bars of the histogram.
 const BINS: usize = 64;
 
-/// Statistics of a picture's rectangle, with the picture and the rectangle.
 #[derive(Debug, Clone)]
 struct Known {
     picture: PictureId,
@@ -47,7 +45,6 @@ impl RegionCache {
     }
 }
 
-/// Columns of the table, and their meanings.
 const COLUMNS: [(&str, &str); 7] = [
     ("Picture", "The pane's number and what it shows"),
     ("Pixels", "Pixels of the picture in the rectangle that have a value"),
@@ -61,7 +58,6 @@ const COLUMNS: [(&str, &str); 7] = [
     ),
 ];
 
-/// Draws the panel.
 pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut RegionCache, queue: &mut Queue) {
     let Some(region) = model.measure.region else {
         ui.horizontal(|ui| {
@@ -185,7 +181,6 @@ const CURVES: [Color32; 8] = [
     Color32::from_rgb(150, 150, 150),
 ];
 
-/// Draws the panel.
 pub fn profile_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut Queue) {
     let Some(line) = model.measure.line else {
         ui.horizontal(|ui| {

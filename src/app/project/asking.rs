@@ -9,7 +9,6 @@ use crate::engine::{Engine, Want};
 use crate::requests::Urgency;
 
 impl Model {
-    /// Requests of all parts to the engine, except those for panes' pictures and datasets' thumbnails.
     pub fn wants(&self) -> Vec<&dyn Want> {
         let Self { slots, pair, compare, explained, coherence, probe, datasets, trajectories, lab, .. } = self;
         let opening: [&dyn Want; 2] = slots.both().map(|slot| &slot.opening as _);
@@ -37,7 +36,6 @@ impl Model {
         [opening, detecting, against, gold, coherences].into_iter().flatten().chain(others).collect()
     }
 
-    /// Whether a search runs that [`Self::cancel_searches`] would cancel.
     pub fn is_searching(&self) -> bool {
         self.wants().iter().any(|want| want.urgency() == Some(Urgency::Search))
     }
@@ -48,7 +46,6 @@ impl Model {
         self.wants().into_iter().filter(|want| want.urgency() == Some(Urgency::Search)).for_each(Want::cancel);
     }
 
-    /// Whether everything to be shown is there, or is known to have failed.
     pub fn is_settled(&self) -> bool {
         self.wants().into_iter().all(Want::is_settled)
             && self.pictures_are_current()
@@ -64,7 +61,6 @@ impl Model {
             && self.missing_candidates().is_none_or(|missing| self.explained.asked_candidates.has_failed(&missing))
     }
 
-    /// Takes the answers since the last pass, and returns the changes that the window has to make.
     #[must_use]
     pub(in crate::app) fn take_answers(&mut self, engine: &Engine) -> Vec<Effect> {
         engine.enforce_grace();

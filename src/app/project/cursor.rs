@@ -6,24 +6,18 @@ use crate::requests::PictureKind;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// The kinds of picture that the canvas switches between.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ViewKind {
-    /// One frame as it was taken.
     Frame,
-    /// The motion-stack image at the slope.
     #[default]
     Stack,
-    /// The DoG response at the slope, octave and level.
     Dog,
 }
 
 impl ViewKind {
-    /// All kinds, in the order of the switch.
     pub const ALL: [Self; 3] = [Self::Frame, Self::Stack, Self::Dog];
 
-    /// Name in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Frame => "Frame",
@@ -37,7 +31,6 @@ impl ViewKind {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Cursor {
-    /// Kind of picture.
     pub kind: ViewKind,
     /// Frame, counted from 0.
     pub frame: usize,
@@ -45,12 +38,10 @@ pub struct Cursor {
     pub slope: Slope,
     /// Octave; −1 is the doubled image.
     pub octave: i32,
-    /// Level within the octave.
     pub level: i32,
 }
 
 impl Cursor {
-    /// Kind of picture at the cursor, for a request.
     pub fn picture_kind(&self) -> PictureKind {
         let slope = self.slope;
         match self.kind {
@@ -93,7 +84,6 @@ impl Cursor {
     }
 }
 
-/// Octaves that the octave slider offers.
 pub fn octave_range(params: &DetectorParams, size: (usize, usize)) -> RangeInclusive<i32> {
     let octaves = searched_octaves(params, size);
     octaves.start..=(octaves.end - 1).max(octaves.start)
@@ -111,14 +101,12 @@ pub fn slope_limit(grid: &SlopeGrid) -> f32 {
     (grid.max_magnitude() * 1.25).clamp(1.0, 1e4).ceil()
 }
 
-/// Grid coordinates (i, j) of the grid's slope that is nearest to `slope`.
 pub fn nearest_on_grid(grid: &SlopeGrid, slope: Slope) -> (usize, usize) {
     let distance = |s: Slope| Slope::new(s.u - slope.u, s.v - slope.v).magnitude();
     let nearest = (0..grid.len()).min_by(|&a, &b| distance(grid.slope(a)).total_cmp(&distance(grid.slope(b))));
     grid.coordinates(nearest.unwrap_or(0))
 }
 
-/// The grid's slope that is nearest to `slope`.
 pub fn snapped(grid: &SlopeGrid, slope: Slope) -> Slope {
     let (i, j) = nearest_on_grid(grid, slope);
     grid.at(i as f32, j as f32)

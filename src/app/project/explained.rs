@@ -22,29 +22,21 @@ use std::sync::Arc;
 /// again.
 pub(in crate::app) const SHORT_SECS: f32 = 5.0;
 
-/// Explanations that are known, the requests for them, and the user's choices.
 #[derive(Debug, Default)]
 pub struct ExplainedState {
-    /// The slopes, with the request that they answer.
     slopes: Option<(ExplainRequest, Arc<Spectrum>)>,
-    /// The candidates, with the request that they answer.
     candidates: Option<(ExplainRequest, Arc<Survey>)>,
-    /// The test whose candidates are drawn over the picture.
     pub shown_test: Option<Test>,
     /// The candidate under the pointer, among those of the survey: features below it are not pointed at.
     pub pointed: Option<usize>,
-    /// The candidate that is selected, among those of the survey.
     pub selected: Option<usize>,
     /// Whether the slopes of the detection on show are wanted although it took long.
     pub slopes_wanted: bool,
-    /// The request for the slopes.
     pub asked_slopes: Wanted<ExplainRequest>,
-    /// The request for the candidates.
     pub asked_candidates: Wanted<ExplainRequest>,
 }
 
 impl ExplainedState {
-    /// Takes an answer.
     pub fn take(&mut self, explained: Explained) {
         let Explained { request, explanation } = explained;
         match explanation {
@@ -69,13 +61,11 @@ impl Model {
         self.wanted_slopes().filter(|_| is_time && self.spectrum().is_none())
     }
 
-    /// The candidates to be drawn over the picture, if they are not known. A running detection comes first.
     pub fn missing_candidates(&self) -> Option<ExplainRequest> {
         let is_time = self.workspace == Workspace::Inspect && !self.slots.a.detecting.is_pending();
         self.wanted_candidates().filter(|_| is_time && self.survey().is_none())
     }
 
-    /// Takes the answers about slopes and candidates; errors become messages.
     pub(in crate::app) fn take_explanations(&mut self) {
         let ended = self.explained.asked_slopes.take().into_iter().chain(self.explained.asked_candidates.take());
         for ended in ended.collect::<Vec<_>>() {
@@ -87,7 +77,6 @@ impl Model {
         }
     }
 
-    /// Requests the slopes and candidates that are missing.
     pub(in crate::app) fn ask_for_explanations(&mut self, engine: &Engine) {
         let (slopes, candidates) = (self.missing_slopes(), self.missing_candidates());
         self.explained.asked_slopes.want(engine, slopes);
@@ -96,9 +85,6 @@ impl Model {
 
     /// Applies the changes that a piece of advice about the burst of `side` proposes. If they concern the slopes, these
     /// count as given, and are those of that burst.
-    ///
-    /// # Errors
-    /// When the changed parameters are invalid; nothing is changed then.
     pub fn apply_changes(&mut self, side: Side, changes: &[ParamChange]) -> Result<(), ParamError> {
         let slopes = self.params_of(side).slopes;
         let changed = ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.params.clone() })?;
@@ -117,12 +103,10 @@ impl Model {
         !self.slots[side].detecting.is_pending()
     }
 
-    /// The request that asks `question` about the detection on show; `None` without one.
     fn explain_request(&self, question: ExplainQuestion) -> Option<ExplainRequest> {
         Some(ExplainRequest { of: self.found_source(Side::A)?, question })
     }
 
-    /// The slopes of the detection on show; `None` while they are not known.
     pub fn spectrum(&self) -> Option<&Arc<Spectrum>> {
         let (request, spectrum) = self.explained.slopes.as_ref()?;
         let wanted = self.explain_request(ExplainQuestion::Slopes)?;
@@ -149,7 +133,6 @@ impl Model {
         request.of.is_same(&wanted.of).then_some(survey)
     }
 
-    /// The candidate that is selected.
     pub fn selected_candidate(&self) -> Option<&CandidateMark> {
         self.survey()?.marks.get(self.explained.selected?)
     }
@@ -168,7 +151,6 @@ impl Model {
         self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted && self.stale().is_none())
     }
 
-    /// Request for the candidates that are to be drawn over the picture.
     pub fn wanted_candidates(&self) -> Option<ExplainRequest> {
         let test = self.explained.shown_test?;
         let options = SurveyOptions { test: Some(test), ..SurveyOptions::default() };
@@ -176,44 +158,35 @@ impl Model {
     }
 }
 
-/// Known coherences, and the requests for missing ones.
 #[derive(Debug, Default)]
 pub struct CoherenceState {
-    /// Coherences of the detections of the open bursts.
     known: Vec<Coherences>,
-    /// Requests for the features of each burst.
     pub wanted: Sides<Wanted<CoherenceRequest>>,
 }
 
 impl CoherenceState {
-    /// Keeps the coherences of a detection.
     fn take(&mut self, coherences: Coherences) {
         self.known.retain(|known| !Arc::ptr_eq(&known.detection, &coherences.detection));
         self.known.push(coherences);
     }
 
-    /// Lets requests that failed or were cancelled be made again.
     pub fn try_again(&mut self) {
         self.wanted = Sides::default();
     }
 
-    /// Progress of the running request.
     pub fn running(&self) -> Option<Running> {
         self.wanted.both().into_iter().find_map(Wanted::running)
     }
 
-    /// Coherences and verdicts of the features of `detection`, if they are known.
     pub fn of(&self, detection: &Arc<Detection>) -> Option<&Arc<Vec<Judged>>> {
         self.known.iter().find(|known| Arc::ptr_eq(&known.detection, detection)).map(|known| &known.values)
     }
 
-    /// Reason why the coherences of `detection` could not be computed, if they could not.
     pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&JobError> {
         let mut failures = self.wanted.both().into_iter().filter_map(Wanted::failure);
         failures.find(|(request, _)| Arc::ptr_eq(&request.detection, detection)).map(|(_, why)| why)
     }
 
-    /// Forgets the coherences of all other detections.
     fn keep_only(&mut self, detections: &[Arc<Detection>]) {
         let is_open = |detection: &Arc<Detection>| detections.iter().any(|open| Arc::ptr_eq(open, detection));
         self.known.retain(|known| is_open(&known.detection));
@@ -247,7 +220,6 @@ impl Model {
         self.coherence.of(&detection).is_none().then_some(CoherenceRequest { of, detection })
     }
 
-    /// Takes the coherences that were computed, and forgets those of detections that are no longer open.
     pub(in crate::app) fn take_coherences(&mut self) {
         for side in Side::BOTH {
             for ended in self.coherence.wanted[side].take() {
@@ -264,7 +236,6 @@ impl Model {
         self.coherence.keep_only(&open);
     }
 
-    /// Requests the coherences that are missing.
     pub(in crate::app) fn ask_for_coherences(&mut self, engine: &Engine) {
         for side in Side::BOTH {
             let missing = self.missing_coherence(side);
@@ -272,7 +243,6 @@ impl Model {
         }
     }
 
-    /// The coherences and verdicts of the features of the first burst; `None` while they are not known.
     pub fn judged(&self) -> Option<&Arc<Vec<Judged>>> {
         self.coherence.of(&self.slots.a.found.as_ref()?.detection)
     }

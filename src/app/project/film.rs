@@ -4,25 +4,19 @@ use crate::app::project::Model;
 use crate::detector::{Method, SlopeAxis};
 use crate::requests::{Film, FilmPlace, MAX_FILM_PICTURES, Sweep};
 
-/// What changes from picture to picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FilmContent {
     /// Slopes of the grid and half-way between, along its first axis that has several.
     #[default]
     Slopes,
-    /// DoG of all octaves and levels.
     Scales,
-    /// Frames, added one by one.
     Frames,
-    /// The first two panes in turn, as they are shown.
     Panes,
 }
 
 impl FilmContent {
-    /// All of them.
     pub const ALL: [Self; 4] = [Self::Slopes, Self::Scales, Self::Frames, Self::Panes];
 
-    /// Label in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Slopes => "Slopes",
@@ -32,7 +26,6 @@ impl FilmContent {
         }
     }
 
-    /// Explanation.
     pub fn help(self) -> &'static str {
         match self {
             Self::Slopes => "The motion stack at the slopes of the search and half-way between",
@@ -43,10 +36,8 @@ impl FilmContent {
     }
 }
 
-/// Choices of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FilmChoice {
-    /// What changes.
     pub content: FilmContent,
     /// Pictures per second.
     pub rate: u16,

@@ -12,10 +12,8 @@ use crate::detector::params::doc;
 use crate::detector::{DetectorParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
 
-/// Largest number of steps that are kept.
 const MAX_STEPS: usize = 200;
 
-/// Settings whose changes can be undone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     params: DetectorParams,
@@ -27,7 +25,6 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The present settings of `model`.
     pub fn of(model: &Model) -> Self {
         let mut params = model.params.clone();
         let grid = params.slopes;
@@ -102,17 +99,14 @@ impl History {
         }
     }
 
-    /// Whether there is a step to undo.
     pub fn can_undo(&self) -> bool {
         !self.past.is_empty()
     }
 
-    /// Whether there is a step to redo.
     pub fn can_redo(&self) -> bool {
         !self.future.is_empty()
     }
 
-    /// Undoes the last step.
     pub fn undo(&mut self, model: &mut Model) {
         if let Some(before) = self.past.pop() {
             self.future.push(Settings::of(model));
@@ -120,7 +114,6 @@ impl History {
         }
     }
 
-    /// Redoes the step that was undone last.
     pub fn redo(&mut self, model: &mut Model) {
         if let Some(after) = self.future.pop() {
             self.past.push(Settings::of(model));
@@ -128,7 +121,6 @@ impl History {
         }
     }
 
-    /// Exchanges A and B in all steps, as their bursts and panes were.
     pub fn swap_sides(&mut self) {
         let [a, b] = Side::BOTH.map(PaneId::of);
         for (id, _) in self.past.iter_mut().chain(&mut self.future).chain(&mut self.begun).flat_map(|s| &mut s.cursors)
@@ -143,19 +135,16 @@ impl History {
         }
     }
 
-    /// Forgets all steps: another burst is open, or a session was restored.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 }
 
 impl Model {
-    /// Undoes the last step.
     pub fn undo(&mut self) {
         self.with_history("Undone", History::undo);
     }
 
-    /// Redoes the step that was undone last.
     pub fn redo(&mut self) {
         self.with_history("Redone", History::redo);
     }
@@ -174,7 +163,6 @@ impl Model {
         self.settings_are_set();
     }
 
-    /// Records the user's changes of a pass since the settings `before`; as [`History::take`].
     pub(in crate::app) fn keep_history(&mut self, before: Settings, goes_on: bool) {
         let are_set = std::mem::take(&mut self.set_explicitly.history);
         if !are_set {
@@ -190,7 +178,6 @@ mod tests {
     use crate::app::project::pair::tests::pair;
     use crate::app::project::workspace::Workspace;
 
-    /// A pass in which `change` was done.
     fn pass(history: &mut History, model: &mut Model, goes_on: bool, change: impl FnOnce(&mut Model)) {
         let before = Settings::of(model);
         change(model);

@@ -13,27 +13,19 @@ pub use crate::requests::RangeClass;
 use serde::{Deserialize, Serialize};
 use std::ops::Bound;
 
-/// A value range and colour map for each class of picture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ranges {
-    /// For frames, motion-stack images and merged frames.
     pub intensity: Display,
-    /// For DoG responses.
     pub response: Display,
-    /// For differences.
     pub difference: Display,
-    /// For noise maps.
     pub noise: Display,
     /// For maps of shares; the range 0 … 1 unless the user changes it.
     pub share: Display,
     /// Whether the range was set since the burst was opened.
     pub intensity_fixed: bool,
-    /// See [`Ranges::intensity_fixed`].
     pub response_fixed: bool,
-    /// See [`Ranges::intensity_fixed`].
     pub difference_fixed: bool,
-    /// See [`Ranges::intensity_fixed`].
     pub noise_fixed: bool,
 }
 
@@ -54,7 +46,6 @@ impl Default for Ranges {
 }
 
 impl Ranges {
-    /// The display of a class.
     pub fn display(&self, class: RangeClass) -> Display {
         match class {
             RangeClass::Intensity => self.intensity,
@@ -65,7 +56,6 @@ impl Ranges {
         }
     }
 
-    /// The display of a class, for changing.
     pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {
         match class {
             RangeClass::Intensity => &mut self.intensity,
@@ -128,24 +118,19 @@ impl Ranges {
     }
 }
 
-/// Features that are drawn over a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FeaturesShown {
     /// Those that move by the picture's slope. All, over a picture that belongs to no slope.
     #[default]
     ThisSlope,
-    /// All; those at other slopes are fainter.
     All,
-    /// None.
     None,
 }
 
 impl FeaturesShown {
-    /// All choices, in the order of their switch.
     pub const ALL: [Self; 3] = [Self::ThisSlope, Self::All, Self::None];
 
-    /// Name in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::ThisSlope => "This slope",
@@ -154,7 +139,6 @@ impl FeaturesShown {
         }
     }
 
-    /// Description, for a tooltip.
     pub fn help(self) -> &'static str {
         match self {
             Self::ThisSlope => "Features that move by the slope of the picture",
@@ -163,7 +147,6 @@ impl FeaturesShown {
         }
     }
 
-    /// The next choice.
     pub fn next(self) -> Self {
         match self {
             Self::ThisSlope => Self::All,
@@ -178,20 +161,14 @@ impl FeaturesShown {
 pub const SMOOTHING_PX: Bounds =
     Bounds::new((Bound::Included(0.0), Bound::Included(8.0)), "give 0 to 8 pixels; 0 smooths nothing");
 
-/// Look of pictures and features.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Look {
-    /// The value ranges that panes share.
     #[serde(flatten)]
     pub ranges: Ranges,
-    /// The features that are drawn over the picture.
     pub overlay: FeaturesShown,
-    /// Whether each feature's motion over the burst is drawn.
     pub motion_vectors: bool,
-    /// Whether each feature's orientation is drawn.
     pub orientations: bool,
-    /// Whether the legend is unfolded.
     pub legend: bool,
     /// Standard deviation of the Gaussian by which pictures are smoothed for looking at them, in input pixels; 0 for
     /// none.
@@ -200,9 +177,6 @@ pub struct Look {
 
 impl Look {
     /// Checks the numbers that decide how long a picture takes. Others are brought into their ranges.
-    ///
-    /// # Errors
-    /// The first one that makes no sense.
     pub fn check(&self) -> Result<(), ParamError> {
         SMOOTHING_PX.check("smoothing_px", f64::from(self.smoothing_px))
     }

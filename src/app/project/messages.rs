@@ -2,27 +2,19 @@
 
 use super::effect::Purpose;
 
-/// Severity of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
-    /// An action succeeded.
     Note,
-    /// An action failed; the text gives the reason.
     Error,
 }
 
-/// A message to the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// Unique number of the message.
     pub id: u64,
-    /// The action that was tried, in a few words.
     pub title: String,
-    /// The problem, and how to resolve it.
     pub text: String,
 }
 
-/// The messages that are open, and the last note.
 #[derive(Debug, Clone, Default)]
 pub struct Messages {
     errors: Vec<Message>,
@@ -60,27 +52,22 @@ impl Messages {
         self.unanswered = Some((purpose, suggested_name));
     }
 
-    /// The question for a file, with the suggested name, that the last note is about.
     pub fn unanswered(&self) -> Option<&(Purpose, String)> {
         self.unanswered.as_ref()
     }
 
-    /// Removes the last note: its subject is no longer on show.
     pub fn forget_note(&mut self) {
         (self.note, self.unanswered) = (None, None);
     }
 
-    /// Errors that were not dismissed, oldest first.
     pub fn errors(&self) -> &[Message] {
         &self.errors
     }
 
-    /// The last note.
     pub fn last_note(&self) -> Option<&str> {
         self.note.as_deref()
     }
 
-    /// Removes an error.
     pub fn dismiss(&mut self, id: u64) {
         self.errors.retain(|m| m.id != id);
     }

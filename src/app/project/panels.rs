@@ -12,14 +12,12 @@ pub const MIN_WIDTH_WITH_LEFT: f32 = 1100.0;
 /// Minimum width of a window with panels on both sides of the picture, in points.
 const MIN_WIDTH_WITH_BOTH: f32 = 900.0;
 
-/// Whether a panel is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Visibility {
     /// Where there is room and something to show in it.
     #[default]
     Auto,
-    /// Always.
     Open,
     /// Only where something is asked of it.
     Closed,
@@ -42,7 +40,6 @@ impl From<bool> for Visibility {
     }
 }
 
-/// Parts of the window that are open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Panels {
@@ -52,9 +49,7 @@ pub struct Panels {
     pub right: Visibility,
     /// Table, tally and measurements; by itself in workspaces other than *One burst*.
     pub bottom: Visibility,
-    /// The bursts of a dataset, while one is open.
     pub filmstrip: bool,
-    /// All parameters of the detector instead of the most important ones.
     pub advanced: bool,
     /// The card of the first start, until it is dismissed.
     pub welcome: bool,
@@ -68,7 +63,6 @@ impl Default for Panels {
 }
 
 impl Panels {
-    /// Everything open, without the card of the first start.
     pub fn all() -> Self {
         let open = Visibility::Open;
         Self { left: open, right: open, bottom: open, filmstrip: true, advanced: true, welcome: false }
@@ -76,7 +70,6 @@ impl Panels {
 }
 
 impl Model {
-    /// Whether the panel on the left is shown.
     pub fn shows_left(&self) -> bool {
         let has_pictures = matches!(self.workspace, Workspace::Inspect | Workspace::Pair | Workspace::Methods);
         let is_wide = |width: f32| self.window_width_points >= width;
@@ -84,12 +77,10 @@ impl Model {
             && !(has_pictures && self.shows_right() && !is_wide(MIN_WIDTH_WITH_BOTH))
     }
 
-    /// Whether the panel on the left is folded because the window is narrow.
     pub fn folds_left(&self) -> bool {
         self.panels.left != Visibility::Closed && !self.shows_left()
     }
 
-    /// Whether the panel on the right is shown.
     pub fn shows_right(&self) -> bool {
         self.panels.right.or(match self.workspace {
             Workspace::Inspect => self.selected.is_some() || self.probe.is_open,
@@ -99,7 +90,6 @@ impl Model {
         })
     }
 
-    /// Whether the panel below the pictures is shown.
     pub fn shows_bottom(&self) -> bool {
         self.panels.bottom.or(self.workspace != Workspace::Inspect)
     }
@@ -112,7 +102,6 @@ impl Model {
         }
     }
 
-    /// Shows the probe, whose panel may have been closed.
     pub fn open_probe(&mut self) {
         (self.probe.is_open, self.probe.problem) = (true, None);
         if self.panels.right == Visibility::Closed {

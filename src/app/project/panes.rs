@@ -11,18 +11,13 @@ use std::time::{Duration, Instant};
 /// Minimum time for which each slope is shown while slopes are played.
 const PLAY_EVERY: Duration = Duration::from_millis(220);
 
-/// Change of the set of panes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
     /// Add a second pane beside this one.
     Split(PaneId, Direction),
-    /// Close this pane.
     Close(PaneId),
-    /// Lay all panes out anew, from this one.
     LayOut(PaneId, Preset),
-    /// Lay out *Two bursts* anew.
     LayOutSides(SidesPreset),
-    /// Lay out *Methods* anew.
     LayOutMethods(MethodsPreset),
 }
 
@@ -35,15 +30,12 @@ pub(super) struct SetExplicitly {
     pub history: bool,
 }
 
-/// Progress of playing through the slopes.
 #[derive(Debug, Default)]
 pub(super) struct Play {
     step: usize,
-    /// When the next slope is due.
     due: Option<Instant>,
 }
 
-/// Cursor in focus at the beginning of a pass.
 #[derive(Debug, Clone, Copy)]
 pub struct CursorBefore {
     focus: PaneId,
@@ -51,14 +43,12 @@ pub struct CursorBefore {
 }
 
 impl CursorBefore {
-    /// Records the cursor in focus.
     pub fn of(model: &Model) -> Self {
         Self { focus: model.focus(), cursor: *model.cursor() }
     }
 }
 
 impl Model {
-    /// Applies a change of the set of panes.
     pub fn change_panes(&mut self, change: Change) {
         match change {
             Change::Split(id, direction) => {
@@ -95,7 +85,6 @@ impl Model {
         }
     }
 
-    /// Changes the view of the pane in focus, and of those linked to it.
     pub fn change_views(&mut self, change: impl Fn(&mut View)) {
         let (focus, shown) = (self.focus(), self.visible_panes());
         let is_linked = self.focused().links.view;
@@ -106,7 +95,6 @@ impl Model {
         }
     }
 
-    /// Brings the selected feature into view, at its slope.
     pub fn go_to_selected(&mut self) {
         let Some(feature) = self.selected_feature().copied() else { return };
         self.focus_on_side(Side::A);
@@ -120,7 +108,6 @@ impl Model {
         self.panes.follow_view(focus, &before);
     }
 
-    /// Begins to play through the slopes from the present one, or stops.
     pub fn toggle_play(&mut self) {
         self.playing = !self.playing;
         let step = play_step_of(&self.cursor_params().slopes, self.cursor().slope);

@@ -18,60 +18,49 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 impl Model {
-    /// Opens a workspace, with its panes.
     pub fn open_workspace(&mut self, workspace: Workspace) {
         self.workspace = workspace;
         self.panes.turn_to(workspace);
     }
 
-    /// The pane that sliders and keys move.
     pub fn focus(&self) -> PaneId {
         self.panes.focus()
     }
 
-    /// The pane that sliders and keys move.
     pub fn focused(&self) -> &Pane {
         self.panes.get(self.focus()).unwrap_or_else(|| self.panes.of(Side::A))
     }
 
-    /// The pane that sliders and keys move, for changing.
     pub fn focused_mut(&mut self) -> &mut Pane {
         let focus = self.focus();
         let focus = if self.panes.get(focus).is_some() { focus } else { PaneId::of(Side::A) };
         self.panes.get_mut(focus).expect("A's pane is always there")
     }
 
-    /// Cursor of the pane in focus.
     pub fn cursor(&self) -> &Cursor {
         &self.focused().cursor
     }
 
-    /// The picture on show of the pane in focus.
     pub fn picture(&self) -> Option<&Picture> {
         self.focused().picture.as_ref()
     }
 
-    /// The panes that are on the screen.
     pub fn visible_panes(&self) -> Vec<PaneId> {
         self.panes.shown()
     }
 
-    /// The open burst of `side`.
     pub fn burst_of(&self, side: Side) -> Option<&OpenBurst> {
         self.slots[side].burst.as_ref()
     }
 
-    /// The features of `side`.
     pub fn found_of(&self, side: Side) -> Option<&FoundFeatures> {
         self.slots[side].found.as_ref()
     }
 
-    /// Whether the features of `side` were found with the present parameters.
     pub fn features_are_current(&self, side: Side) -> bool {
         self.found_of(side).is_some_and(|found| found.asked == self.asked_of(side))
     }
 
-    /// The last valid parameters for the burst of `side`.
     pub fn usable_params_of(&self, side: Side) -> &DetectorParams {
         &self.slots[side].usable_params
     }
@@ -90,7 +79,6 @@ impl Model {
         pane.method.map_or(Cow::Borrowed(usable), |method| Cow::Owned(method.params(usable)))
     }
 
-    /// Detection in the burst of `pane`, by the pane's method.
     pub fn detection_in(&self, pane: &Pane) -> Option<&Arc<Detection>> {
         match pane.method {
             Some(method) => self.method_found(method, pane.side).map(|found| &found.detection),
@@ -98,22 +86,18 @@ impl Model {
         }
     }
 
-    /// The last valid parameters for the burst of the pane in focus.
     pub fn cursor_params(&self) -> &DetectorParams {
         self.usable_params_of(self.focused().side)
     }
 
-    /// Number of frames of the burst in focus; 0 without one.
     pub fn focused_frame_count(&self) -> usize {
         self.burst_of(self.focused().side).map_or(0, |open| open.burst.len())
     }
 
-    /// (columns, rows) of the burst in focus; (0, 0) without one.
     pub fn focused_size(&self) -> (usize, usize) {
         self.burst_of(self.focused().side).map_or((0, 0), |open| open.burst.size())
     }
 
-    /// Request for the picture that `id` is to show now; `None` without its burst.
     pub fn wanted(&self, id: PaneId) -> Option<PictureRequest> {
         let pane = self.panes.get(id)?;
         let request = match pane.content {
@@ -132,7 +116,6 @@ impl Model {
         pane.wanted(self.burst_in(pane)?, &self.params_in(pane))
     }
 
-    /// The motion-stack image that the selected feature's patch is cut from.
     pub fn patch_request(&self) -> Option<PictureRequest> {
         let slope = self.selected_feature()?.slope;
         let (burst, found) = (self.slots.a.burst.clone()?, self.slots.a.found.as_ref()?);
@@ -148,12 +131,10 @@ impl Model {
         })
     }
 
-    /// Whether the picture of the pane in focus is current.
     pub fn picture_is_current(&self) -> bool {
         self.is_current(self.focus())
     }
 
-    /// Whether the pictures of all visible panes are current.
     pub fn pictures_are_current(&self) -> bool {
         self.visible_panes().into_iter().all(|id| self.is_current(id))
     }
@@ -174,7 +155,6 @@ impl Model {
         picture.request.kind.about().slope
     }
 
-    /// Takes the pictures of panes, and that of the selected feature's patch.
     pub(in crate::app) fn take_pictures(&mut self) {
         let ended: Vec<_> = self
             .wanted_pictures
@@ -219,7 +199,6 @@ impl Model {
         }
     }
 
-    /// Cancels the requests of panes that were closed.
     pub(in crate::app) fn forget_closed_pictures(&mut self) {
         let panes = &self.panes;
         self.wanted_pictures.retain(|id, _| panes.get(*id).is_some());
@@ -254,7 +233,6 @@ impl Model {
         self.settle_ranges();
     }
 
-    /// Stores why the picture of a pane could not be made.
     pub fn take_problem(&mut self, id: PaneId, request: PictureRequest, error: &JobError) {
         if let Some(pane) = self.panes.get_mut(id) {
             pane.problem = Some((request, error.to_string()));
@@ -271,21 +249,18 @@ impl Model {
         }
     }
 
-    /// Arranges the panes by a preset, made from the pane in focus.
     pub fn lay_out(&mut self, preset: Preset) {
         let params = self.cursor_params().clone();
         self.panes.lay_out(preset, &params);
         self.check_params();
     }
 
-    /// Switches the kind of picture of the pane in focus.
     pub fn show_kind(&mut self, kind: ViewKind) {
         self.focused_mut().show(kind);
     }
 }
 
 impl Model {
-    /// Class of the value range in which the picture of `id` is shown.
     pub fn range_class(&self, id: PaneId) -> RangeClass {
         let picture = self.panes.get(id).and_then(|pane| pane.picture.as_ref());
         let wanted = || self.wanted(id).map_or(RangeClass::Intensity, |wanted| RangeClass::of(&wanted));
@@ -304,7 +279,6 @@ impl Model {
         pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
     }
 
-    /// Value ranges of the pane in focus, for changing: its own, or those that panes share.
     pub fn focused_ranges_mut(&mut self) -> &mut Ranges {
         let focus = self.focus();
         match self.panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
@@ -313,7 +287,6 @@ impl Model {
         }
     }
 
-    /// Display of the picture of `id`: range, gamma and colours.
     pub fn display_of(&self, id: PaneId) -> Display {
         let ranges = self.panes.get(id).map_or(&self.look.ranges, |pane| self.ranges_of(pane));
         ranges.display(self.range_class(id))

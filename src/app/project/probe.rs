@@ -20,57 +20,42 @@ use crate::requests::{
 use crate::synth::Example;
 use serde::{Deserialize, Serialize};
 
-/// The probe of a burst as a session file stores it; the file stores the two bursts apart.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedProbe {
     /// The place, pixels at mid-burst.
     pub place: [f32; 2],
-    /// Whether the panel showed it.
     #[serde(default)]
     pub is_open: bool,
 }
 
-/// The probed place, its request, and the answer.
 #[derive(Debug, Default)]
 pub struct ProbeModel {
-    /// Side of the burst that the question, the trail and the answer are about.
     pub side: Side,
-    /// Whether the panel on the right shows the probe.
     pub is_open: bool,
-    /// Whether the place follows the pointer.
     pub follows: bool,
-    /// The question; `None` while nothing is probed.
     pub question: Option<ProbeQuestion>,
     /// Scale σ near which candidates come first, input pixels: that of the DoG in view as the place was asked about,
     /// until another is chosen; `None` for all scales alike.
     pub near_sigma: Option<f32>,
-    /// The trail from which answers come.
     pub traced: Option<Traced>,
-    /// The last answer.
     pub answer: Option<Probed>,
-    /// Why there is no answer.
     pub problem: Option<String>,
     /// The place under the pointer as of the last pass: its burst, and pixels at mid-burst.
     pub pointer: Option<(Side, [f32; 2])>,
-    /// The request for the trail.
     pub wanted_trail: Wanted<DetectionSource>,
-    /// The request for the answer.
     pub wanted_answer: Wanted<ProbeRequest>,
 }
 
 impl ProbeModel {
-    /// Whether a place is probed, or follows the pointer.
     pub fn is_on(&self) -> bool {
         self.follows || self.question.is_some()
     }
 
-    /// Whether there is something for the panel to show.
     pub fn is_in_use(&self) -> bool {
         self.is_open || self.is_on() || self.answer.is_some()
     }
 
-    /// Forgets everything, and closes the panel.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
@@ -95,18 +80,15 @@ impl ProbeModel {
         }
     }
 
-    /// Request for the question about the present trail; `None` without either.
     pub fn wanted(&self) -> Option<ProbeRequest> {
         Some(ProbeRequest { traced: self.traced.clone()?, question: self.question?, near_sigma: self.near_sigma })
     }
 
-    /// The probe of the burst of `side` for a session file; `None` while no place in it is known.
     pub fn saved(&self, side: Side) -> Option<SavedProbe> {
         let place = self.place().filter(|_| self.side == side)?;
         Some(SavedProbe { place, is_open: self.is_open })
     }
 
-    /// Whether the answer is that to the present question.
     pub fn is_current(&self) -> bool {
         let wanted = self.wanted();
         self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request.is_same(&wanted))
@@ -141,7 +123,6 @@ impl ProbeModel {
         (self.answer, self.problem) = (Some(answer), None);
     }
 
-    /// Asks about another subject at the same place.
     pub fn look_at(&mut self, wanted: Subject) {
         if let Some(place) = self.place() {
             self.question = Some(ProbeQuestion::At { place, wanted });
@@ -150,7 +131,6 @@ impl ProbeModel {
 }
 
 impl Model {
-    /// Takes the trail and the answer, or the reason why there is none.
     pub(in crate::app) fn take_probed(&mut self) {
         let open = self.burst_of(self.probe.side).map(|burst| burst.id);
         for ended in self.probe.wanted_trail.take() {
@@ -197,7 +177,6 @@ impl Model {
         }
     }
 
-    /// Switches whether the probe follows the pointer.
     pub(in crate::app) fn follow_with_probe(&mut self) {
         let probe = &mut self.probe;
         probe.follows ^= true;
@@ -206,7 +185,6 @@ impl Model {
         }
     }
 
-    /// Whether the question is answered or cannot be answered, or there is none.
     pub(in crate::app) fn probe_is_settled(&self) -> bool {
         let (probe, slot) = (&self.probe, &self.slots[self.probe.side]);
         let can = slot.burst.is_some() && (slot.found.is_some() || self.wants_detection(probe.side));
@@ -290,14 +268,12 @@ impl Model {
         of_match.or_else(|| Some((Side::A, self.asked_feature()?)))
     }
 
-    /// Probes the place in B where the geometry expects the feature of A that is asked about.
     pub(in crate::app) fn probe_expected(&mut self) {
         if let Some(place) = self.expected_place() {
             self.probe_place(Side::B, place);
         }
     }
 
-    /// Whether the open workspace shows the burst that is probed.
     pub fn probe_is_here(&self) -> bool {
         self.probe.side == Side::A || self.workspace == Workspace::Pair
     }
@@ -309,14 +285,12 @@ impl Model {
         if focused.side == side { focused } else { other() }
     }
 
-    /// Probes nothing any more if the burst of `side` was probed.
     pub(in crate::app) fn clear_probe_of(&mut self, side: Side) {
         if self.probe.side == side {
             self.probe.clear();
         }
     }
 
-    /// Restores the probe of the burst of `side` from a session; without one nothing of it is probed.
     pub fn restore_probe(&mut self, side: Side, saved: Option<SavedProbe>) {
         self.clear_probe_of(side);
         if let Some(SavedProbe { place, is_open }) = saved {
@@ -326,7 +300,6 @@ impl Model {
         }
     }
 
-    /// Whether the answer was made with other parameters than the present ones.
     pub fn probe_is_stale(&self) -> bool {
         let asked = || self.asked_of(self.probe.side);
         self.probe.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != asked())
@@ -407,7 +380,6 @@ mod tests {
     use crate::inspect::{ProbeOptions, probe};
     use crate::monitor::Monitor;
 
-    /// Side, burst and place of the answer, which is one to the present question.
     fn answered(model: &Model) -> (Side, crate::requests::BurstId, [f32; 2]) {
         let answer = model.probe.answer.as_ref().filter(|_| model.probe.is_current()).expect("answered");
         (model.probe.side, answer.request.traced.burst, answer.probe.pos_image)

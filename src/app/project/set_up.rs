@@ -10,14 +10,10 @@ use crate::detector::Slope;
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 
-/// The set-up, and its use.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SetUpState {
-    /// Camera and scene.
     pub values: SetUp,
-    /// Whether slopes are read as depths by it: in the table, the tips, and as colours.
     pub reads_depths: bool,
-    /// Whether its fields are unfolded.
     pub is_open: bool,
 }
 
@@ -41,7 +37,6 @@ impl SetUpState {
 }
 
 impl Model {
-    /// Unfolds the fields of the set-up below the slopes.
     pub fn show_set_up(&mut self) {
         self.workspace = Workspace::Inspect;
         (self.bottom_tab, self.panels.bottom) = (BottomTab::Slopes, Visibility::Open);

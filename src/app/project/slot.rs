@@ -23,27 +23,19 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Slot of a burst.
 #[derive(Debug, Default)]
 pub struct Slot {
-    /// The open burst, if any.
     pub burst: Option<OpenBurst>,
     /// The last parameters that were valid for the burst: pictures are made with these.
     pub usable_params: DetectorParams,
-    /// Reason why the edited parameters are not valid for the burst, if they are not.
     pub param_error: Option<ParamError>,
-    /// The features of the burst.
     pub found: Option<FoundFeatures>,
-    /// Comparison of the features with others.
     pub against: Against,
-    /// The request that opens a burst here.
     pub opening: Wanted<OpenRequest>,
-    /// The request for features.
     pub detecting: Wanted<DetectRequest>,
 }
 
 impl Side {
-    /// Title of messages about opening a burst.
     pub(in crate::app) fn opening(self) -> &'static str {
         match self {
             Self::A => "Open",
@@ -51,7 +43,6 @@ impl Side {
         }
     }
 
-    /// Name of a detection in messages.
     fn detection(self) -> &'static str {
         match self {
             Self::A => "Detection",
@@ -102,13 +93,11 @@ impl Model {
         recent
     }
 
-    /// Drops the trails of bursts that are not open any more.
     pub(in crate::app) fn forget_closed_trails(&self, engine: &Engine) {
         let open = Side::BOTH.into_iter().filter_map(|side| Some(self.burst_of(side)?.id));
         engine.keep_trails_of(&open.collect::<Vec<_>>());
     }
 
-    /// Opens the bursts and the dataset again, with this calibration.
     pub(in crate::app) fn calibrate(&mut self, options: OpenOptions, engine: &Engine) -> Effect {
         self.calibration = options;
         for side in Side::BOTH {
@@ -126,7 +115,6 @@ impl Model {
         if self.slots[side].detecting.is_pending() { "Detecting…" } else { press }
     }
 
-    /// Request for a detection in the burst of `side` with the present parameters.
     fn detect_request(&self, side: Side) -> Option<DetectRequest> {
         Some(DetectRequest { burst: self.burst_of(side)?.clone(), params: self.asked_of(side) })
     }
@@ -148,14 +136,12 @@ impl Model {
         })
     }
 
-    /// Starts a detection; the running one is cancelled.
     pub fn start_detection(&mut self, side: Side, engine: &Engine) {
         if let Some(request) = self.detect_request(side) {
             self.slots[side].detecting.ask(engine, request);
         }
     }
 
-    /// Requests the features of `side` if they are missing.
     pub(in crate::app) fn ask_for_features(&mut self, side: Side, engine: &Engine) {
         if self.wants_detection(side) {
             let request = self.detect_request(side);
@@ -163,7 +149,6 @@ impl Model {
         }
     }
 
-    /// Takes the features that were found.
     pub(in crate::app) fn take_features(&mut self) {
         for side in Side::BOTH {
             for ended in self.slots[side].detecting.take() {
@@ -188,7 +173,6 @@ impl Model {
 }
 
 impl Model {
-    /// Replaces the first burst by a newly opened one.
     pub fn take_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
         let slot = &mut self.slots.a;
@@ -219,7 +203,6 @@ impl Model {
         }
     }
 
-    /// Checks the edited parameters against A's burst and brings all cursors into range.
     pub fn check_params(&mut self) {
         let auto = self.slopes.is_auto();
         self.slots.a.param_error =
@@ -227,7 +210,6 @@ impl Model {
         self.check_cursors();
     }
 
-    /// Checks the parameters of matching, and those of the detector against B.
     pub fn check_pair(&mut self) {
         self.pair.param_error = self.pair.params.validate().err();
         if self.slots.b.burst.is_some() {
@@ -291,10 +273,8 @@ fn usable_for(frame_count: usize) -> DetectorParams {
     params
 }
 
-/// Features of a burst, with the parameters that they were found with.
 #[derive(Debug, Clone)]
 pub struct FoundFeatures {
-    /// The parameters that were requested.
     pub asked: SearchParams,
     /// The parameters that were used: with the slopes found, if slopes were to be found.
     pub params: DetectorParams,
@@ -304,18 +284,14 @@ pub struct FoundFeatures {
     pub search_secs: f32,
     /// The search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
-    /// The features, descriptors and the tally.
     pub detection: Arc<Detection>,
-    /// Wall-clock time that the detection took.
     pub elapsed: Duration,
-    /// Advice where there are few or no features: the reason, and what to change.
     pub advice: Option<Advice>,
     /// Judgement of the slopes from the detection alone: see [`Model::slope_judgement`].
     pub(in crate::app) judgement: Option<SlopeJudgement>,
 }
 
 impl FoundFeatures {
-    /// Combines the engine's answer for `burst`, after `elapsed`, with advice.
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
         let Detected { asked, params, searched, search_secs, finding, detection, .. } = detected;
         let advice = explain(&detection, &params, burst.burst.size());
@@ -327,24 +303,16 @@ impl FoundFeatures {
 /// A selected feature, to be selected again after the next detection.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SavedSelection {
-    /// Index of the feature when it was saved.
     pub index: usize,
-    /// Column, input pixels.
     pub u: f32,
-    /// Row, input pixels.
     pub v: f32,
-    /// Scale σ, input pixels.
     pub sigma: f32,
-    /// Slope, pixels per frame.
     pub slope: Slope,
 }
 
-/// Reason why the features on show are not those of the present parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stale {
-    /// The parameters changed since the detection.
     Parameters,
-    /// The present parameters are invalid.
     InvalidParameters,
 }
 
@@ -372,24 +340,20 @@ impl Model {
         self.go_to_first_slope(Side::A);
     }
 
-    /// The detection from which the features of `side` come.
     pub fn found_source(&self, side: Side) -> Option<DetectionSource> {
         let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
         let FoundFeatures { asked, params, finding, .. } = found.clone();
         Some(DetectionSource { burst, asked, params, finding })
     }
 
-    /// The features on show; none without a detection.
     pub fn features(&self) -> &[Feature] {
         self.slots.a.found.as_ref().map_or(&[], |f| &f.detection.features)
     }
 
-    /// The selected feature.
     pub fn selected_feature(&self) -> Option<&Feature> {
         self.features().get(self.selected?)
     }
 
-    /// Reason why the features on show are not those of the present parameters; `None` when they are.
     pub fn stale(&self) -> Option<Stale> {
         let found = self.slots.a.found.as_ref()?;
         if found.asked == self.asked() {
@@ -401,7 +365,6 @@ impl Model {
         }
     }
 
-    /// The selection as a session stores it.
     pub fn saved_selection(&self) -> Option<SavedSelection> {
         let feature = self.selected_feature()?;
         let index = self.selected?;
@@ -491,7 +454,6 @@ fn files_at(paths: Vec<PathBuf>) -> Vec<PathBuf> {
     source.files().unwrap_or(source.paths)
 }
 
-/// A trajectory file, or the files in the folder of a sparse model.
 fn files_of_model(path: &Path) -> Vec<PathBuf> {
     let inside = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
     inside.chain([path.to_path_buf()]).collect()

@@ -14,7 +14,6 @@ use crate::synth::ChartParams;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// A project with an engine, and no window.
 pub(crate) struct Bench {
     pub model: Model,
     pub engine: Engine,
@@ -228,7 +227,6 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
     assert_eq!(ranges(&|_| {}), ranges(&|ids| ids.reverse()));
 }
 
-/// Makes the picture that each visible pane wants, as the engine would.
 fn make_pictures(model: &mut Model) {
     for id in model.visible_panes() {
         let wanted = model.wanted(id).expect("its burst is open");

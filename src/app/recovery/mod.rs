@@ -20,40 +20,27 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
-/// Title of messages about the saving.
 const TITLE: &str = "Save the session by itself";
 
-/// Shortest time between two savings of the session.
 pub const SAVED_EVERY: Duration = Duration::from_secs(10);
 
-/// Folder and interval of automatic saving.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KeptIn {
-    /// The folder of all windows' records.
     pub folder: PathBuf,
-    /// Shortest time between two savings.
     pub every: Duration,
 }
 
-/// Offer to restore a session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Offer {
-    /// The burst that was open, in a few words.
     pub label: String,
-    /// Time since it was saved.
     pub age: Duration,
-    /// Number of further sessions that can be offered.
     pub more: usize,
-    /// Whether it is being restored.
     pub is_restoring: bool,
-    /// Whether the user is being asked to confirm that it is removed.
     pub is_asking: bool,
 }
 
-/// Choice of the user for an offer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecoveryChoice {
-    /// Open it.
     Restore,
     /// Ask whether to remove it.
     Discard,
@@ -63,23 +50,17 @@ pub enum RecoveryChoice {
     Keep,
 }
 
-/// Text of the session of `model`; `None` without a burst.
 fn session_text(model: &Model) -> Option<String> {
     Some(written_by() + &Session::of(model)?.to_toml())
 }
 
-/// The record of a window, and the records that other windows left behind.
 #[derive(Debug)]
 pub struct Recovery {
     own: Arc<Record>,
     every: Duration,
-    /// The text that was written last.
     written: Option<String>,
-    /// The text that is being written.
     given: Option<String>,
-    /// Reason why the last writing failed, if it did.
     failed: Option<String>,
-    /// Time of the last check for changes.
     looked: Option<Instant>,
     writing: Option<TaskId>,
     left: VecDeque<(Record, String)>,
@@ -89,9 +70,6 @@ pub struct Recovery {
 
 impl Recovery {
     /// Creates the record of a new window, and collects those left behind.
-    ///
-    /// # Errors
-    /// When no record can be created in the folder.
     pub fn new(kept: &KeptIn) -> io::Result<Self> {
         let own = Arc::new(Record::new(&kept.folder)?);
         // A session that this program cannot read, of a newer version for example, is left in place.
@@ -106,7 +84,6 @@ impl Recovery {
         Ok(Self { own, every: kept.every, written, given, failed, looked, writing, left, restoring, is_asking: false })
     }
 
-    /// As [`Self::new`]; where no record can be created, a message says so.
     pub fn begin(kept: Option<&KeptIn>, messages: &mut Messages) -> Option<Self> {
         let kept = kept?;
         Self::new(kept)
@@ -170,7 +147,6 @@ impl Recovery {
         true
     }
 
-    /// Applies the choice for the offered session.
     pub fn settle(&mut self, choice: RecoveryChoice, restoring: &mut Restoring, model: &mut Model, engine: &Engine) {
         self.is_asking = choice == RecoveryChoice::Discard;
         match choice {
@@ -187,12 +163,10 @@ impl Recovery {
         }
     }
 
-    /// Whether the user is being asked to confirm that a session is removed.
     pub fn is_asking(&self) -> bool {
         self.is_asking
     }
 
-    /// The offer to show, if there is one.
     pub fn offer(&self) -> Option<Offer> {
         let (record, label) = self.left.front()?;
         let age = record.saved().and_then(|saved| SystemTime::now().duration_since(saved).ok()).unwrap_or_default();

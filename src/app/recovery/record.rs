@@ -19,18 +19,15 @@ const LOCK: &str = "lock";
 #[derive(Debug)]
 pub struct Record {
     session: PathBuf,
-    /// Number of the newest text to be written.
     newest: AtomicU64,
     /// Locked while writing or removing.
     held: Mutex<Held>,
 }
 
-/// Lock file and state of a record.
 #[derive(Debug)]
 struct Held {
     /// `None` once the record was removed.
     lock: Option<File>,
-    /// Number of the text that was written last.
     written: u64,
 }
 
@@ -40,9 +37,6 @@ pub struct Turn(u64);
 
 impl Record {
     /// Creates a record in `folder`, and the folder if it does not exist.
-    ///
-    /// # Errors
-    /// When a file or folder cannot be created, or the file system has no locks.
     pub fn new(folder: &Path) -> io::Result<Self> {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         std::fs::create_dir_all(folder)?;
@@ -85,7 +79,6 @@ impl Record {
         found.into_iter().map(|(_, record)| record).collect()
     }
 
-    /// The session file.
     pub fn session(&self) -> &Path {
         &self.session
     }
@@ -95,24 +88,17 @@ impl Record {
         std::fs::metadata(&self.session).ok()?.modified().ok()
     }
 
-    /// Turn for a text that is to be written later. Later turns belong to newer texts.
     pub fn turn(&self) -> Turn {
         Turn(self.newest.fetch_add(1, Ordering::Relaxed) + 1)
     }
 
     /// Writes the session atomically. Does nothing once the record was removed.
-    ///
-    /// # Errors
-    /// When the file cannot be written; the message is a sentence.
     pub fn write(&self, text: &str) -> Result<(), String> {
         self.write_in_turn(text, self.turn())
     }
 
     /// Writes a text that has waited since it got its turn, atomically. Does nothing if a newer one was written
     /// meanwhile, or the record was removed.
-    ///
-    /// # Errors
-    /// As [`Self::write`].
     pub fn write_in_turn(&self, text: &str, Turn(turn): Turn) -> Result<(), String> {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         if held.lock.is_none() || held.written > turn {

@@ -36,93 +36,64 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 use std::path::Path;
 
-/// The version that this program writes and reads.
 const VERSION: u32 = 3;
 
-/// Contents of a session file. A missing field has its default.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {
-    /// Version of the file's format.
     version: u32,
-    /// Source of the burst.
     pub burst: BurstSource,
-    /// Options with which it was opened: bias and flat frame, and the conversion of a file's values to light.
     #[serde(default, skip_serializing_if = "OpenOptions::is_plain")]
     pub calibration: OpenOptions,
-    /// Property by which features are coloured.
     #[serde(default)]
     pub colour_by: ColourBy,
-    /// Set-up of camera and scene by which slopes are read as depths, if they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depths_by: Option<SetUp>,
-    /// The tab below the picture.
     #[serde(default)]
     pub bottom_tab: BottomTab,
-    /// Whether features were found, and are to be found again.
     #[serde(default)]
     pub detected: bool,
-    /// The detector's parameters, and how the slopes are chosen.
     #[serde(default)]
     pub params: SearchParams,
-    /// Cursor of A's own pane.
     #[serde(default)]
     pub scrub: Cursor,
-    /// Pan and zoom of that pane.
     #[serde(default)]
     pub view: View,
-    /// The panes of *Inspect*.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub panes: Option<SavedPanes>,
-    /// The panes of *Two bursts*.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pair_panes: Option<SavedPanes>,
-    /// The panes of *Methods*.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub methods_panes: Option<SavedPanes>,
-    /// Ranges, maps and overlay.
     #[serde(default)]
     pub look: Look,
-    /// Filter of the features.
     #[serde(default)]
     pub filter: Filter,
-    /// The table's order.
     #[serde(default)]
     pub order: Order<Column>,
-    /// The selected feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedSelection>,
-    /// The place of A that is probed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub probe: Option<SavedProbe>,
-    /// Features with which those of A were compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub against: Option<SavedAgainst>,
-    /// The dataset.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dataset: Option<SavedDataset>,
-    /// The trajectories.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trajectories: Option<SavedTrajectories>,
-    /// The workspace that was open.
     #[serde(default)]
     pub workspace: Workspace,
-    /// The second burst and the matches.
     #[serde(default)]
     pub pair: PairSession,
-    /// Compared methods, and options of the comparison.
     #[serde(default)]
     pub methods: CompareLook,
-    /// Source of the gold standard.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gold: Option<BurstSource>,
-    /// The study of things planted in the burst, where it is not the default one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planted: Option<RecoverStudy>,
 }
 
 impl Session {
-    /// The session of what is on show; `None` without a burst.
     pub fn of(model: &Model) -> Option<Self> {
         let (burst, pane) = (model.slots.a.burst.as_ref()?, model.panes.of(Side::A));
         let [panes, pair_panes, methods_panes] = SavedWorkspaces::of(&model.panes).placed;
@@ -179,26 +150,18 @@ impl Session {
     }
 
     /// Reads the session in a case. It opens no file but the case.
-    ///
-    /// # Errors
-    /// When the case cannot be read, or its session is none; the message names the case.
     pub fn in_case(path: &Path) -> Result<Option<Self>, String> {
         let Some(text) = read_session(path).map_err(|error| error.to_string())? else { return Ok(None) };
         let session = Self::from_toml(&text).map_err(|error| format!("{error}: {}", path.display()))?;
         Ok(Some(Self { burst: BurstSource::Paths(vec![path.to_owned()]), ..session.for_case() }))
     }
 
-    /// The file's text, which [`Session::from_toml`] reads back.
     pub fn to_toml(&self) -> String {
         let body = toml::to_string(self).expect("a session is plain values, which TOML can always hold");
         format!("# A Burstscope session: open it with File > Open session.\n{body}")
     }
 
     /// Reads a session file's text.
-    ///
-    /// # Errors
-    /// When the text is no session file (with the TOML reader's message and place), has unknown keys, or is of another
-    /// version.
     pub fn from_toml(text: &str) -> Result<Self, String> {
         // The version is checked first: the other contents of another version are unknown here.
         #[derive(Deserialize)]
@@ -256,7 +219,6 @@ impl Session {
         named("planted", self.planted.as_ref().map_or(Ok(()), RecoverStudy::check))
     }
 
-    /// The panes of all workspaces.
     pub fn workspaces(&self) -> SavedWorkspaces {
         SavedWorkspaces { placed: [self.panes.clone(), self.pair_panes.clone(), self.methods_panes.clone()] }
     }

@@ -13,13 +13,10 @@ use crate::files::{MAX_SESSION_BYTES, explained, read_text};
 use crate::requests::{BurstSource, JobError, JobId, OpenRequest};
 use std::path::Path;
 
-/// Title of messages about a session file.
 const TITLE: &str = "Open session";
 
-/// Sessions that wait for their bursts to be opened.
 #[derive(Debug, Default)]
 pub struct Restoring {
-    /// Request that opens the first burst, and the session.
     session: Option<(JobId, Box<Session>)>,
     /// Request that opens the second burst, and the session's state of the pair.
     pair: Option<(JobId, Box<PairSession>, SavedWorkspaces)>,
@@ -42,7 +39,6 @@ impl Restoring {
         }
     }
 
-    /// Opens the burst of a session, which is restored then.
     fn begin(&mut self, session: Session, model: &mut Model, engine: &Engine) -> JobId {
         let (source, options) = (session.burst.clone(), session.calibration.clone());
         let id = model.slots.a.opening.ask(engine, OpenRequest { source, options });
@@ -82,7 +78,6 @@ impl Restoring {
         of_a.filter(|_| self.session.is_some())
     }
 
-    /// Takes the end of opening a burst, and restores the session that waited for it.
     pub fn take_opened(
         &mut self,
         side: Side,
@@ -126,7 +121,6 @@ impl Restoring {
         effects
     }
 
-    /// Requests everything that a session refers to besides its first burst.
     fn restore_others(
         &mut self,
         session: Session,

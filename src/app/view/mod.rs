@@ -9,22 +9,17 @@ pub use pan_zoom::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
 use crate::detector::Slope;
 use serde::{Deserialize, Serialize};
 
-/// Quantity that the colour of a feature shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ColourBy {
     /// The apparent motion: hue for its direction, saturation for its length.
     #[default]
     SlopeDirection,
-    /// The horizontal part of the apparent motion.
     SlopeU,
-    /// The vertical part of the apparent motion.
     SlopeV,
-    /// The scale σ, in logarithmic steps.
     Scale,
     /// The DoG value with its sign: bright blobs are negative.
     Response,
-    /// The signal-to-noise ratio, in logarithmic steps.
     Snr,
     /// Whether the feature is at the limit of the searched slopes: its motion lies beyond.
     Limit,
@@ -35,7 +30,6 @@ pub enum ColourBy {
 }
 
 impl ColourBy {
-    /// All choices, in the order of a picker.
     pub const ALL: [Self; 9] = [
         Self::SlopeDirection,
         Self::SlopeU,
@@ -53,7 +47,6 @@ impl ColourBy {
         Self::ALL.into_iter().filter(move |by| with_depths || *by != Self::Depth)
     }
 
-    /// Name, in sentence case.
     pub fn name(self) -> &'static str {
         match self {
             Self::SlopeDirection => "Slope",
@@ -68,7 +61,6 @@ impl ColourBy {
         }
     }
 
-    /// Unit of the numbers in a legend.
     pub fn unit(self) -> &'static str {
         match self {
             Self::SlopeDirection | Self::SlopeU | Self::SlopeV => "px/frame",

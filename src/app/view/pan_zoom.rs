@@ -7,10 +7,8 @@ use serde::{Deserialize, Serialize};
 /// The largest zoom, in points per image pixel.
 pub const MAX_POINTS_PER_PIXEL: f32 = 128.0;
 
-/// Margin around a fitted image, in points.
 const FIT_MARGIN_POINTS: f32 = 6.0;
 
-/// Zoom of a [`View`].
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Zoom {
@@ -28,7 +26,6 @@ pub enum Zoom {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct View {
-    /// Zoom.
     pub zoom: Zoom,
     /// Place of the image at the centre of the canvas, (u, v) in image pixels. It is the image's centre while the image
     /// is fitted.
@@ -36,18 +33,15 @@ pub struct View {
     /// Zoom of [`Zoom::Fit`] on the last canvas, points per image pixel; 0 before the first frame.
     #[serde(skip)]
     fit_points_per_pixel: f32,
-    /// Zoom of [`Zoom::Region`] on the last canvas, points per image pixel; 0 before the first frame.
     #[serde(skip)]
     region_points_per_pixel: f32,
 }
 
 impl View {
-    /// Creates a view of `zoom` with `centre_image` = (u, v) at the centre.
     pub fn new(zoom: Zoom, centre_image: [f32; 2]) -> Self {
         Self { zoom, centre_image, ..Self::default() }
     }
 
-    /// View of the whole image.
     pub fn fit() -> Self {
         Self::default()
     }
@@ -59,12 +53,10 @@ impl View {
         Self::new(Zoom::Region(size), centre)
     }
 
-    /// Shows the whole image from now on.
     pub fn set_fit(&mut self) {
         self.zoom = Zoom::Fit;
     }
 
-    /// Whether the whole image is shown.
     pub fn is_fit(&self) -> bool {
         self.zoom == Zoom::Fit
     }
@@ -127,7 +119,6 @@ impl View {
         points_per_pixel.clamp((0.5 * fit).min(0.25), MAX_POINTS_PER_PIXEL.max(fit))
     }
 
-    /// Whether both show the same on the same canvas.
     pub fn is_same(&self, other: &Self) -> bool {
         (self.zoom, self.centre_image) == (other.zoom, other.centre_image)
     }
@@ -219,7 +210,6 @@ impl RectTransform {
         Self { anchor_from, anchor_to, scale }
     }
 
-    /// Factor by which lengths grow.
     pub fn scale(&self) -> f32 {
         self.scale
     }
@@ -234,22 +224,18 @@ impl RectTransform {
         self.anchor_to
     }
 
-    /// Transforms a position.
     pub fn pos(&self, from: Pos2) -> Pos2 {
         self.anchor_to + self.scale * (from - self.anchor_from)
     }
 
-    /// Transforms a vector.
     pub fn vec(&self, from: Vec2) -> Vec2 {
         self.scale * from
     }
 
-    /// Transforms a rectangle.
     pub fn rect(&self, from: Rect) -> Rect {
         Rect::from_min_max(self.pos(from.min), self.pos(from.max))
     }
 
-    /// Inverse transform.
     #[must_use]
     pub fn inverse(&self) -> Self {
         Self { anchor_from: self.anchor_to, anchor_to: self.anchor_from, scale: 1.0 / self.scale }
@@ -266,7 +252,6 @@ impl RectTransform {
         }
     }
 
-    /// Returns the transform shifted by `delta`, in target coordinates.
     #[must_use]
     pub fn shifted(&self, delta: Vec2) -> Self {
         Self { anchor_to: self.anchor_to + delta, ..*self }

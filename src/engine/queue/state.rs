@@ -48,7 +48,6 @@ impl State {
         JobId(self.newest)
     }
 
-    /// Marks the requests that run under `key` as no longer the latest.
     pub(super) fn supersede(&mut self, key: JobKey, standing: Standing) {
         for job in self.running.iter_mut().filter(|job| job.key == key) {
             job.standing = job.standing.max(standing);
@@ -73,7 +72,6 @@ impl State {
         Some(self.waiting.remove(index))
     }
 
-    /// Ends the requests that wait under `key`, with `why` as their answer.
     pub(super) fn end_waiting(&mut self, key: JobKey, why: &JobError) {
         while let Some(index) = self.waiting.iter().position(|job| job.key == key) {
             let old = self.waiting.remove(index);

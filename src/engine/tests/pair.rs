@@ -9,7 +9,6 @@ use crate::requests::{BurstSource, DetectRequest, JobError, MatchRequest, OpenRe
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A detection of `count` features with descriptors that are all different.
 fn detection(count: usize, moved: f32) -> Arc<Detection> {
     let slopes = SlopeGrid::line(-1.0..=1.0, 3);
     let feature = |i: usize| Feature {

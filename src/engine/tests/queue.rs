@@ -139,7 +139,6 @@ impl BusyQueue {
         kinds
     }
 
-    /// Submits work that ends only when it is cancelled.
     fn endless(&self, priority: Urgency, name: &'static str) -> Jobs<(), ()> {
         let going = Mutex::new(self.going.clone());
         let jobs = Jobs::new(&self.queue, priority, Duration::ZERO, move |(): (), monitor: &Monitor| {

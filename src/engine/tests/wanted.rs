@@ -11,7 +11,6 @@ use std::time::Duration;
 #[derive(Debug, Clone)]
 struct Half {
     of: u32,
-    /// Number of times it was computed.
     computed: Arc<AtomicU32>,
 }
 

@@ -55,7 +55,6 @@ fn the_comparison_of_methods_searches_as_each_method_does() {
     }
 }
 
-/// Store that keeps the last trail, and counts the calls.
 #[derive(Default)]
 struct OneKept {
     kept: RefCell<Option<Arc<ProbeCache>>>,
@@ -99,7 +98,6 @@ impl TrailStore for OneKept {
     }
 }
 
-/// A spectrum as text, without how long it took.
 fn without_times(of: &Spectrum) -> String {
     format!("{:?}", (&of.grid, &of.bars, of.features, of.at_limit, &of.finding, &of.evidence, &of.aliases, &of.advice))
 }

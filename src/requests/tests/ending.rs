@@ -13,7 +13,6 @@ use crate::requests::{
 use crate::requests::{Request, Work};
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// Message of a failure.
 #[track_caller]
 fn why<T>(result: Result<T, JobError>) -> String {
     match result {

@@ -14,14 +14,12 @@ use crate::synth::ChartParams;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// A chart of a few discs.
 fn chart(seed: u64) -> ChartParams {
     // Small enough to fit with every seed.
     let radius = 3.0..=6.0;
     ChartParams { width: 96, height: 72, frames: 4, discs: 4, radius, snr: 20.0, seed, ..ChartParams::default() }
 }
 
-/// The parameters that find its discs.
 fn params() -> DetectorParams {
     DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..DetectorParams::default() }
 }
@@ -33,7 +31,6 @@ fn open() -> OpenBurst {
     OPEN.get_or_init(|| source().open(&OpenOptions::default(), &Monitor::default()).expect("a chart")).clone()
 }
 
-/// A burst of `size` without anything in it.
 fn empty(size: (usize, usize), frames: usize) -> OpenBurst {
     let planes = (0..frames).map(|_| crate::plane::Plane::zeros(size.0, size.1)).collect();
     OpenBurst::new(Burst::from_planes("empty", planes), BurstSource::Demo)
@@ -46,12 +43,10 @@ fn detected() -> Detected {
     DETECTED.get_or_init(|| find().compute(&Work::alone(&Monitor::default())).expect("valid parameters")).clone()
 }
 
-/// Source of the chart's detection, for requests about it.
 fn source() -> DetectionSource {
     DetectionSource { burst: open(), asked: params().into(), params: params(), finding: None }
 }
 
-/// Writes the chart of `seed` into `folder`, as a burst with its truth.
 fn write_chart(folder: &Path, seed: u64) {
     let monitor = Monitor::default();
     let (burst, truth) = crate::synth::synth_chart(&chart(seed), &monitor).expect("valid parameters");

@@ -21,7 +21,6 @@ fn picture(kind: PictureKind, params: DetectorParams) -> PictureRequest {
     PictureRequest::new(open(), kind, params)
 }
 
-/// Every kind of picture, at one place of the scale space.
 fn kinds(slope: Slope) -> [PictureKind; 7] {
     let (octave, level) = (0, 1);
     let map = |map| PictureKind::Map { map, octave, level, slope };

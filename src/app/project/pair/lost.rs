@@ -8,50 +8,36 @@ use crate::inspect::unmatched::{Losses, Lost, Unmatched};
 use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest, Request};
 use std::sync::Arc;
 
-/// Number of candidates of a feature that are listed.
 pub const CANDIDATES: usize = 5;
-/// Number of these that are shown with their patches.
 pub const PATCHES: usize = 3;
 
-/// Losses of the features of A on the way to a match.
 #[derive(Debug, Default)]
 pub struct LostFeatures {
-    /// Step at which each was lost.
     pub found: Option<Arc<FoundLosses>>,
     /// The feature of A that is asked about while no match is selected.
     pub selected: Option<usize>,
-    /// Explanation of the match, or of the lack of one, of the feature in focus.
     pub why: Option<Why>,
-    /// Steps of loss whose features are not listed.
     pub hidden: Vec<Lost>,
     /// The pictures from which the patches are cut: A's feature, then its candidates.
     pub pictures: Vec<Picture>,
-    /// The request for the losses of all features.
     pub wanted: Wanted<LossesRequest>,
-    /// The request for the pictures.
     pub wanted_pictures: Wanted<PicturesRequest>,
 }
 
-/// Explanation of the match, or of the lack of one, of a feature of A.
 #[derive(Debug, Clone)]
 pub struct Why {
-    /// The feature.
     pub feature: usize,
-    /// The pair that was asked about.
     of: LossesRequest,
-    /// The explanation.
     pub unmatched: Arc<Unmatched>,
 }
 
 impl LostFeatures {
-    /// Number of features that were lost at `lost`.
     pub fn count(&self, lost: Lost) -> usize {
         let counts = self.found.as_ref().map(|found| found.counts);
         counts.into_iter().flatten().find(|(at, _)| *at == lost).map_or(0, |(_, count)| count)
     }
 }
 
-/// Label of the step at which a feature was lost.
 pub fn lost_label(lost: Lost) -> &'static str {
     match lost {
         Lost::Not => "matched",
@@ -72,7 +58,6 @@ impl Model {
         lost.pictures = pictures.unwrap_or_else(|| std::mem::take(&mut lost.pictures));
     }
 
-    /// Requests, while two bursts are shown, the losses, and the pictures of the feature that is asked about.
     pub(in crate::app) fn ask_for_losses(&mut self, engine: &Engine) {
         if self.workspace != Workspace::Pair {
             return;
@@ -92,14 +77,12 @@ impl Model {
         }
     }
 
-    /// Request for the losses of the present pair, if it is matched.
     pub fn wanted_losses(&self) -> Option<LossesRequest> {
         let matches = self.pair.matches.as_ref()?;
         let size_b = self.burst_of(Side::B)?.burst.size();
         Some(LossesRequest { request: matches.request.clone(), result: matches.result.clone(), size_b })
     }
 
-    /// Losses of the pair on show.
     pub fn losses(&self) -> Option<&Arc<FoundLosses>> {
         let wanted = self.wanted_losses()?;
         self.pair.lost.found.as_ref().filter(|found| found.request.is_same(&wanted))
@@ -121,7 +104,6 @@ impl Model {
         (self.pair.selected, self.pair.lost.selected) = (its_match, index);
     }
 
-    /// Brings [`LostFeatures::why`] up to date. Cheap when nothing changed.
     pub fn refresh_why(&mut self) {
         if self.pair.lost.found.is_some() && self.losses().is_none() {
             // Another pair: what was asked about is no feature of it.
@@ -170,16 +152,12 @@ impl Model {
     }
 }
 
-/// Both detections of a pair.
 pub struct MatchSides<'a> {
-    /// A.
     pub a: &'a crate::detector::Detection,
-    /// B.
     pub b: &'a crate::detector::Detection,
 }
 
 impl<'a> MatchSides<'a> {
-    /// Detections of `found`.
     pub fn of(found: &'a FoundLosses) -> Self {
         Self { a: &found.request.request.a, b: &found.request.request.b }
     }

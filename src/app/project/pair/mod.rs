@@ -25,50 +25,32 @@ use crate::requests::{
 
 pub use crate::app::project::side::Side;
 
-/// Tabs below the pictures of two bursts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PairTab {
-    /// The matches.
     #[default]
     Matches,
-    /// Features of A without a match.
     Unmatched,
-    /// Features of the burst in focus, compared with others.
     Compared,
 }
 
-/// The second burst and the matches.
 #[derive(Debug, Default)]
 pub struct PairState {
-    /// The open tab below the pictures.
     pub tab: PairTab,
-    /// The parameters of matching, as they are being edited.
     pub params: MatchParams,
-    /// Error in the parameters of matching.
     pub param_error: Option<ParamError>,
-    /// The matches, with what they were made from.
     pub matches: Option<Matches>,
-    /// Features of A on the way to a match.
     pub lost: LostFeatures,
-    /// Display settings of matches.
     pub look: MatchLook,
-    /// The table's order.
     pub order: Order<MatchColumn>,
-    /// Indices of the matches that are shown, in the table's order; see [`PairState::refresh_listed`].
     pub listed: Vec<usize>,
-    /// Index of the selected match.
     pub selected: Option<usize>,
-    /// Index of the match under the pointer, between the pictures or in the table.
     pub hovered: Option<usize>,
     /// Numbers of match lines that are drawn, and of those that could be, as last drawn.
     pub lines_drawn: (usize, usize),
-    /// Match to select when the next matching ends.
     pub reselect: Option<SavedMatch>,
-    /// The request for the matches.
     pub matching: Wanted<MatchRequest>,
     /// The motion-stack images of A and B from which the patches of the focused match are cut.
     pub patches: Vec<Picture>,
-    /// The request for them.
     pub wanted_patches: Wanted<PicturesRequest>,
     listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
 }
@@ -104,12 +86,10 @@ impl PairState {
         self.refresh_listed();
     }
 
-    /// The selection as it is kept in a session.
     pub fn saved_match(&self) -> Option<SavedMatch> {
         Some(self.matches.as_ref()?.row(self.selected?)?.saved())
     }
 
-    /// Brings [`PairState::listed`] up to date. Cheap when nothing changed.
     pub fn refresh_listed(&mut self) {
         let Some(matches) = &self.matches else {
             self.listed.clear();
@@ -123,7 +103,6 @@ impl PairState {
         }
     }
 
-    /// Selects the match after (or before) the selected one in the table's order.
     pub fn select_neighbour(&mut self, forward: bool) {
         self.refresh_listed();
         self.selected = crate::app::project::filter::neighbour(&self.listed, self.selected, forward);
@@ -140,7 +119,6 @@ impl Model {
         }
     }
 
-    /// Swaps A and B. The matches are made anew.
     pub fn swap_sides(&mut self) {
         self.slots.swap();
         self.forget_requests();
@@ -185,7 +163,6 @@ impl Model {
         SearchParams { detector, slopes: self.slopes }
     }
 
-    /// Takes a newly opened burst as B.
     pub fn take_second_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
         let Slot { opening, against, .. } = std::mem::take(&mut self.slots.b);
@@ -216,7 +193,6 @@ impl Model {
         Some(MatchRequest { a: a.detection.clone(), b: b.detection.clone(), params: self.pair.params.clone() })
     }
 
-    /// Whether matches are missing that could be made.
     pub fn needs_matches(&self) -> bool {
         self.wanted_matches()
             .is_some_and(|wanted| !self.pair.matches.as_ref().is_some_and(|m| m.request.is_same(&wanted)))
@@ -239,19 +215,16 @@ impl Model {
         self.patches_request().filter(|wanted| !there().is_same(wanted))
     }
 
-    /// Whether matches are missing, can be made and have not failed already.
     fn wants_matching(&self) -> bool {
         self.needs_matches() && !self.wanted_matches().is_some_and(|wanted| self.pair.matching.has_failed(&wanted))
     }
 
-    /// Matches the features on show.
     pub(in crate::app) fn start_matching(&mut self, engine: &Engine) {
         if let Some(wanted) = self.wanted_matches() {
             self.pair.matching.ask(engine, wanted);
         }
     }
 
-    /// Takes the matches, and the pictures of the focused match.
     pub(in crate::app) fn take_matches(&mut self) {
         for ended in self.pair.matching.take() {
             match ended.result {
@@ -271,7 +244,6 @@ impl Model {
         }
     }
 
-    /// Requests, while two bursts are shown, B's features, the matches, and the pictures of the focused match.
     pub(in crate::app) fn ask_for_pair(&mut self, engine: &Engine, dragging: bool) {
         if self.workspace != Workspace::Pair || self.slots.b.burst.is_none() {
             return;
@@ -294,7 +266,6 @@ impl Model {
         }
     }
 
-    /// Whether everything is there that *Two bursts* shows, or is known to be impossible.
     pub(in crate::app) fn pair_is_settled(&self) -> bool {
         if self.workspace != Workspace::Pair || self.slots.both().into_iter().any(|slot| slot.burst.is_none()) {
             return true;
@@ -303,7 +274,6 @@ impl Model {
         patches && !(self.auto_detect && self.wants_detection(Side::B)) && !self.wants_matching()
     }
 
-    /// Closes the second burst.
     pub(in crate::app) fn close_second(&mut self) {
         self.slots.b = Slot::default();
         self.clear_probe_of(Side::B);
@@ -330,7 +300,6 @@ impl Model {
         self.forget_asked_pictures();
     }
 
-    /// Reason for which the matches on show are out of date; `None` when they are current.
     pub fn stale_matches(&self) -> Option<&'static str> {
         let matches = self.pair.matches.as_ref()?;
         let features = [Side::A, Side::B].into_iter().any(|side| {

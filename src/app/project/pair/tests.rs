@@ -37,7 +37,6 @@ pub(in crate::app::project) fn pair() -> Model {
     model
 }
 
-/// Matches as the engine would make them.
 fn matched(model: &Model) -> Matches {
     let request = model.wanted_matches().expect("both sides have features");
     let result = match_detections(&request.a, &request.b, &request.params, &Monitor::default()).expect("valid");
