@@ -67,8 +67,8 @@ impl<R: Request> Wanted<R> {
             return;
         };
         let is_known = match (self.pending(), &self.ended) {
-            (Some(pending), _) => pending.is_same(&wanted),
-            (None, Some((failed, Some(_)))) => failed.is_same(&wanted),
+            (Some(pending), _) => *pending == wanted,
+            (None, Some((failed, Some(_)))) => *failed == wanted,
             (None, _) => false,
         };
         if !is_known {
@@ -140,7 +140,7 @@ impl<R: Request> Wanted<R> {
     }
 
     pub fn has_failed(&self, request: &R) -> bool {
-        self.failure().is_some_and(|(failed, _)| failed.is_same(request))
+        self.failure().is_some_and(|(failed, _)| failed == request)
     }
 
     pub fn cancel(&self) {

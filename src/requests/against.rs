@@ -36,26 +36,29 @@ pub struct AgainstRequest {
     pub with: Reference,
 }
 
+impl PartialEq for Reference {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Earlier { burst: a, asked: p, .. }, Self::Earlier { burst: b, asked: q, .. }) => (a, p) == (b, q),
+            (Self::File { path: a, .. }, Self::File { path: b, .. }) => a == b,
+            (Self::Truth { burst: a, params: p }, Self::Truth { burst: b, params: q }) => (a, p) == (b, q),
+            _ => false,
+        }
+    }
+}
+
+impl PartialEq for AgainstRequest {
+    fn eq(&self, other: &Self) -> bool {
+        self.with == other.with && Arc::ptr_eq(&self.detection, &other.detection)
+    }
+}
+
 impl Request for AgainstRequest {
     type Answer = ComparedWith;
     type Told = Infallible;
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        let same_reference = match (&self.with, &other.with) {
-            (Reference::Earlier { burst: a, asked: p, .. }, Reference::Earlier { burst: b, asked: q, .. }) => {
-                a.id == b.id && p == q
-            }
-            (Reference::File { path: a, .. }, Reference::File { path: b, .. }) => a == b,
-            (Reference::Truth { burst: a, params: p }, Reference::Truth { burst: b, params: q }) => {
-                a.id == b.id && p == q
-            }
-            _ => false,
-        };
-        same_reference && Arc::ptr_eq(&self.detection, &other.detection)
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedWith, JobError> {

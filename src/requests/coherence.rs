@@ -20,16 +20,18 @@ pub struct Coherences {
     pub values: Arc<Vec<Judged>>,
 }
 
+impl PartialEq for CoherenceRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.detection, &other.detection)
+    }
+}
+
 impl Request for CoherenceRequest {
     type Answer = Coherences;
     type Told = Infallible;
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.detection, &other.detection)
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Coherences, JobError> {

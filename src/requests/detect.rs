@@ -13,7 +13,7 @@ use crate::matching::{MatchParams, MatchResult, match_detections};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OpenRequest {
     pub source: BurstSource,
     pub options: OpenOptions,
@@ -27,16 +27,12 @@ impl Request for OpenRequest {
         Urgency::Search
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        self.source == other.source && self.options == other.options
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<OpenBurst, JobError> {
         self.source.open(&self.options, work.monitor)
     }
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DetectRequest {
     pub burst: OpenBurst,
     pub params: SearchParams,
@@ -48,10 +44,6 @@ impl Request for DetectRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.burst.id == other.burst.id && self.params == other.params
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Detected, JobError> {
@@ -96,7 +88,7 @@ pub struct Detected {
     pub detection: Arc<Detection>,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum CompareRequest {
     Detect(DetectRequest),
     Match(MatchRequest),
@@ -114,14 +106,6 @@ impl Request for CompareRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Detect(a), Self::Detect(b)) => a.is_same(b),
-            (Self::Match(a), Self::Match(b)) => a.is_same(b),
-            _ => false,
-        }
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Compared, JobError> {
@@ -145,16 +129,18 @@ pub struct MatchRequest {
     pub params: MatchParams,
 }
 
+impl PartialEq for MatchRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.a, &other.a) && Arc::ptr_eq(&self.b, &other.b) && self.params == other.params
+    }
+}
+
 impl Request for MatchRequest {
     type Answer = Matched;
     type Told = Infallible;
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.a, &other.a) && Arc::ptr_eq(&self.b, &other.b) && self.params == other.params
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Matched, JobError> {

@@ -24,7 +24,7 @@ pub enum ExplainQuestion {
     Candidates(SurveyOptions),
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ExplainRequest {
     pub of: DetectionSource,
     pub question: ExplainQuestion,
@@ -36,10 +36,6 @@ impl Request for ExplainRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.of.is_same(&other.of) && self.question == other.question
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Explained, JobError> {
@@ -81,16 +77,18 @@ impl LossesRequest {
     }
 }
 
+impl PartialEq for LossesRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.result, &other.result)
+    }
+}
+
 impl Request for LossesRequest {
     type Answer = FoundLosses;
     type Told = Infallible;
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.result, &other.result)
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<FoundLosses, JobError> {
@@ -116,6 +114,12 @@ pub struct Traced {
     pub cache: Arc<ProbeCache>,
 }
 
+impl PartialEq for Traced {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.cache, &other.cache)
+    }
+}
+
 impl Request for DetectionSource {
     /// The detection with its trail; the search is repeated if the trail is not kept.
     type Answer = Traced;
@@ -123,10 +127,6 @@ impl Request for DetectionSource {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.burst.id == other.burst.id && self.asked == other.asked && self.params == other.params
     }
 
     fn kept(&self, kept: &Kept<'_>) -> Option<Traced> {
@@ -149,7 +149,7 @@ pub enum ProbeQuestion {
     Strongest,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ProbeRequest {
     pub traced: Traced,
     pub question: ProbeQuestion,
@@ -163,11 +163,6 @@ impl Request for ProbeRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Picture
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.traced.cache, &other.traced.cache)
-            && (self.question, self.near_sigma) == (other.question, other.near_sigma)
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Probed, JobError> {

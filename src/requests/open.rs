@@ -25,6 +25,12 @@ pub struct OpenBurst {
     planted: Option<Arc<Truth>>,
 }
 
+impl PartialEq for OpenBurst {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
 impl OpenBurst {
     pub fn new(burst: Burst, source: BurstSource) -> Self {
         static COUNTER: AtomicU64 = AtomicU64::new(1);

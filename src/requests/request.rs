@@ -6,15 +6,14 @@ use super::trail::{NothingKept, TrailStore};
 use crate::monitor::{Monitor, Progress};
 use std::time::{Duration, Instant};
 
-pub trait Request: Clone + Send + 'static {
+/// Two requests are equal if they have the same answer.
+pub trait Request: Clone + PartialEq + Send + 'static {
     type Answer: Send + 'static;
     /// A result that is told before the answer, such as one burst of many;
     /// [`Infallible`](std::convert::Infallible) where there is none.
     type Told: Send + 'static;
 
     fn urgency(&self) -> Urgency;
-
-    fn is_same(&self, other: &Self) -> bool;
 
     /// The answer, if it is kept already and needs no work.
     fn kept(&self, _kept: &Kept<'_>) -> Option<Self::Answer> {

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Request for a study.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StudyRequest {
     /// The study.
     pub study: Study,
@@ -27,11 +27,6 @@ impl Request for StudyRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        let open = |request: &Self| request.open.as_ref().map(|open| open.id);
-        self.study == other.study && open(self) == open(other)
     }
 
     fn compute(self, work: &Work<'_, StudyReport>) -> Result<StudyReport, JobError> {
@@ -53,10 +48,6 @@ impl Request for ChartOfStudy {
         Urgency::Search
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        self == other
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ShownChart, JobError> {
         Ok(self.show(work.monitor)?)
     }
@@ -69,10 +60,6 @@ impl Request for FiguresJob {
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self == other
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<FiguresReport, JobError> {
@@ -108,8 +95,14 @@ impl TrajectorySource {
     }
 }
 
+impl PartialEq for TrajectorySource {
+    fn eq(&self, other: &Self) -> bool {
+        self.path() == other.path()
+    }
+}
+
 /// Trajectories to read, and to compare if both are given.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PosesRequest {
     /// The estimate.
     pub estimate: Option<TrajectorySource>,
@@ -125,12 +118,6 @@ impl Request for PosesRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        let path = |source: &Option<TrajectorySource>| source.as_ref().map(|source| source.path().clone());
-        let paths = |request: &Self| [path(&request.estimate), path(&request.truth)];
-        paths(self) == paths(other) && self.study == other.study
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedPoses, JobError> {

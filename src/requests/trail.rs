@@ -8,7 +8,7 @@ use crate::monitor::Monitor;
 use std::sync::Arc;
 
 /// Source of a detection: its burst, and the parameters that were asked for and used.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DetectionSource {
     pub burst: OpenBurst,
     pub asked: SearchParams,

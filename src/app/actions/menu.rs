@@ -319,28 +319,4 @@ mod tests {
         assert_eq!(first("opth"), Some(ActionId::OpenPath));
         assert_eq!(first("qqqq"), None);
     }
-
-    #[test]
-    fn nothing_typed_lists_everything_that_can_be_done() {
-        let model = Model::default();
-        let expected = ACTIONS.iter().filter(|a| enabled(a.id, &model)).count() - 1;
-        assert_eq!(found_by("", &model).len(), expected);
-        assert_eq!(first(""), Some(ActionId::OpenFolder), "nothing that ends the program");
-    }
-
-    #[test]
-    fn every_menu_with_keys_is_in_one_column_and_the_columns_are_about_as_long_as_one_another() {
-        for count in [1, 2, 4] {
-            let columns = in_columns(count);
-            assert!(columns.len() <= count);
-            let all: Vec<Menu> = columns.concat();
-            let expected = Menu::ALL.into_iter().filter(|menu| with_keys(*menu).next().is_some());
-            assert!(all.iter().copied().eq(expected), "{all:?}");
-            let rows = |menus: &Vec<Menu>| menus.iter().map(|menu| SHEET_HEADING_ROWS + with_keys(*menu).count()).sum();
-            let longest: usize = columns.iter().map(rows).max().unwrap_or(0);
-            let longest_menu = all.iter().map(|menu| rows(&vec![*menu])).max().unwrap_or(0);
-            let total: usize = rows(&all);
-            assert!(longest <= longest_menu.max(total * 4 / (3 * count)), "{count}: {longest} of {total}");
-        }
-    }
 }

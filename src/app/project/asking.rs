@@ -118,25 +118,6 @@ mod tests {
     use std::sync::Arc;
 
     #[test]
-    fn a_burst_is_opened_for_either_side_and_what_it_changes_beyond_is_an_effect() {
-        let mut bench = Bench::new();
-        bench.model.open(Side::A, BurstSource::Demo, &bench.engine);
-        bench.model.open(Side::B, BurstSource::DemoLater, &bench.engine);
-        assert!(bench.model.is_searching() && !bench.model.is_settled());
-        let effects = bench.run_until(|_, effects| effects.len() == 2);
-        let mut names: Vec<(Side, String)> = effects
-            .into_iter()
-            .map(|effect| match effect {
-                Effect::Opened(side, ended) => (side, ended.result.expect("built in").burst.name.clone()),
-                other => panic!("nothing else ended: {other:?}"),
-            })
-            .collect();
-        names.sort_by_key(|(side, _)| *side as usize);
-        assert_eq!(names, [(Side::A, "demo".to_owned()), (Side::B, "demo-later".to_owned())]);
-        assert!(!bench.model.is_searching());
-    }
-
-    #[test]
     fn what_is_shown_is_asked_for_and_comes_to_rest() {
         let mut bench = Bench::new();
         assert!(bench.model.is_settled(), "nothing is open");

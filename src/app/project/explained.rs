@@ -14,7 +14,7 @@ use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
 use crate::inspect::verdict::Judged;
 use crate::inspect::words::counted_from_one;
 use crate::requests::{
-    CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Request, Running,
+    CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Running,
 };
 use std::sync::Arc;
 
@@ -110,7 +110,7 @@ impl Model {
     pub fn spectrum(&self) -> Option<&Arc<Spectrum>> {
         let (request, spectrum) = self.explained.slopes.as_ref()?;
         let wanted = self.explain_request(ExplainQuestion::Slopes)?;
-        request.is_same(&wanted).then_some(spectrum)
+        (*request == wanted).then_some(spectrum)
     }
 
     /// Judgement of the slopes of the detection on show: by what the frames show once that is examined, and by the
@@ -123,14 +123,14 @@ impl Model {
     /// The candidates of the detection on show that fail the chosen test.
     pub fn survey(&self) -> Option<&Arc<Survey>> {
         let (request, survey) = self.explained.candidates.as_ref()?;
-        request.is_same(&self.wanted_candidates()?).then_some(survey)
+        (*request == self.wanted_candidates()?).then_some(survey)
     }
 
     /// The survey of the detection on show, for its counts: of whichever test its candidates are listed.
     pub fn survey_counts(&self) -> Option<&Arc<Survey>> {
         let (request, survey) = self.explained.candidates.as_ref()?;
         let wanted = self.explain_request(request.question)?;
-        request.of.is_same(&wanted.of).then_some(survey)
+        (request.of == wanted.of).then_some(survey)
     }
 
     pub fn selected_candidate(&self) -> Option<&CandidateMark> {

@@ -208,23 +208,6 @@ mod tests {
     }
 
     #[test]
-    fn a_note_about_what_was_undone_replaces_the_one_about_the_change() {
-        let mut model = Model::default();
-        let mut history = History::default();
-        pass(&mut history, &mut model, false, |m| {
-            m.params.edge_threshold = 12.5;
-            m.messages.note("Set the edge threshold");
-        });
-        model.history = history;
-        model.undo();
-        let note = |model: &Model| model.messages.last_note().map(str::to_owned);
-        let name = doc::EDGE_THRESHOLD.label;
-        assert_eq!(note(&model), Some(format!("Undone: {name}")));
-        model.redo();
-        assert_eq!(note(&model), Some(format!("Redone: {name}")));
-    }
-
-    #[test]
     fn steps_in_b_are_undone_in_b_also_after_the_sides_were_swapped() {
         let mut model = pair();
         model.open_workspace(Workspace::Pair);

@@ -119,29 +119,6 @@ mod tests {
     }
 
     #[test]
-    fn at_first_only_the_left_panel_is_open_and_only_in_a_wide_window() {
-        let shown = |model: &Model| (model.shows_left(), model.shows_right(), model.shows_bottom());
-        assert_eq!(shown(&model(1280.0)), (true, false, false));
-        assert_eq!((shown(&model(960.0)), model(960.0).folds_left()), ((false, false, false), true));
-        let mut pair = model(960.0);
-        pair.workspace = Workspace::Pair;
-        assert_eq!(shown(&pair), (false, false, true));
-        pair.workspace = Workspace::Lab;
-        assert_eq!(shown(&pair), (true, true, true), "its settings and charts are no panels beside a picture");
-    }
-
-    #[test]
-    fn the_right_panel_comes_with_a_selection_and_stays_closed_once_closed() {
-        let mut model = model(1280.0);
-        model.selected = Some(3);
-        assert!(model.shows_right());
-        model.panels.right = Visibility::Closed;
-        assert!(!model.shows_right());
-        model.open_probe();
-        assert!(model.shows_right(), "a question is answered in it");
-    }
-
-    #[test]
     fn in_a_very_narrow_window_one_side_panel_is_open_at_a_time() {
         let mut model = model(720.0);
         model.open_left();
@@ -151,13 +128,5 @@ mod tests {
         assert!(!model.shows_left() && model.folds_left() && model.shows_right());
         model.open_left();
         assert!(model.shows_left() && !model.shows_right());
-    }
-
-    #[test]
-    fn panels_are_saved_and_read() {
-        let panels = Panels { right: Visibility::Closed, filmstrip: false, ..Panels::default() };
-        for panels in [panels, Panels::all()] {
-            assert_eq!(toml::from_str::<Panels>(&toml::to_string(&panels).unwrap()).unwrap(), panels);
-        }
     }
 }

@@ -126,8 +126,8 @@ impl Model {
     pub fn is_current(&self, id: PaneId) -> bool {
         let Some(wanted) = self.wanted(id) else { return true };
         self.panes.get(id).is_some_and(|pane| {
-            let failed = pane.problem.as_ref().is_some_and(|(request, _)| request.is_same(&wanted));
-            failed || pane.picture.as_ref().is_some_and(|picture| picture.request.is_same(&wanted))
+            let failed = pane.problem.as_ref().is_some_and(|(request, _)| *request == wanted);
+            failed || pane.picture.as_ref().is_some_and(|picture| picture.request == wanted)
         })
     }
 
@@ -192,7 +192,7 @@ impl Model {
                 self.wanted_pictures.entry(id).or_default().want(engine, Some(wanted));
             }
         }
-        let is_there = |wanted: &PictureRequest| self.patch.as_ref().is_some_and(|patch| patch.request.is_same(wanted));
+        let is_there = |wanted: &PictureRequest| self.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
         let missing = self.patch_request().filter(|wanted| !is_there(wanted));
         if missing.is_some() {
             self.wanted_patch.want(engine, missing);

@@ -14,9 +14,7 @@ use crate::engine::{Engine, Wanted};
 use crate::inspect::price::time_factor;
 use crate::inspect::probe::Wanted as Subject;
 use crate::inspect::remedy::nearest_slope;
-use crate::requests::{
-    BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Request, Traced,
-};
+use crate::requests::{BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Traced};
 use crate::synth::Example;
 use serde::{Deserialize, Serialize};
 
@@ -91,7 +89,7 @@ impl ProbeModel {
 
     pub fn is_current(&self) -> bool {
         let wanted = self.wanted();
-        self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request.is_same(&wanted))
+        self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request == wanted)
     }
 
     /// Takes a trail. A question about a feature, or about a sample on another grid of slopes, becomes one about the
@@ -409,35 +407,6 @@ mod tests {
         // In *One burst* only A is looked at, and B's probe waits.
         bench.model.open_workspace(Workspace::Inspect);
         assert!(!bench.model.probe_is_here() && bench.model.probe.is_current());
-    }
-
-    #[test]
-    fn the_probe_follows_the_pointer_into_either_burst_and_asks_about_features_of_either() {
-        let mut bench = Bench::with_two_charts();
-        bench.model.follow_with_probe();
-        for (side, place) in [(Side::A, [50.0, 30.0]), (Side::B, [50.0, 30.0])] {
-            bench.model.probe.pointer = Some((side, place));
-            bench.settle();
-            let (of, burst, at) = answered(&bench.model);
-            assert_eq!((of, burst, at), (side, bench.model.burst_of(side).expect("open").id, place));
-        }
-        bench.model.probe.follows = false;
-        bench.model.probe_feature(Side::B, 0);
-        bench.settle();
-        let feature = bench.model.found_of(Side::B).expect("found").detection.features[0];
-        assert_eq!(bench.model.probe.place(), Some([feature.u, feature.v]));
-        assert!(bench.model.selected.is_none(), "the selection is one of A's features");
-        bench.model.probe_feature(Side::A, 1);
-        assert_eq!((bench.model.probe.side, bench.model.selected), (Side::A, Some(1)));
-        // Of a match, the feature on the side in focus. The discs of two charts look alike.
-        bench.model.pair.params.ratio = 1.0;
-        bench.settle();
-        bench.model.pair.selected = Some(0);
-        let found = bench.model.pair.matches.as_ref().and_then(|m| m.row(0)).expect("they match").found;
-        for (side, index) in [(Side::A, found.a), (Side::B, found.b)] {
-            bench.model.focus_on_side(side);
-            assert_eq!(bench.model.feature_to_probe(), Some((side, index)));
-        }
     }
 
     #[test]

@@ -67,13 +67,4 @@ mod tests {
         let typed = SetUpState { values: SetUp { speed_m_s: -1.0, ..SetUp::default() }, ..read };
         assert_eq!(typed.depths_by(), None);
     }
-
-    #[test]
-    fn without_depths_no_colour_shows_them() {
-        let mut model = Model { colour_by: ColourBy::Depth, ..Model::default() };
-        model.read_depths(true);
-        assert_eq!(model.colour_by, ColourBy::Depth);
-        model.read_depths(false);
-        assert_eq!(model.colour_by, ColourBy::SlopeDirection);
-    }
 }

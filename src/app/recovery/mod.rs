@@ -217,47 +217,6 @@ mod tests {
         KeptIn { folder: folder.to_owned(), every: Duration::ZERO }
     }
 
-    /// Saves the session of the project, if that is due, and takes the end of it. Returns whether it was due.
-    fn keep(recovery: &mut Recovery, Bench { model, engine }: &mut Bench) -> bool {
-        assert_eq!(recovery.keep(model, engine), None, "at any rate");
-        assert!(engine.wait_idle(Duration::from_secs(60)));
-        let ended: Vec<bool> =
-            engine.take_tasks().iter().map(|done| recovery.has_kept(done, &mut model.messages)).collect();
-        assert!(ended.iter().all(|was_session| *was_session));
-        !ended.is_empty()
-    }
-
-    #[test]
-    fn a_session_is_saved_after_changes_and_a_failure_is_reported_once() {
-        let home = tempfile::tempdir().expect("a folder");
-        let folder = home.path().join("running");
-        let mut bench = Bench::new();
-        let kept = kept_in(&folder);
-        let mut recovery = Recovery::begin(Some(&kept), &mut bench.model.messages).expect("a folder can be made");
-        assert!(!keep(&mut recovery, &mut bench), "nothing is open");
-        bench.model.take_burst(open((64, 48), 5));
-        assert!(keep(&mut recovery, &mut bench));
-        assert!(!keep(&mut recovery, &mut bench), "nothing changed");
-        assert!(recovery.own.session().is_file());
-        // A file in place of the folder.
-        std::fs::remove_dir_all(&folder).expect("removed");
-        std::fs::write(&folder, "").expect("written");
-        bench.model.params.levels = 3;
-        assert!(keep(&mut recovery, &mut bench));
-        let errors = |bench: &Bench| bench.model.messages.errors().len();
-        assert_eq!(errors(&bench), 1);
-        bench.model.messages.resolved(TITLE);
-        assert!(keep(&mut recovery, &mut bench), "it is tried again");
-        assert_eq!(errors(&bench), 0, "the same reason is not told again");
-        assert!(recovery.keep_now(&bench.model).is_err());
-        std::fs::remove_file(&folder).expect("removed");
-        assert!(keep(&mut recovery, &mut bench) && recovery.own.session().is_file());
-        // Where nothing can be kept, a message says so.
-        let nowhere = kept_in(&recovery.own.session().join("below a file"));
-        assert!(Recovery::begin(Some(&nowhere), &mut bench.model.messages).is_none());
-        assert_eq!(errors(&bench), 1);
-    }
-
     #[test]
     fn an_offered_session_is_restored_forgotten_or_kept() {
         let home = tempfile::tempdir().expect("a folder");

@@ -311,27 +311,6 @@ mod tests {
     }
 
     #[test]
-    fn with_what_features_were_compared_comes_back() {
-        let model = model();
-        let mut session = Session::of(&model).expect("a burst is open");
-        assert!(session.against.is_none() && !session.to_toml().contains("[against"));
-        let mut pinned = model.asked();
-        pinned.detector.edge_threshold = 7.0;
-        let (with, file) = (Some(With::Pinned), Some(std::path::absolute("theirs.csv").expect("a path")));
-        session.against = Some(SavedAgainst { with, file, pinned: Some(pinned) });
-        let text = session.to_toml();
-        assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
-        let mut restored = self::model();
-        session.apply(&mut restored);
-        assert_eq!(restored.saved_against(Side::A), session.against);
-        assert_eq!(Session::of(&restored).expect("a burst is open").against, session.against);
-        // A session without a comparison removes it.
-        session.against = None;
-        session.apply(&mut restored);
-        assert!(restored.saved_against(Side::A).is_none());
-    }
-
-    #[test]
     fn what_is_probed_and_compared_in_b_comes_back_with_b() {
         let mut model = model();
         let second = || {
@@ -359,11 +338,6 @@ mod tests {
         // The session of before says nothing of B's probe, and takes it away.
         before.pair.apply(&mut restored);
         assert!(!restored.probe.is_on() && restored.saved_against(Side::B).is_none());
-    }
-
-    #[test]
-    fn without_a_burst_there_is_no_session() {
-        assert!(Session::of(&Model::default()).is_none());
     }
 
     #[test]

@@ -231,38 +231,6 @@ mod tests {
     }
 
     #[test]
-    fn an_opened_burst_is_shown_and_goes_to_the_recent_list() {
-        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
-        bench.model.open(Side::A, BurstSource::Demo, &bench.engine);
-        let effects = opened(&mut bench, &mut restoring, Side::A);
-        assert!(matches!(&effects[..], [Effect::Recent(BurstSource::Demo)]), "{effects:?}");
-        assert!(bench.model.slots.a.burst.is_some());
-        bench.model.open(Side::B, BurstSource::DemoLater, &bench.engine);
-        opened(&mut bench, &mut restoring, Side::B);
-        assert!(bench.model.slots.b.burst.is_some() && bench.model.workspace == Workspace::Pair);
-        bench.model.open(Side::B, BurstSource::Paths(vec!["/no/such/burst".into()]), &bench.engine);
-        assert!(opened(&mut bench, &mut restoring, Side::B).is_empty());
-        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("/no/such/burst")));
-    }
-
-    #[test]
-    fn of_a_session_the_bursts_are_opened_and_then_the_rest_is_restored() {
-        let home = tempfile::tempdir().expect("a folder");
-        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
-        bench.model.auto_detect = false;
-        let path = session(home.path(), BurstSource::Demo);
-        let id = restoring.restore(&path, &mut bench.model, &bench.engine);
-        assert!(id.is_some() && restoring.waits_for(&bench.model) == id);
-        assert_ne!(bench.model.params.levels, 3, "until then nothing changes");
-        opened(&mut bench, &mut restoring, Side::A);
-        assert_eq!((bench.model.params.levels, restoring.waits_for(&bench.model)), (3, None));
-        assert!(bench.model.slots.b.opening.is_pending());
-        opened(&mut bench, &mut restoring, Side::B);
-        assert!(bench.model.slots.b.burst.is_some());
-        assert_eq!(bench.model.workspace, Workspace::Inspect, "as the session was left");
-    }
-
-    #[test]
     fn a_session_is_given_up_when_something_else_is_opened() {
         let home = tempfile::tempdir().expect("a folder");
         let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
@@ -278,18 +246,6 @@ mod tests {
         std::fs::write(&path, "levels = 3").expect("written");
         assert_eq!(restoring.restore(&path, &mut bench.model, &bench.engine), None);
         assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("s.burstscope.toml")));
-    }
-
-    #[test]
-    fn a_session_whose_burst_is_gone_is_restored_without_it() {
-        let home = tempfile::tempdir().expect("a folder");
-        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
-        bench.model.take_burst(open((32, 24), 3));
-        let path = session(home.path(), BurstSource::Paths(vec![home.path().join("gone")]));
-        restoring.restore(&path, &mut bench.model, &bench.engine);
-        opened(&mut bench, &mut restoring, Side::A);
-        assert_eq!((bench.model.size(), bench.model.params.levels), ((32, 24), 3));
-        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("gone")));
     }
 
     #[test]

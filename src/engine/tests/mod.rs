@@ -1,7 +1,5 @@
 //! Tests of the engine, by subject.
 
-mod burst;
-mod pair;
 mod pictures;
 mod queue;
 mod wanted;

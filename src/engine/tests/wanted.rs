@@ -14,16 +14,18 @@ struct Half {
     computed: Arc<AtomicU32>,
 }
 
+impl PartialEq for Half {
+    fn eq(&self, other: &Self) -> bool {
+        self.of == other.of
+    }
+}
+
 impl Request for Half {
     type Answer = u32;
     type Told = u32;
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.of == other.of
     }
 
     fn kept(&self, _: &Kept<'_>) -> Option<u32> {

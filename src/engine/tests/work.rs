@@ -112,19 +112,6 @@ fn an_answer_is_published_before_the_listener_hears_of_it() {
 }
 
 #[test]
-fn progress_can_be_read_while_it_runs() {
-    let work = |(): (), monitor: &Monitor| {
-        monitor.report(Stage::Search { octave: 2 }, 0.25);
-        until_cancelled(monitor)
-    };
-    let jobs = Jobs::new(&queue(), Urgency::Search, Duration::ZERO, work);
-    jobs.submit_for(0, ());
-    let progress = wait_for(|| jobs.running().and_then(|r| r.progress));
-    assert_eq!((progress.stage, progress.fraction), (Stage::Search { octave: 2 }, 0.25));
-    jobs.cancel();
-}
-
-#[test]
 fn a_task_says_what_it_did_or_why_not() {
     let engine = engine();
     engine.task("Good", || Ok("written".into()));

@@ -5,7 +5,7 @@ mod datasets;
 mod ending;
 mod sameness;
 
-use super::{BurstSource, DetectRequest, Detected, DetectionSource, OpenBurst};
+use super::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, OpenBurst};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::{DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
@@ -39,12 +39,16 @@ fn empty(size: (usize, usize), frames: usize) -> OpenBurst {
 /// The features of the chart, found once for all tests.
 fn detected() -> Detected {
     static DETECTED: OnceLock<Detected> = OnceLock::new();
-    let find = || DetectRequest { burst: open(), params: params().into() };
-    DETECTED.get_or_init(|| find().compute(&Work::alone(&Monitor::default())).expect("valid parameters")).clone()
+    let find = || answer(DetectRequest { burst: open(), params: params().into() }).expect("valid parameters");
+    DETECTED.get_or_init(find).clone()
 }
 
 fn source() -> DetectionSource {
     DetectionSource { burst: open(), asked: params().into(), params: params(), finding: None }
+}
+
+fn answer<R: Request>(request: R) -> Result<R::Answer, JobError> {
+    request.compute(&Work::alone(&Monitor::default()))
 }
 
 fn write_chart(folder: &Path, seed: u64) {

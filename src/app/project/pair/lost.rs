@@ -5,7 +5,7 @@ use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::engine::{Engine, Wanted};
 use crate::inspect::unmatched::{Losses, Lost, Unmatched};
-use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest, Request};
+use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest};
 use std::sync::Arc;
 
 pub const CANDIDATES: usize = 5;
@@ -70,7 +70,7 @@ impl Model {
         let pictures = self.wanted_candidate_pictures();
         let is_there = |wanted: &[PictureRequest]| {
             let shown = &self.pair.lost.pictures;
-            shown.len() == wanted.len() && shown.iter().zip(wanted).all(|(shown, wanted)| shown.request.is_same(wanted))
+            shown.iter().map(|picture| &picture.request).eq(wanted)
         };
         if !is_there(&pictures) {
             self.pair.lost.wanted_pictures.want(engine, Some(PicturesRequest(pictures)));
@@ -85,7 +85,7 @@ impl Model {
 
     pub fn losses(&self) -> Option<&Arc<FoundLosses>> {
         let wanted = self.wanted_losses()?;
-        self.pair.lost.found.as_ref().filter(|found| found.request.is_same(&wanted))
+        self.pair.lost.found.as_ref().filter(|found| found.request == wanted)
     }
 
     /// The feature of A that is asked about: that of the match in focus, or the one that was selected.
@@ -114,7 +114,7 @@ impl Model {
         let why = match (asked, self.losses()) {
             (Some(feature), Some(found)) if feature < found.lost.len() => {
                 let old = self.pair.lost.why.as_ref();
-                if old.is_some_and(|why| why.feature == feature && why.of.is_same(&found.request)) {
+                if old.is_some_and(|why| why.feature == feature && why.of == found.request) {
                     return;
                 }
                 let losses = Losses::again(found.request.pair(), found.nearest.clone());

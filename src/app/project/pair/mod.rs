@@ -19,9 +19,7 @@ use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Method, ParamError, SearchParams, SlopeGrid};
 use crate::engine::{Engine, Wanted};
 use crate::matching::MatchParams;
-use crate::requests::{
-    JobError, MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest, Request,
-};
+use crate::requests::{JobError, MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest};
 
 pub use crate::app::project::side::Side;
 
@@ -194,8 +192,7 @@ impl Model {
     }
 
     pub fn needs_matches(&self) -> bool {
-        self.wanted_matches()
-            .is_some_and(|wanted| !self.pair.matches.as_ref().is_some_and(|m| m.request.is_same(&wanted)))
+        self.wanted_matches().is_some_and(|wanted| !self.pair.matches.as_ref().is_some_and(|m| m.request == wanted))
     }
 
     /// The motion-stack images that the patches of the match in focus are cut from, each at its own feature's slope.
@@ -212,7 +209,7 @@ impl Model {
     /// Like `patches_request`, but `None` if the pictures are there.
     fn missing_patches(&self) -> Option<PicturesRequest> {
         let there = || PicturesRequest(self.pair.patches.iter().map(|picture| picture.request.clone()).collect());
-        self.patches_request().filter(|wanted| !there().is_same(wanted))
+        self.patches_request().filter(|wanted| there() != *wanted)
     }
 
     fn wants_matching(&self) -> bool {
