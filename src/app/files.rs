@@ -48,11 +48,9 @@ fn feature_folder(model: &Model) -> Option<PathBuf> {
 
 fn suggested_name(purpose: Purpose, model: &Model) -> String {
     // Features and pictures are those of the burst in focus.
-    let side = match purpose {
-        Purpose::Export(ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz) => model.active_side(),
-        Purpose::Export(ExportKind::Tiff | ExportKind::Png) => model.active_side(),
-        _ => Side::A,
-    };
+    use ExportKind::{Colmap, Csv, Npz, Png, Tiff};
+    let is_of_focus = matches!(purpose, Purpose::Export(Csv | Colmap | Npz | Tiff | Png));
+    let side = if is_of_focus { model.active_side() } else { Side::A };
     let burst = model.burst_of(side).map_or("burst", |b| b.burst.name.as_str());
     let stem = Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
     match purpose {
@@ -80,15 +78,8 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
 }
 
 fn folder_of_burst(model: &Model) -> Option<PathBuf> {
-    match &model.slots.a.burst.as_ref()?.source {
-        BurstSource::Paths(paths) => paths.first()?.parent().map(PathBuf::from).filter(|p| p.is_dir()),
-        BurstSource::Demo
-        | BurstSource::DemoLater
-        | BurstSource::Example(_)
-        | BurstSource::Chart(_)
-        | BurstSource::DarkCopy { .. }
-        | BurstSource::Planted { .. } => None,
-    }
+    let BurstSource::Paths(paths) = &model.slots.a.burst.as_ref()?.source else { return None };
+    paths.first()?.parent().map(PathBuf::from).filter(|folder| folder.is_dir())
 }
 
 /// Rectangles of the panes in *Two bursts*, with the side for which files dropped there are opened.
@@ -148,25 +139,13 @@ pub(super) fn use_files(purpose: Purpose, paths: Vec<PathBuf>, model: &mut Model
         Purpose::PaperFigures => model.make_figures(first, engine),
         #[cfg(feature = "colmap")]
         Purpose::ExportDatabase => model.export_database(first, engine),
-        // Without the feature `colmap` there is no action for this.
-        #[cfg(not(feature = "colmap"))]
-        Purpose::ExportDatabase => {}
         Purpose::OpenGold(side) => model.open_gold(side, BurstSource::Paths(paths), engine),
         Purpose::OpenFeatures(side) => {
             model.lay_over(side, first);
             model.bottom_tab = BottomTab::Compared;
         }
         Purpose::LoadParams => load_params(&first, model),
-        Purpose::OpenFolder
-        | Purpose::OpenFiles
-        | Purpose::OpenPath
-        | Purpose::OpenBias
-        | Purpose::OpenFlat
-        | Purpose::OpenLessons
-        | Purpose::RestoreSession
-        | Purpose::SaveSession
-        | Purpose::SaveParams
-        | Purpose::Export(_) => {}
+        _ => {}
     }
 }
 

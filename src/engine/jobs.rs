@@ -28,7 +28,7 @@ impl<A> JobAnswer<A> {
 
 struct News<A, P> {
     answers: Vec<(u32, JobAnswer<A>)>,
-    partial: Vec<(u32, JobId, P)>,
+    partial: Vec<(JobId, P)>,
 }
 
 type Work<Q, A, P> = dyn Fn(Q, &(dyn Fn(P) + Sync), &Monitor) -> Result<A, JobError> + Send + Sync;
@@ -49,7 +49,7 @@ impl<Q, A, P> Shared<Q, A, P> {
         let mut news = self.news();
         if matches!(result, Err(JobError::Superseded)) {
             // Partial results of a superseded request are dropped: the newer request tells its own.
-            news.partial.retain(|(_, of, _)| *of != id);
+            news.partial.retain(|(of, _)| *of != id);
         }
         news.answers.push((slot, JobAnswer { id, result, elapsed }));
     }
@@ -59,7 +59,7 @@ impl<Q, A, P> Shared<Q, A, P> {
 pub struct Jobs<Q, A, P = Infallible> {
     queue: Arc<JobQueue>,
     kind: u32,
-    manner: Manner,
+    pub(super) manner: Manner,
     shared: Arc<Shared<Q, A, P>>,
 }
 
@@ -114,19 +114,11 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
 
     /// Cancels what runs and what waits; the answer of each is [`JobError::Cancelled`].
     pub fn cancel(&self) {
-        self.cancel_for(0);
-    }
-
-    pub fn cancel_for(&self, slot: u32) {
-        self.queue.cancel(self.key(slot));
+        self.queue.cancel(self.key(0));
     }
 
     pub fn running(&self) -> Option<Running> {
-        self.running_for(0)
-    }
-
-    pub fn running_for(&self, slot: u32) -> Option<Running> {
-        self.queue.running(self.key(slot))
+        self.queue.running(self.key(0))
     }
 
     pub fn take_answers_for(&self) -> Vec<(u32, JobAnswer<A>)> {
@@ -137,19 +129,8 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         self.take_answers_for().into_iter().map(|(_, answer)| answer)
     }
 
-    pub(super) fn manner(&self) -> Manner {
-        self.manner
-    }
-
     pub(super) fn take_told(&self) -> Vec<P> {
-        std::mem::take(&mut self.shared.news().partial).into_iter().map(|(.., told)| told).collect()
-    }
-
-    /// Takes, at one moment, the partial results and the answers since the last call, each oldest first.
-    pub fn take_news(&self) -> (Vec<P>, Vec<JobAnswer<A>>) {
-        let mut news = self.shared.news();
-        let told = std::mem::take(&mut news.partial).into_iter().map(|(.., told)| told).collect();
-        (told, std::mem::take(&mut news.answers).into_iter().map(|(_, answer)| answer).collect())
+        std::mem::take(&mut self.shared.news().partial).into_iter().map(|(_, told)| told).collect()
     }
 }
 
@@ -167,7 +148,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> QueuedJob for Type
         let tell = |told: P| {
             // Cancelled work may still tell a partial result, which is dropped.
             if !monitor.is_cancelled() {
-                shared.news().partial.push((slot, id, told));
+                shared.news().partial.push((id, told));
                 (shared.on_update)();
             }
         };

@@ -82,7 +82,7 @@ impl Engine {
 
     /// Whether nothing runs and nothing waits. Answers may still be there to be polled.
     pub fn is_idle(&self) -> bool {
-        self.queue.is_all_idle()
+        self.queue.len() == 0
     }
 
     /// Waits until nothing runs and nothing waits, or until `timeout` has passed. Returns whether it is idle.

@@ -179,10 +179,6 @@ impl JobQueue {
         let state = self.shared.lock();
         state.waiting.len() + state.running.len()
     }
-
-    pub fn is_all_idle(&self) -> bool {
-        self.len() == 0
-    }
 }
 
 impl Drop for JobQueue {

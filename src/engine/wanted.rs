@@ -88,7 +88,7 @@ impl<R: Request> Wanted<R> {
                 let lane = Lane::Type(TypeId::of::<R>(), urgency);
                 jobs.submit_as(Manner { urgency, grace: PICTURE_GRACE, lane }, 0, request.clone())
             }
-            None => jobs.submit_as(Manner { urgency, grace: Duration::ZERO, ..jobs.manner() }, 0, request.clone()),
+            None => jobs.submit_as(Manner { urgency, grace: Duration::ZERO, ..jobs.manner }, 0, request.clone()),
         };
         self.pending.push((id, request));
         self.ended = None;
@@ -153,7 +153,7 @@ impl<R: Request> Wanted<R> {
     pub fn forget(&mut self) {
         self.cancel();
         if let Some(jobs) = &self.jobs {
-            drop(jobs.take_news());
+            drop((jobs.take_told(), jobs.take_answers_for()));
         }
         self.pending.clear();
         (self.ended, self.running) = (None, None);

@@ -33,6 +33,10 @@ impl JobError {
     pub(super) fn failed(error: impl std::fmt::Display) -> Self {
         Self::Failed(error.to_string())
     }
+
+    fn of(error: &impl std::fmt::Display, is_cancelled: bool) -> Self {
+        if is_cancelled { Self::Cancelled } else { Self::failed(error) }
+    }
 }
 
 impl From<Cancelled> for JobError {
@@ -43,54 +47,36 @@ impl From<Cancelled> for JobError {
 
 impl From<DetectError> for JobError {
     fn from(error: DetectError) -> Self {
-        match error {
-            DetectError::Cancelled(_) => Self::Cancelled,
-            DetectError::Param(error) => Self::failed(error),
-        }
+        Self::of(&error, matches!(error, DetectError::Cancelled(_)))
     }
 }
 
 impl From<MatchError> for JobError {
     fn from(error: MatchError) -> Self {
-        match error {
-            MatchError::Cancelled(_) => Self::Cancelled,
-            MatchError::Param(error) => Self::failed(error),
-        }
+        Self::of(&error, matches!(error, MatchError::Cancelled(_)))
     }
 }
 
 impl From<ProbeError> for JobError {
     fn from(error: ProbeError) -> Self {
-        match error {
-            ProbeError::Cancelled(_) => Self::Cancelled,
-            other => Self::failed(other),
-        }
+        Self::of(&error, matches!(error, ProbeError::Cancelled(_)))
     }
 }
 
 impl From<DatasetError> for JobError {
     fn from(error: DatasetError) -> Self {
-        match error {
-            DatasetError::Cancelled(_) => Self::Cancelled,
-            other => Self::failed(other),
-        }
+        Self::of(&error, matches!(error, DatasetError::Cancelled(_)))
     }
 }
 
 impl From<EvaluateError> for JobError {
     fn from(error: EvaluateError) -> Self {
-        match error {
-            EvaluateError::Cancelled(_) => Self::Cancelled,
-            other => Self::failed(other),
-        }
+        Self::of(&error, matches!(error, EvaluateError::Cancelled(_)))
     }
 }
 
 impl From<FiguresError> for JobError {
     fn from(error: FiguresError) -> Self {
-        match error {
-            FiguresError::Cancelled(_) => Self::Cancelled,
-            other => Self::failed(other),
-        }
+        Self::of(&error, matches!(error, FiguresError::Cancelled(_)))
     }
 }

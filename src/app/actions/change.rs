@@ -32,6 +32,10 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
         model.change_panes(Change::LayOut(model.focus(), preset));
         return None;
     }
+    if let Some(workspace) = workspace(id) {
+        model.open_workspace(workspace);
+        return None;
+    }
     match id {
         A::CloseDataset => return Some(model.close_dataset()),
         A::CutSequence => return model.cut_of_open_burst(),
@@ -135,7 +139,7 @@ fn built_in(id: ActionId) -> Option<BurstSource> {
     }))
 }
 
-fn layout(id: ActionId) -> Option<Preset> {
+pub(super) fn layout(id: ActionId) -> Option<Preset> {
     use ActionId as A;
     Some(match id {
         A::LayoutSingle => Preset::Single,
@@ -148,6 +152,19 @@ fn layout(id: ActionId) -> Option<Preset> {
         A::LayoutSlice => Preset::Slice,
         A::LayoutScales => Preset::Scales,
         A::LayoutTwoByTwo => Preset::TwoByTwo,
+        _ => return None,
+    })
+}
+
+pub(super) fn workspace(id: ActionId) -> Option<Workspace> {
+    use ActionId as A;
+    Some(match id {
+        A::WorkspaceInspect => Workspace::Inspect,
+        A::WorkspacePair => Workspace::Pair,
+        A::WorkspaceMethods => Workspace::Methods,
+        A::WorkspaceMatches => Workspace::Matches,
+        A::WorkspaceTrajectories => Workspace::Trajectories,
+        A::WorkspaceLab => Workspace::Lab,
         _ => return None,
     })
 }
@@ -208,12 +225,6 @@ fn change_values(id: ActionId, model: &mut Model) {
             model.show_against(side, (!on).then_some(With::Truth));
             model.bottom_tab = BottomTab::Compared;
         }
-        A::WorkspaceInspect => model.open_workspace(Workspace::Inspect),
-        A::WorkspacePair => model.open_workspace(Workspace::Pair),
-        A::WorkspaceMatches => model.open_workspace(Workspace::Matches),
-        A::WorkspaceTrajectories => model.open_workspace(Workspace::Trajectories),
-        A::WorkspaceMethods => model.open_workspace(Workspace::Methods),
-        A::WorkspaceLab => model.open_workspace(Workspace::Lab),
         A::KeepCurves => model.lab.keep_current(),
         A::MeasureLine => model.measure.toggle(Tool::Line),
         A::MeasureRegion => model.measure.toggle(Tool::Region),

@@ -153,15 +153,6 @@ impl Purpose {
 
     pub fn hint(self) -> &'static str {
         match self {
-            Self::OpenFolder
-            | Self::OpenFiles
-            | Self::OpenPath
-            | Self::OpenFolderB
-            | Self::OpenFilesB
-            | Self::OpenPathB
-            | Self::OpenBias
-            | Self::OpenFlat
-            | Self::OpenGold(_) => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
             Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
             Self::OpenEstimate | Self::OpenTruth => {
                 "A sparse model (its folder, or a file of it), or a file of lines: timestamp tx ty tz qx qy qz qw"
@@ -176,28 +167,19 @@ impl Purpose {
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
             Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
             Self::Export(_) => "The file to write",
+            _ => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
         }
     }
 
     /// The extensions that the dialog offers; empty for all files.
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
-            Self::OpenFolder
-            | Self::OpenDataset
-            | Self::OpenLessons
-            | Self::FeatureFolder
-            | Self::PaperFigures
-            | Self::ExportDatabase
-            | Self::OpenEstimate
-            | Self::OpenTruth
-            | Self::OpenPath
-            | Self::OpenFolderB
-            | Self::OpenPathB => Vec::new(),
             Self::OpenFiles | Self::OpenFilesB => [crate::burst::supported_extensions(), vec![CASE_EXTENSION]].concat(),
             Self::OpenBias | Self::OpenFlat | Self::OpenGold(_) => crate::burst::supported_extensions(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::OpenFeatures(_) => vec!["csv", "txt"],
             Self::Export(kind) => vec![kind.extension()],
+            _ => Vec::new(),
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::engine::{Engine, Wanted};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
 use crate::inspect::verdict::Judged;
-use crate::inspect::words::counted_from_one;
+use crate::inspect::words::{capitalised, counted_from_one};
 use crate::requests::{
     CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Running,
 };
@@ -250,9 +250,7 @@ impl Model {
 
 /// A verdict with its reason, as sentences. Features are counted from 1.
 pub fn verdict_words(judged: &Judged) -> String {
-    let clause = judged.verdict.clause();
-    let (first, rest) = clause.split_at(1);
-    format!("{}{rest}: {}.", first.to_uppercase(), counted_from_one(&judged.why))
+    format!("{}: {}.", capitalised(judged.verdict.clause()), counted_from_one(&judged.why))
 }
 
 /// A coherence in words; `None` is too noisy to tell.

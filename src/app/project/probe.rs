@@ -14,6 +14,7 @@ use crate::engine::{Engine, Wanted};
 use crate::inspect::price::time_factor;
 use crate::inspect::probe::Wanted as Subject;
 use crate::inspect::remedy::nearest_slope;
+use crate::inspect::words::capitalised;
 use crate::requests::{BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Traced};
 use crate::synth::Example;
 use serde::{Deserialize, Serialize};
@@ -309,8 +310,7 @@ impl Model {
         let answer = self.probe.answer.as_ref().filter(|_| self.probe.side == side && !self.probe_is_stale());
         let known = answer.and_then(|answer| answer.prices.iter().find(|(of, _)| of == change));
         if let Some((_, price)) = known {
-            let sentence = price.sentence();
-            return Some(sentence[..1].to_uppercase() + &sentence[1..]);
+            return Some(capitalised(&price.sentence()));
         }
         let (found, burst) = (self.found_of(side)?, self.burst_of(side)?);
         let changed = change.applied(&found.params).ok()?;

@@ -47,7 +47,6 @@ pub struct Session {
     pub calibration: OpenOptions,
     #[serde(default)]
     pub colour_by: ColourBy,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depths_by: Option<SetUp>,
     #[serde(default)]
     pub bottom_tab: BottomTab,
@@ -59,11 +58,8 @@ pub struct Session {
     pub scrub: Cursor,
     #[serde(default)]
     pub view: View,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub panes: Option<SavedPanes>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pair_panes: Option<SavedPanes>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub methods_panes: Option<SavedPanes>,
     #[serde(default)]
     pub look: Look,
@@ -71,15 +67,10 @@ pub struct Session {
     pub filter: Filter,
     #[serde(default)]
     pub order: Order<Column>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedSelection>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub probe: Option<SavedProbe>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub against: Option<SavedAgainst>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dataset: Option<SavedDataset>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trajectories: Option<SavedTrajectories>,
     #[serde(default)]
     pub workspace: Workspace,
@@ -87,9 +78,7 @@ pub struct Session {
     pub pair: PairSession,
     #[serde(default)]
     pub methods: CompareLook,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gold: Option<BurstSource>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planted: Option<RecoverStudy>,
 }
 

@@ -25,20 +25,15 @@ use std::path::{Path, PathBuf};
 #[serde(deny_unknown_fields)]
 pub struct SavedDataset {
     pub source: DatasetSource,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub folder: Option<PathBuf>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub a: Option<usize>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub b: Option<usize>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedTrajectories {
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimate: Option<PathBuf>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<PathBuf>,
     #[serde(default)]
     pub projection: Projection,
@@ -106,24 +101,18 @@ fn sound(mut params: MatchParams) -> MatchParams {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PairSession {
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub burst: Option<BurstSource>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub gold: Option<BurstSource>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub probe: Option<SavedProbe>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<SavedAgainst>,
     pub active: Side,
     pub links: Links,
     pub params: MatchParams,
     pub scrub: Cursor,
     pub view: View,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub look: Option<Look>,
     pub match_look: MatchLook,
     pub order: Order<MatchColumn>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedMatch>,
 }
 

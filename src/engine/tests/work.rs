@@ -28,15 +28,14 @@ fn work_tells_on_the_way_and_what_was_superseded_tells_nothing_more() {
     jobs.submit_for(0, 1);
     let mut told = Vec::new();
     wait_for(|| {
-        told.extend(jobs.take_news().0);
+        told.extend(jobs.take_told());
         (told == [10]).then_some(())
     });
     jobs.submit_for(0, 2);
     let (mut told, mut answers) = (Vec::new(), Vec::new());
     wait_for(|| {
-        let (more, ended) = jobs.take_news();
-        told.extend(more);
-        answers.extend(ended);
+        answers.extend(jobs.take_answers());
+        told.extend(jobs.take_told());
         (answers.len() == 2).then_some(())
     });
     assert_eq!(told, [20, 21]);
