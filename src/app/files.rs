@@ -34,8 +34,6 @@ use std::path::{Path, PathBuf};
 
 const NO_MATCHES: &str = "there are no matches; open a second burst and press Match first";
 
-/// Question for files: with the suggested name of a new file, and the folder of the open burst, or that of the
-/// dataset's features where these are exported.
 pub(super) fn question(purpose: Purpose, model: &Model) -> Question {
     let kept = feature_folder(model).filter(|folder| purpose == Purpose::ExportDatabase && folder.is_dir());
     let folder = kept.or_else(|| folder_of_burst(model));
@@ -88,11 +86,10 @@ pub(super) fn drop_places(model: &Model, widgets: &PaneWidgets) -> Vec<(egui::Re
         return Vec::new();
     }
     let place = |id| Some((widgets.rect_ui(id)?, model.panes.get(id)?.side));
-    model.visible_panes().into_iter().filter_map(place).collect()
+    model.panes.shown().into_iter().filter_map(place).collect()
 }
 
-/// Purpose of files that were dropped on the window, over a pane of `side`. `calibration` is the one that is being set,
-/// while its dialog is open.
+/// `calibration` is the one that is being set, while its dialog is open.
 pub(super) fn purpose_of_dropped(
     paths: &[PathBuf],
     side: Side,
@@ -125,7 +122,6 @@ pub(super) fn purpose_of_dropped(
     }
 }
 
-/// Uses files for a purpose that concerns the project alone; does nothing for other purposes.
 pub(super) fn use_files(purpose: Purpose, paths: Vec<PathBuf>, model: &mut Model, engine: &Engine) {
     let Some(first) = paths.first().cloned() else { return };
     match purpose {
@@ -188,10 +184,8 @@ pub(super) fn write(purpose: Purpose, path: PathBuf, model: &mut Model, widgets:
     }
 }
 
-/// Writes a file; the error says what went wrong.
 type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 
-/// Prepares the writing of the file for `purpose`, with a snapshot of all it needs of the model.
 fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     match purpose {
         Purpose::SaveParams => Ok(settings_work(model.asked().to_toml())),

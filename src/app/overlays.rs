@@ -64,13 +64,11 @@ impl Overlays {
         self.path_field = Some(PathField::new(purpose, text, instead_of_dialog));
     }
 
-    /// Whether cutting the open film is offered: it was not declined, and how it is cut is not being asked.
     pub fn offers_cut(&self, model: &Model) -> bool {
         let open = model.slots.a.burst.as_ref().map(|open| open.id);
         model.is_film() && self.stays_whole != open && self.cut.is_none()
     }
 
-    /// Keeps the open film as one burst: cutting it is not offered any more.
     pub fn keep_whole(&mut self, model: &Model) {
         self.stays_whole = model.slots.a.burst.as_ref().map(|open| open.id);
     }

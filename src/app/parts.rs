@@ -19,7 +19,6 @@ fn with<T>(ctx: &Context, use_parts: impl FnOnce(&mut Parts) -> T) -> T {
     ctx.data_mut(|data| use_parts(data.get_temp_mut_or_default(Id::unique("parts of the window"))))
 }
 
-/// Records that `part` was drawn in `rect`, if it is wanted, and scrolls to it.
 pub fn mark(ui: &Ui, part: Part, rect: Rect) {
     let pass = ui.ctx().cumulative_pass_nr();
     let scroll = with(ui.ctx(), |parts| {
@@ -42,7 +41,6 @@ pub fn mark(ui: &Ui, part: Part, rect: Rect) {
     }
 }
 
-/// Whether `part` is pointed at: a fold that holds it is opened then.
 pub fn is_wanted(ctx: &Context, part: Part) -> bool {
     with(ctx, |parts| parts.wanted.contains(&part))
 }

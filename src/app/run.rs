@@ -21,7 +21,6 @@ use std::time::{Duration, Instant};
 /// The name under which the desktop knows the program, and under which settings are stored.
 const APP_ID: &str = "burstscope";
 
-/// Pixels of the icon on each side; desktops make it smaller.
 const ICON_SIDE: u32 = 256;
 
 const RUNNING_FOLDER: &str = "running";
@@ -84,7 +83,6 @@ pub fn run(mut startup: Startup) -> anyhow::Result<()> {
     }
 }
 
-/// Draws the kept window on a new device until it is closed; without a kept one, creates and keeps it.
 fn draw_until_closed(
     window: &Kept,
     startup: &mut Option<Startup>,

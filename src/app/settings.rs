@@ -18,7 +18,6 @@ const MAX_RECENT: usize = 12;
 pub struct Settings {
     pub recent: Vec<BurstSource>,
     pub datasets: Vec<DatasetSource>,
-    /// Frames of a burst when a sequence was last cut.
     pub burst_length: usize,
     pub theme: egui::ThemePreference,
     pub panels: Panels,

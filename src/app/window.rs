@@ -52,7 +52,6 @@ pub struct BurstscopeApp {
     pub(super) captions: Captions,
     pub(super) desk: Desk,
     pub(super) recovery: Option<Recovery>,
-    /// Reason why the device that drew the window was lost, until another draws it.
     pub(super) lost_device: Option<String>,
     pub(super) end: EndRequest,
     pub(super) is_ending: bool,
@@ -130,7 +129,6 @@ impl BurstscopeApp {
         self.desk.is_asking()
     }
 
-    /// Runs one pass: takes answers and input, draws the window, and requests what is missing.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.theme);
@@ -228,9 +226,9 @@ impl BurstscopeApp {
     }
 
     fn forget_closed_panes(&mut self) {
-        let panes = &self.model.panes;
+        let Model { panes, wanted_pictures, .. } = &mut self.model;
         self.widgets.retain(|id| panes.get(id).is_some());
-        self.model.forget_closed_pictures();
+        wanted_pictures.retain(|id, _| panes.get(*id).is_some());
     }
 
     fn keep_session(&mut self, ctx: &egui::Context) {
@@ -384,7 +382,6 @@ impl BurstscopeApp {
         self.widgets.pos_ui(PaneId::of(side), pos_image)
     }
 
-    /// The value under the pointer; with several panes those of all that are linked.
     fn readout(&self) -> Option<String> {
         if self.model.panes.are_many() {
             let (first, rest) = self.widgets.values.split_first()?;
@@ -397,7 +394,7 @@ impl BurstscopeApp {
                 values.join("  ")
             ));
         }
-        let readouts = self.model.visible_panes().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
+        let readouts = self.model.panes.shown().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
         readouts.into_iter().next().map(|readout: Readout| readout.to_string())
     }
 
@@ -409,13 +406,11 @@ impl BurstscopeApp {
         &self.settings.recent
     }
 
-    /// Bursts of which the user has to choose one before anything is opened; usually none.
     pub fn choice(&self) -> &[BurstSource] {
         &self.overlays.choice
     }
 
-    /// Whether the device is lost. If so, saves the session, in case no other device is found, and closes the window to
-    /// be opened again.
+    /// Saves the session, in case no other device is found, and closes the window to be opened again.
     fn leaves_lost_device(&mut self, ctx: &egui::Context) -> bool {
         let Some(gpu) = super::gpu::Gpu::of(ctx) else { return false };
         let Some(why) = gpu.lost() else { return false };
@@ -443,8 +438,6 @@ impl BurstscopeApp {
         true
     }
 
-    /// Takes the reason why the device was lost, if it was, and shows it as an error: another device draws the window
-    /// from now on.
     pub(super) fn take_lost_device(&mut self) -> Option<String> {
         let why = self.lost_device.take()?;
         let text = format!("the driver gave it up ({why}); the window was opened again, and nothing else has changed");

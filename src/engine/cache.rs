@@ -36,8 +36,7 @@ impl PictureCache {
         Some(picture.clone())
     }
 
-    /// Keeps `picture`, dropping others as needed. Frames are not kept: the burst holds them. Nor is a picture that
-    /// exceeds the budget.
+    /// Frames are not kept: the burst holds them. Nor is a picture that exceeds the budget.
     pub fn insert(&mut self, picture: &Picture) {
         let size = picture.bytes();
         if picture.is_frame() || size > self.budget_bytes {

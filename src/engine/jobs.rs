@@ -55,7 +55,6 @@ impl<Q, A, P> Shared<Q, A, P> {
     }
 }
 
-/// One kind of work: requests `Q`, answers `A`, partial results `P`.
 pub struct Jobs<Q, A, P = Infallible> {
     queue: Arc<JobQueue>,
     kind: u32,
@@ -80,7 +79,6 @@ impl<Q: Send + 'static, A: Send + 'static> Jobs<Q, A> {
 }
 
 impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
-    /// Creates a kind of work with partial results. They are polled before the answer or with it.
     pub fn telling(
         queue: &Arc<JobQueue>,
         urgency: Urgency,
@@ -97,7 +95,6 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         JobKey { kind: self.kind, slot }
     }
 
-    /// Submits a request for `slot`, which supersedes only requests for the same slot.
     pub fn submit_for(&self, slot: u32, request: Q) -> JobId {
         self.submit_as(self.manner, slot, request)
     }
@@ -107,7 +104,6 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         self.queue.submit(self.key(slot), manner, Box::new(job))
     }
 
-    /// Answers a request for `slot` that needs no work, as if it had been submitted and had run.
     pub fn publish_for(&self, slot: u32, answer: A) -> JobId {
         self.queue.publish(self.key(slot), |id| self.shared.answer(slot, id, Ok(answer), Duration::ZERO))
     }

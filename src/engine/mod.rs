@@ -32,7 +32,6 @@ use stores::Stores;
 /// Callback after something was published; may be called from any thread.
 pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
 
-/// Default budget of the picture cache, bytes.
 pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
 
 /// The background work of one window. Dropping it cancels what runs, finishes the files that are being written, and
@@ -50,8 +49,7 @@ impl std::fmt::Debug for Engine {
 }
 
 impl Engine {
-    /// Starts the threads. `on_update` is called (from any of them) whenever there is news; pictures are kept up to
-    /// `cache_bytes`.
+    /// `on_update` is called, from any thread, whenever there is news.
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let queue = Arc::new(JobQueue::new(on_update));
         Self { tasks: task::Tasks::new(&queue), stores: Stores::new(cache_bytes), queue }
@@ -61,7 +59,6 @@ impl Engine {
         self.stores.trails.keep_only(open);
     }
 
-    /// Runs `work`, such as writing a file, and finishes it even when the window closes. `label` names it in messages.
     pub fn task(
         &self,
         label: impl Into<String>,

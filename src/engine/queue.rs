@@ -22,8 +22,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use threads::{unique_key, work};
 
-/// Lowest urgency that each thread takes. So pictures, files and pictures that take a search have threads of their own,
-/// and searches go on beside datasets.
+/// Lowest urgency that each thread takes: pictures never wait for files or searches, nor searches for datasets.
 pub(super) const THREADS: [Urgency; 8] = [
     Urgency::Picture,
     Urgency::Write,
@@ -50,7 +49,6 @@ pub(super) struct Manner {
     pub(super) lane: Lane,
 }
 
-/// Requests that run one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lane {
     Kind(u32),
@@ -59,14 +57,12 @@ pub(super) enum Lane {
 
 /// Work that waits: either `run` or `end` is called, once.
 pub(super) trait QueuedJob: Send {
-    /// Does the work on a thread with the given name. Returns a function that publishes the answer, or
-    /// [`JobError::Superseded`] in its place.
+    /// Returns a function that publishes the answer, or [`JobError::Superseded`] in its place.
     fn run(self: Box<Self>, id: JobId, thread: &str, monitor: &Monitor) -> Publish;
 
     fn end(self: Box<Self>, id: JobId, why: JobError);
 }
 
-/// Publishes a finished answer; the argument says whether it is still wanted.
 pub(super) type Publish = Box<dyn FnOnce(Standing) + Send>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -140,7 +136,6 @@ impl JobQueue {
         id
     }
 
-    /// Answers a request under `key` that needs no work: `publish` puts the answer where it is polled.
     pub(super) fn publish(&self, key: JobKey, publish: impl FnOnce(JobId)) -> JobId {
         let mut state = self.shared.lock();
         let id = state.next_id();

@@ -125,7 +125,6 @@ impl Trails {
 }
 
 impl TrailStore for Trails {
-    /// Keeps the trail if the budget allows it; the least recently used are dropped.
     fn put(&self, open: &OpenBurst, cache: &Arc<ProbeCache>) {
         let key = Key { burst: open.id, params: cache.made_with() };
         let kept = Kept { key, open: open.clone(), cache: cache.clone() };
@@ -227,7 +226,6 @@ struct Making<'a> {
 }
 
 impl<'a> Making<'a> {
-    /// Marks the trail of `key` as being made; `None` while another thread makes it.
     fn begin(trails: &'a Trails, key: &'a Key) -> Option<Self> {
         let mut state = trails.lock();
         if state.making.contains(key) {

@@ -9,8 +9,7 @@ use std::any::TypeId;
 use std::fmt;
 use std::time::Duration;
 
-/// Grace of superseded requests for pictures, so that the picture follows a slider; one that takes longer is cancelled,
-/// so that the next does not wait for it.
+/// So that the picture follows a slider; one that takes longer is cancelled, so that the next does not wait.
 const PICTURE_GRACE: Duration = Duration::from_millis(250);
 
 type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Told>;
@@ -25,7 +24,6 @@ pub struct Wanted<R: Request> {
     jobs: Option<JobsOf<R>>,
     /// Requests without an answer, the latest last.
     pending: Vec<(JobId, R)>,
-    /// The request that ended last, and its error if it failed.
     ended: Option<(R, Option<JobError>)>,
     running: Option<Running>,
 }
@@ -73,6 +71,13 @@ impl<R: Request> Wanted<R> {
         };
         if !is_known {
             self.ask(engine, wanted);
+        }
+    }
+
+    /// Requests `missing`, if anything is missing; otherwise what runs goes on.
+    pub fn want_missing(&mut self, engine: &Engine, missing: Option<R>) {
+        if missing.is_some() {
+            self.want(engine, missing);
         }
     }
 
@@ -181,8 +186,6 @@ pub trait Want {
     fn urgency(&self) -> Option<Urgency>;
 
     fn cancel(&self);
-
-    fn forget(&mut self);
 }
 
 impl<R: Request> Want for Wanted<R> {
@@ -196,9 +199,5 @@ impl<R: Request> Want for Wanted<R> {
 
     fn cancel(&self) {
         Wanted::cancel(self);
-    }
-
-    fn forget(&mut self) {
-        Wanted::forget(self);
     }
 }

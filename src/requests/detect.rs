@@ -77,12 +77,10 @@ impl Request for DetectRequest {
 pub struct Detected {
     pub burst: BurstId,
     pub asked: SearchParams,
-    /// The parameters that were used, with the slopes that were found if they were to be found.
     pub params: DetectorParams,
     /// Parameters of the search that left what the features were judged from: `params`, or less strict ones. Those that
     /// [follow](crate::detector::follows) from them need no other search.
     pub searched: DetectorParams,
-    /// Time that that search took, seconds.
     pub search_secs: f32,
     pub finding: Option<SlopeFinding>,
     pub detection: Arc<Detection>,

@@ -69,7 +69,6 @@ fn options(params: &SearchParams) -> Vec<(&'static str, Option<String>)> {
     options.into_iter().map(|(name, value)| (name, Some(value))).collect()
 }
 
-/// Quotes `text` where a shell needs it, so that it is one word.
 fn quoted(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:+,=@%".contains(c);
     if !text.is_empty() && text.chars().all(plain) {

@@ -18,7 +18,6 @@ pub enum JobError {
     /// The input, a parameter or a limit is at fault; the message says which and what would be right.
     #[error("{0}")]
     Failed(String),
-    /// There is more than one burst at the place that was to be opened.
     #[error("there are {} bursts here; open one of them", .0.len())]
     Several(Vec<BurstSource>),
     #[error("this is a mistake in Burstscope, please report it: {message} (at {place})")]

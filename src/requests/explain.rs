@@ -195,8 +195,7 @@ pub struct Probed {
     pub prices: Vec<(ParamChange, Price)>,
 }
 
-/// The candidate with the largest |D| over its noise, of those at a maximum of their own; in a burst without noise with
-/// the largest |D|.
+/// The largest |D| over its noise (or |D|) of those at a maximum of their own.
 fn strongest(cache: &ProbeCache, monitor: &Monitor) -> Result<CandidateMark, JobError> {
     let strength = |mark: &CandidateMark| if mark.snr.is_finite() { mark.snr } else { mark.value.abs() };
     for min_snr in [SurveyOptions::default().min_snr, 0.0] {

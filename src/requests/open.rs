@@ -21,7 +21,6 @@ pub struct OpenBurst {
     pub id: BurstId,
     pub burst: Arc<Burst>,
     pub source: BurstSource,
-    /// Truth of what is planted in the frames, if anything is.
     planted: Option<Arc<Truth>>,
 }
 
@@ -37,7 +36,6 @@ impl OpenBurst {
         Self { id: BurstId(COUNTER.fetch_add(1, Ordering::Relaxed)), burst: Arc::new(burst), source, planted: None }
     }
 
-    /// Reads or computes the truth of the burst; `None` if it is not known.
     pub fn truth(&self, monitor: &Monitor) -> Result<Option<Truth>, TruthError> {
         if let Some(truth) = &self.planted {
             return Ok(Some(Truth::clone(truth)));

@@ -9,18 +9,15 @@ use std::time::{Duration, Instant};
 /// Two requests are equal if they have the same answer.
 pub trait Request: Clone + PartialEq + Send + 'static {
     type Answer: Send + 'static;
-    /// A result that is told before the answer, such as one burst of many;
-    /// [`Infallible`](std::convert::Infallible) where there is none.
+    /// A result that is told before the answer, such as one burst of many.
     type Told: Send + 'static;
 
     fn urgency(&self) -> Urgency;
 
-    /// The answer, if it is kept already and needs no work.
     fn kept(&self, _kept: &Kept<'_>) -> Option<Self::Answer> {
         None
     }
 
-    /// Computes the answer on the calling thread and its pool.
     fn compute(self, work: &Work<'_, Self::Told>) -> Result<Self::Answer, JobError>;
 }
 
@@ -61,7 +58,6 @@ impl PictureStore for NothingKept {
 pub struct Work<'a, T> {
     pub kept: Kept<'a>,
     pub monitor: &'a Monitor,
-    /// Takes results that are told before the answer.
     pub tell: &'a (dyn Fn(T) + Sync),
 }
 
@@ -94,14 +90,12 @@ pub struct Running {
 }
 
 impl Running {
-    /// Estimate of the time left at the present speed; `None` while there is none.
     pub fn time_left(&self) -> Option<Duration> {
         time_left(self.started.elapsed(), self.progress?.fraction)
     }
 }
 
-/// Estimate of the time left of work that has done `fraction` in `gone`, at the present speed; `None` below a
-/// fraction of 0.03 and within the first 0.5 s.
+/// `None` below a fraction of 0.03 and within the first 0.5 s.
 fn time_left(gone: Duration, fraction: f32) -> Option<Duration> {
     let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
     can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))

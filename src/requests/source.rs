@@ -122,7 +122,6 @@ impl BurstSource {
         }
     }
 
-    /// Checks the numbers by which the burst is made, as far as they can be checked without it.
     pub fn check(&self) -> Result<(), SourceError> {
         match self {
             Self::Demo | Self::DemoLater | Self::Example(_) | Self::Paths(_) => Ok(()),
@@ -143,7 +142,6 @@ impl BurstSource {
         Ok(self.burst_and_planted(options, monitor)?.0)
     }
 
-    /// Reads or makes the burst, with the truth of what is planted in it, if anything is.
     pub(super) fn burst_and_planted(
         &self,
         options: &OpenOptions,

@@ -17,10 +17,7 @@ pub struct DetectionSource {
 }
 
 impl DetectionSource {
-    /// Repeats the detection and returns its trail. The slopes are known: they are not searched for again.
-    ///
-    /// # Errors
-    /// As [`ProbeCache::new`].
+    /// The slopes are known: they are not searched for again.
     pub fn trail(&self, monitor: &Monitor) -> Result<ProbeCache, JobError> {
         Ok(trail_of(&self.burst, &self.params, monitor)?.asked_as(&self.asked, self.finding.as_ref()))
     }
@@ -30,8 +27,7 @@ pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
 
-/// Store of the trails of detections, which the next request may need. [`NothingKept`] keeps none. The answers are the
-/// same with every store, but for the tally of a detection that is [judged](TrailStore::rejudged) from an earlier one.
+/// The answers are the same with every store, but for the tally of a detection that is judged from an earlier one.
 pub trait TrailStore {
     fn put(&self, burst: &OpenBurst, trail: &Arc<ProbeCache>);
 
@@ -40,11 +36,7 @@ pub trait TrailStore {
 
     fn asked(&self, burst: &OpenBurst, asked: &SearchParams) -> Option<Arc<ProbeCache>>;
 
-    /// Trail of the detection that was asked for with `asked`, judged from what the search of a kept one left, see
-    /// [`ProbeCache::rejudged`]. It then stands for that one too.
-    ///
-    /// # Errors
-    /// [`JobError::Cancelled`] once `monitor` was cancelled.
+    /// Judged from what the search of a kept one left, see [`ProbeCache::rejudged`]. It then stands for that one too.
     fn rejudged(
         &self,
         burst: &OpenBurst,
@@ -56,7 +48,6 @@ pub trait TrailStore {
 
     fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError>;
 
-    /// Trail of the detection of `burst` with `params`, however it was asked for: kept, or made now.
     fn get_or_make_for(
         &self,
         burst: &OpenBurst,
@@ -68,7 +59,6 @@ pub trait TrailStore {
 /// Fraction of the progress that making a trail takes, where it is not kept.
 const TRAIL_SHARE: f32 = 0.6;
 
-/// Trail of `source`, kept or made now, and a monitor for the rest of the work.
 pub(super) fn trail_and_rest(
     trails: &dyn TrailStore,
     source: &DetectionSource,
@@ -81,7 +71,6 @@ pub(super) fn trail_and_rest(
     Ok((trail, monitor.part(share, 1.0 - share)))
 }
 
-/// Store that keeps nothing: every trail is made anew.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NothingKept;
 

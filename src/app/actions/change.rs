@@ -50,7 +50,11 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
         A::CancelDataset => model.datasets.wanted.cancel(),
         A::CancelStudy => model.lab.wanted.cancel(),
         A::CancelFigures => model.figures.cancel(),
-        A::Match => model.start_matching(engine),
+        A::Match => {
+            if let Some(wanted) = model.wanted_matches() {
+                model.pair.matching.ask(engine, wanted);
+            }
+        }
         A::MatchPairs => model.match_pairs(engine),
         A::MatchSelected => model.match_selected(engine),
         A::RunStudy => model.run_study(engine),
@@ -278,7 +282,11 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::ClearSelection => (model.selected, model.slots.a.against.selected) = (None, None),
         A::ClearFilter => model.filter = Default::default(),
         A::OtherSide => model.focus_other_side(),
-        A::ProbeExpected => model.probe_expected(),
+        A::ProbeExpected => {
+            if let Some(place) = model.expected_place() {
+                model.probe_place(Side::B, place);
+            }
+        }
         A::LinkCursors => model.toggle_link(Link::Cursor),
         A::LinkViews => model.toggle_link(Link::View),
         A::LinkRanges => model.toggle_link(Link::Display),

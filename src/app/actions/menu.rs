@@ -194,8 +194,7 @@ fn found_by(text: &str, model: &Model) -> Vec<&'static Action> {
     scored.into_iter().map(|(_, action)| action).collect()
 }
 
-/// Score of the letters of `wanted` found in `label` in their order; `None` if one is missing. Consecutive letters and
-/// beginnings of words count more.
+/// Score of the letters of `wanted` in `label`, in their order; those in a row and at beginnings count more.
 fn score(wanted: &str, label: &str) -> Option<i32> {
     let label: Vec<char> = label.to_lowercase().chars().collect();
     let (mut at, mut total, mut last) = (0, 0, None);
@@ -214,7 +213,6 @@ const SHEET_WIDE: f32 = 900.0;
 const SHEET_COLUMNS: usize = 4;
 const SHEET_HEADING_ROWS: usize = 2;
 
-/// Draws the sheet; `open` becomes false when it is closed.
 pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
     if !*open {
         return;

@@ -19,7 +19,6 @@ use crate::app::words::explained;
 use crate::teach::Shown;
 use crate::teach::glossary::{Word, glossary};
 
-/// Actions requested in this pass, to be run after it.
 pub type Queue = Vec<ActionId>;
 
 /// Text of a shortcut: `Ctrl+O`, `[`, `?`.
@@ -75,8 +74,7 @@ pub fn button_ui(
     response
 }
 
-/// Puts the actions whose shortcuts were pressed in this pass into `queue`. Plain keys are left to a text field that is
-/// being edited, and to an open menu or drop-down: arrows choose in it, and Escape closes it.
+/// Plain keys are left to a text field that is edited, and to an open menu: arrows choose in it, Escape closes it.
 pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
     let plain_keys_are_taken = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
     ctx.input_mut(|input| {

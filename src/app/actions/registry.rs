@@ -12,7 +12,6 @@ pub enum Menu {
     Cursor,
     Detect,
     Features,
-    /// A second burst, and the matches with it.
     Pair,
     Dataset,
     Help,

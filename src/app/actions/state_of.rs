@@ -131,7 +131,6 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
     }
 }
 
-/// Whether a switch is on; `None` for an action that is no switch.
 pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     use ActionId as A;
     let matches = &model.pair.look;

@@ -26,7 +26,6 @@ pub trait FileDialogs: Send + Sync {
     /// Whether there are dialogs at all. May wait for the system.
     fn exist(&self) -> bool;
 
-    /// Asks the question, and waits for the answer. `None`, or no path: the dialog ended without an answer.
     fn ask(&self, question: &Question) -> Option<Vec<PathBuf>>;
 }
 
@@ -124,10 +123,7 @@ impl Desk {
         Self { dialogs, sender, receiver, on_update, open: 0 }
     }
 
-    /// Asks a question.
-    ///
-    /// # Errors
-    /// The question, when an earlier one is not answered yet.
+    /// Returns the question when an earlier one is not answered yet.
     pub fn ask(&mut self, question: Question) -> Result<(), Question> {
         if self.open > 0 {
             return Err(question);

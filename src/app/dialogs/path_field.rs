@@ -75,8 +75,7 @@ fn new_folder(path: &std::path::Path) -> Option<PathBuf> {
     (!folder.exists()).then(|| folder.to_path_buf())
 }
 
-/// Parses a path that was typed or pasted: removes surrounding blanks, quotes and a leading `file://`; replaces a
-/// leading `~/` by the home folder.
+/// Removes surrounding blanks, quotes and a leading `file://`; replaces a leading `~/` by the home folder.
 pub fn path_from_text(text: &str) -> PathBuf {
     let text = text.trim();
     let unquoted = ['"', '\''].iter().find_map(|q| text.strip_prefix(*q)?.strip_suffix(*q)).unwrap_or(text);

@@ -36,15 +36,13 @@ pub struct PaneRegion {
     pub region: Region,
 }
 
-/// The pane whose places a line or rectangle has: the one it was drawn on or, when other panes took its place, the one
-/// in focus, which shows the same burst.
+/// The pane that was drawn on or, when other panes took its place, the one in focus, which shows the same burst.
 fn measured_on(model: &Model, drawn_on: PaneId) -> PaneId {
     let is_replaced = model.workspace == Workspace::Inspect && !model.panes.shown().contains(&drawn_on);
     if is_replaced { model.focus() } else { drawn_on }
 }
 
-/// The pane that was drawn on, or that took its place, and those linked with it by place, in reading order; empty when
-/// its workspace is not open.
+/// The pane that was drawn on and those linked with it by place, in reading order.
 pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
     let (shown, drawn_on) = (model.panes.shown(), measured_on(model, drawn_on));
     if !shown.contains(&drawn_on) {

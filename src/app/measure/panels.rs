@@ -26,7 +26,6 @@ struct Known {
     histogram: Option<Histogram>,
 }
 
-/// Statistics of each pane, kept until its picture or the rectangle changes.
 #[derive(Debug, Default)]
 pub struct RegionCache(HashMap<PaneId, Known>);
 
@@ -168,8 +167,7 @@ fn histogram_ui(ui: &mut Ui, pane: usize, histogram: &Histogram) {
     drawn.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Histogram of the region"));
 }
 
-/// Colours of the panes' curves, in the panes' order: the palette of M. Okabe and K. Ito, which colour-blind readers
-/// can tell apart.
+/// The palette of M. Okabe and K. Ito, which colour-blind readers can tell apart.
 const CURVES: [Color32; 8] = [
     Color32::from_rgb(86, 180, 233),
     Color32::from_rgb(230, 159, 0),

@@ -8,7 +8,7 @@ use crate::app::parts;
 use crate::app::project::Model;
 use crate::app::style;
 use crate::detector::params::{Param, doc};
-use crate::detector::{DetectorParams, SlopeChoice, };
+use crate::detector::{DetectorParams, SlopeChoice};
 use crate::inspect::words::capitalised;
 use crate::teach::Part;
 use egui::{Align, Layout, RichText, Ui};

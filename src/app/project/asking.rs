@@ -3,10 +3,11 @@
 //! Each part of the project holds a [`Wanted`](crate::engine::Wanted) for each of its requests, takes the answers and
 //! requests what is missing. [`Model::wants`] lists them all.
 
+use super::messages::Messages;
 use super::side::Side;
 use super::{Effect, Model};
-use crate::engine::{Engine, Want};
-use crate::requests::Urgency;
+use crate::engine::{Ended, Engine, Want, Wanted};
+use crate::requests::{JobError, Request, Urgency};
 
 impl Model {
     pub fn wants(&self) -> Vec<&dyn Want> {
@@ -40,8 +41,7 @@ impl Model {
         self.wants().iter().any(|want| want.urgency() == Some(Urgency::Search))
     }
 
-    /// Cancels opening, detecting, matching and comparing. Work on datasets, the Lab's studies and the figures of the
-    /// paper are cancelled separately.
+    /// Work on datasets, the Lab's studies and the figures of the paper are cancelled separately.
     pub fn cancel_searches(&self) {
         self.wants().into_iter().filter(|want| want.urgency() == Some(Urgency::Search)).for_each(Want::cancel);
     }
@@ -89,8 +89,7 @@ impl Model {
         effects
     }
 
-    /// Requests what is missing. While the pointer drags a value, long work waits for the final value; features that
-    /// need no search follow it.
+    /// While the pointer drags a value, long work waits for the final one; features that need no search follow it.
     pub(in crate::app) fn ask(&mut self, engine: &Engine, dragging: bool) {
         self.ask_for_pictures(engine, dragging);
         if self.auto_detect && (!dragging || self.features_can_follow(Side::A)) {
@@ -107,13 +106,26 @@ impl Model {
     }
 }
 
+/// The answers since the last pass. A failure becomes a message with this title.
+pub(super) fn answers<R: Request>(wanted: &mut Wanted<R>, title: &str, messages: &mut Messages) -> Vec<R::Answer> {
+    let answer = |ended: Ended<R>| match ended.result {
+        Ok(answer) => Some(answer),
+        Err(JobError::Cancelled) => None,
+        Err(error) => {
+            messages.error(title, error.to_string());
+            None
+        }
+    };
+    wanted.take().into_iter().filter_map(answer).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::app::project::tests::{Bench, open};
     use crate::app::project::workspace::Workspace;
     use crate::detector::{NoiseGate, SlopeGrid};
-    use crate::requests::{BurstSource, JobError};
+    use crate::requests::BurstSource;
     use crate::synth::Example;
     use std::sync::Arc;
 

@@ -32,7 +32,6 @@ impl ViewKind {
 #[serde(default)]
 pub struct Cursor {
     pub kind: ViewKind,
-    /// Frame, counted from 0.
     pub frame: usize,
     /// Slope, pixels per frame.
     pub slope: Slope,
@@ -67,8 +66,7 @@ impl Cursor {
         }
     }
 
-    /// The cursor with all values clamped to the range of the burst and the parameters; slopes that are not finite
-    /// become 0.
+    /// All values clamped to the range of the burst and the parameters; slopes that are not finite become 0.
     #[must_use]
     pub fn within(self, params: &DetectorParams, frame_count: usize, size: (usize, usize)) -> Self {
         let (octaves, levels) = (octave_range(params, size), level_range(params));
@@ -89,14 +87,12 @@ pub fn octave_range(params: &DetectorParams, size: (usize, usize)) -> RangeInclu
     octaves.start..=(octaves.end - 1).max(octaves.start)
 }
 
-/// Levels that the level slider offers: those that features come from, and one more on each side, against which they
-/// are compared.
+/// Those that features come from, and one more on each side, against which they are compared.
 pub fn level_range(params: &DetectorParams) -> RangeInclusive<i32> {
     -1..=params.levels as i32
 }
 
-/// Largest magnitude on the slope sliders, pixels per frame: a little beyond the grid, so that slopes past its edge can
-/// be seen.
+/// Pixels per frame: a little beyond the grid, so that slopes past its edge can be seen.
 pub fn slope_limit(grid: &SlopeGrid) -> f32 {
     (grid.max_magnitude() * 1.25).clamp(1.0, 1e4).ceil()
 }
@@ -112,8 +108,7 @@ pub fn snapped(grid: &SlopeGrid, slope: Slope) -> Slope {
     grid.at(i as f32, j as f32)
 }
 
-/// The slope one step from `slope` along the grid's first (`along_second` false) or second axis: the next slope of the
-/// grid in that direction, or a quarter of a pixel per frame further where that axis has a single slope.
+/// The grid's next slope along its first or second axis; 0.25 px/frame further where that has a single slope.
 pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool) -> Slope {
     let sign = if forward { 1.0 } else { -1.0 };
     let axis = if along_second { &grid.v } else { &grid.u };

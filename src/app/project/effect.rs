@@ -10,7 +10,6 @@ use crate::teach::Lesson;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Change beyond the part of the window that returns it.
 #[derive(Debug)]
 pub enum Effect {
     /// Opening a burst for a side ended, with or without success; a session may have waited for it.

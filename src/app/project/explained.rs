@@ -1,6 +1,7 @@
 //! Explanations of detections: the slopes and the candidates of the one on show, and how evenly the frames contribute
 //! to each feature of either burst (its coherence).
 
+use crate::app::project::asking::answers;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
@@ -18,8 +19,7 @@ use crate::requests::{
 };
 use std::sync::Arc;
 
-/// Detection time, seconds, above which the slopes are examined only on the user's request: that takes nearly as long
-/// again.
+/// Detection time, seconds, above which slopes are examined only on request: that takes nearly as long again.
 pub(in crate::app) const SHORT_SECS: f32 = 5.0;
 
 #[derive(Debug, Default)]
@@ -48,7 +48,6 @@ impl ExplainedState {
         }
     }
 
-    /// Forgets everything but the chosen test: another burst is open.
     pub fn forget(&mut self) {
         *self = Self { shown_test: self.shown_test, ..Self::default() };
     }
@@ -67,14 +66,9 @@ impl Model {
     }
 
     pub(in crate::app) fn take_explanations(&mut self) {
-        let ended = self.explained.asked_slopes.take().into_iter().chain(self.explained.asked_candidates.take());
-        for ended in ended.collect::<Vec<_>>() {
-            match ended.result {
-                Ok(explained) => self.explained.take(explained),
-                Err(JobError::Cancelled) => {}
-                Err(error) => self.messages.error("Explanation", error.to_string()),
-            }
-        }
+        let slopes = answers(&mut self.explained.asked_slopes, "Explanation", &mut self.messages);
+        let candidates = answers(&mut self.explained.asked_candidates, "Explanation", &mut self.messages);
+        slopes.into_iter().chain(candidates).for_each(|explained| self.explained.take(explained));
     }
 
     pub(in crate::app) fn ask_for_explanations(&mut self, engine: &Engine) {
@@ -83,8 +77,7 @@ impl Model {
         self.explained.asked_candidates.want(engine, candidates);
     }
 
-    /// Applies the changes that a piece of advice about the burst of `side` proposes. If they concern the slopes, these
-    /// count as given, and are those of that burst.
+    /// If the changes concern the slopes, these count as given, and are those of the burst of `side`.
     pub fn apply_changes(&mut self, side: Side, changes: &[ParamChange]) -> Result<(), ParamError> {
         let slopes = self.params_of(side).slopes;
         let changed = ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.params.clone() })?;
@@ -97,8 +90,7 @@ impl Model {
         Ok(())
     }
 
-    /// Whether advice about the burst of `side` can be applied: while its features are searched, that on show is of the
-    /// search before.
+    /// While the features of `side` are searched, the advice on show is of the search before.
     pub fn takes_advice(&self, side: Side) -> bool {
         !self.slots[side].detecting.is_pending()
     }
@@ -113,20 +105,17 @@ impl Model {
         (*request == wanted).then_some(spectrum)
     }
 
-    /// Judgement of the slopes of the detection on show: by what the frames show once that is examined, and by the
-    /// detection until then. `None` for features of other parameters than the present ones.
+    /// By what the frames show once that is examined, by the detection until then; `None` for stale features.
     pub fn slope_judgement(&self) -> Option<&SlopeJudgement> {
         let found = self.slots.a.found.as_ref().filter(|_| self.stale().is_none())?;
         self.spectrum().and_then(|spectrum| spectrum.judgement.as_ref()).or(found.judgement.as_ref())
     }
 
-    /// The candidates of the detection on show that fail the chosen test.
     pub fn survey(&self) -> Option<&Arc<Survey>> {
         let (request, survey) = self.explained.candidates.as_ref()?;
         (*request == self.wanted_candidates()?).then_some(survey)
     }
 
-    /// The survey of the detection on show, for its counts: of whichever test its candidates are listed.
     pub fn survey_counts(&self) -> Option<&Arc<Survey>> {
         let (request, survey) = self.explained.candidates.as_ref()?;
         let wanted = self.explain_request(request.question)?;
@@ -137,13 +126,11 @@ impl Model {
         self.survey()?.marks.get(self.explained.selected?)
     }
 
-    /// Whether the detection on show took so long that its slopes are examined only on the user's request.
     pub fn slopes_take_long(&self) -> bool {
         self.slots.a.found.as_ref().is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
     }
 
-    /// Request for the slopes of the detection on show, if they are wanted: always, unless the detection took long. A
-    /// single frame has none.
+    /// Always wanted, unless the detection took long. A single frame has none.
     pub fn wanted_slopes(&self) -> Option<ExplainRequest> {
         let found = self.slots.a.found.as_ref()?;
         let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
@@ -194,16 +181,13 @@ impl CoherenceState {
 }
 
 impl Model {
-    /// Whether coherences and verdicts of A's features are listed: in the open table, by its filter or order, or for
-    /// the selected feature.
     fn lists_verdicts(&self) -> bool {
         let is_in_table = self.shows_bottom() && self.bottom_tab == BottomTab::Table;
         self.workspace == Workspace::Inspect
             && (is_in_table || self.filter.needs_verdicts() || self.selected_feature().is_some())
     }
 
-    /// The request for the features of `side`, if their coherence is to be shown and not known yet. A running detection
-    /// comes first.
+    /// A running detection comes first.
     pub fn missing_coherence(&self, side: Side) -> Option<CoherenceRequest> {
         let is_shown = match self.workspace {
             Workspace::Pair => true,
@@ -222,13 +206,8 @@ impl Model {
 
     pub(in crate::app) fn take_coherences(&mut self) {
         for side in Side::BOTH {
-            for ended in self.coherence.wanted[side].take() {
-                match ended.result {
-                    Ok(coherences) => self.coherence.take(coherences),
-                    Err(JobError::Cancelled) => {}
-                    Err(error) => self.messages.error("Coherence", error.to_string()),
-                }
-            }
+            let taken = answers(&mut self.coherence.wanted[side], "Coherence", &mut self.messages);
+            taken.into_iter().for_each(|coherences| self.coherence.take(coherences));
         }
 
         let open = Side::BOTH.into_iter().filter_map(|side| Some(self.found_of(side)?.detection.clone()));

@@ -55,12 +55,11 @@ impl Default for FilmChoice {
 const STEPS: usize = 2;
 
 impl Model {
-    /// The film of the burst in focus; `None` without a burst, and for panes, whose pictures are there.
     pub fn film_to_export(&self) -> Option<Film> {
         let side = self.active_side();
         let burst = self.burst_of(side)?.clone();
         let found = self.found_of(side);
-        let params = found.map_or_else(|| self.usable_params_of(side).clone(), |found| found.params.clone());
+        let params = found.map_or_else(|| self.slots[side].usable_params.clone(), |found| found.params.clone());
         let grid = params.used_slopes();
         let count = |axis: &SlopeAxis| (STEPS * (axis.count - 1) + 1).min(MAX_FILM_PICTURES);
         let sweep = match self.film.content {

@@ -50,7 +50,6 @@ impl Settings {
         model.check_pair();
     }
 
-    /// Names of the settings that differ from those `before`, for a note.
     fn changed_from(&self, before: &Self) -> String {
         let changed = doc::ALL.iter().filter(|record| record.text(&self.params) != record.text(&before.params));
         let mut names: Vec<&str> = changed.map(|record| record.label).collect();
@@ -74,18 +73,15 @@ impl Settings {
     }
 }
 
-/// Settings before each step that can be undone, and after each that can be redone.
 #[derive(Debug, Default)]
 pub struct History {
     past: Vec<Settings>,
     future: Vec<Settings>,
-    /// The settings before the step that is in progress.
     begun: Option<Settings>,
 }
 
 impl History {
-    /// Records a change from the settings `before` a pass to those `after` it. With `goes_on` the step may continue in
-    /// the next pass, and is recorded when it ends.
+    /// With `goes_on` the step may continue in the next pass, and is recorded when it ends.
     pub fn take(&mut self, before: Settings, after: &Settings, goes_on: bool) {
         if after.is_step_from(&before) {
             self.begun.get_or_insert(before);

@@ -30,7 +30,6 @@ pub struct KeptCurves {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LabSet {
-    /// The newest result, also while it is being made.
     #[default]
     Current,
     Kept(usize),
@@ -52,7 +51,6 @@ pub struct Lab {
     pub roc_row: usize,
     pub hidden: BTreeSet<String>,
     pub selected: Option<(LabSet, StudyPoint)>,
-    /// The seed of the chart that is looked at, counted from the study's first one.
     pub selected_chart: u64,
     /// Whether all that was detected on it is marked, not only what lies above the threshold of the curves.
     pub all_detected: bool,
@@ -61,11 +59,9 @@ pub struct Lab {
     pub wanted_chart: Wanted<ChartOfStudy>,
     pub problem: Option<String>,
     pub dark_copy: NoisyParams,
-    /// Study of things planted in the open burst; its search is that of the window.
     pub planted: RecoverStudy,
     /// The planted thing that is looked at: the seed of its copy, and its number in it.
     pub selected_thing: Option<(u64, usize)>,
-    /// A planted copy that is being opened, and the place that is probed then.
     pub probe_when_open: Option<(BurstSource, [f32; 2])>,
 }
 
@@ -225,9 +221,7 @@ impl Model {
 
     pub(in crate::app) fn ask_for_chart(&mut self, engine: &Engine) {
         let missing = self.lab.selected_chart().filter(|_| self.lab.current_chart().is_none());
-        if missing.is_some() {
-            self.lab.wanted_chart.want(engine, missing);
-        }
+        self.lab.wanted_chart.want_missing(engine, missing);
     }
 }
 
@@ -286,7 +280,6 @@ impl LabQuestion {
         matches!(self, Self::Frames | Self::BurstFrames)
     }
 
-    /// Whether it answers with curves of the same plots as `report`.
     pub fn asks_for(self, report: &StudyReport) -> bool {
         matches!(
             (self, report),
@@ -326,7 +319,6 @@ impl Lab {
         words.map(count).collect()
     }
 
-    /// The study of the present question, with the detector's parameters in `search`, and the open bursts.
     pub fn study(&self, search: &SearchParams, bursts: Option<&BurstsOfStudy>) -> Result<Study, String> {
         let given = (search.slopes == SlopeChoice::Given).then_some(search.detector.slopes);
         Ok(match self.question {

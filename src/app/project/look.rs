@@ -20,7 +20,6 @@ pub struct Ranges {
     pub response: Display,
     pub difference: Display,
     pub noise: Display,
-    /// For maps of shares; the range 0 … 1 unless the user changes it.
     pub share: Display,
     /// Whether the range was set since the burst was opened.
     pub intensity_fixed: bool,
@@ -66,7 +65,6 @@ impl Ranges {
         }
     }
 
-    /// Lets the next picture of each class set its range.
     pub fn forget(&mut self) {
         (self.intensity_fixed, self.response_fixed) = (false, false);
         (self.difference_fixed, self.noise_fixed) = (false, false);
@@ -92,8 +90,7 @@ impl Ranges {
         }
     }
 
-    /// Whether the range of a class was set since the burst was opened; `None` for a class whose range is known
-    /// beforehand.
+    /// `None` for a class whose range is known beforehand.
     fn fixed_mut(&mut self, class: RangeClass) -> Option<&mut bool> {
         match class {
             RangeClass::Intensity => Some(&mut self.intensity_fixed),
@@ -156,8 +153,7 @@ impl FeaturesShown {
     }
 }
 
-/// Standard deviations by which pictures can be smoothed, input pixels: up to more than any scale at which one looks at
-/// single features.
+/// In input pixels: up to more than any scale at which one looks at single features.
 pub const SMOOTHING_PX: Bounds =
     Bounds::new((Bound::Included(0.0), Bound::Included(8.0)), "give 0 to 8 pixels; 0 smooths nothing");
 
@@ -170,8 +166,7 @@ pub struct Look {
     pub motion_vectors: bool,
     pub orientations: bool,
     pub legend: bool,
-    /// Standard deviation of the Gaussian by which pictures are smoothed for looking at them, in input pixels; 0 for
-    /// none.
+    /// σ of the Gaussian by which pictures are smoothed for looking at them, input pixels; 0 for none.
     pub smoothing_px: f32,
 }
 

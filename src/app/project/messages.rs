@@ -19,7 +19,6 @@ pub struct Message {
 pub struct Messages {
     errors: Vec<Message>,
     note: Option<String>,
-    /// Question for a file, with the suggested name, that the last note is about.
     unanswered: Option<(Purpose, String)>,
     newest: u64,
 }
@@ -39,14 +38,12 @@ impl Messages {
         }
     }
 
-    /// Shows a note in the status bar until the next one.
     pub fn note(&mut self, text: impl Into<String>) {
         self.note = Some(text.into());
         self.unanswered = None;
     }
 
-    /// Shows a note that a dialog for a file ended without an answer, or `why` else there is none. The path can be
-    /// typed instead, until the next note.
+    /// The path can be typed instead, until the next note.
     pub fn note_unanswered(&mut self, purpose: Purpose, suggested_name: String, why: &str) {
         self.note(format!("{}: {why}", purpose.title()));
         self.unanswered = Some((purpose, suggested_name));
@@ -72,7 +69,6 @@ impl Messages {
         self.errors.retain(|m| m.id != id);
     }
 
-    /// Removes the errors with this title: the action has succeeded since.
     pub fn resolved(&mut self, title: &str) {
         self.errors.retain(|m| m.title != title);
     }

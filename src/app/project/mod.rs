@@ -79,8 +79,7 @@ pub struct Model {
     pub calibration: OpenOptions,
     pub workspace: Workspace,
     pub slots: Sides<Slot>,
-    /// The parameters as they are being edited; they may be invalid for the moment. If slopes are to be found, their
-    /// grid is the one found last.
+    /// They may be invalid while they are edited. If slopes are to be found, their grid is the one found last.
     pub params: DetectorParams,
     pub slopes: SlopeChoice,
     pub panes: Panes,
@@ -89,20 +88,16 @@ pub struct Model {
     pub(in crate::app) wanted_pictures: HashMap<PaneId, Wanted<PictureRequest>>,
     pub selected: Option<usize>,
     pub hovered: Option<usize>,
-    /// Feature to be selected when the next detection ends.
     pub reselect: Option<SavedSelection>,
     pub filter: Filter,
     pub order: Order<Column>,
-    /// Indices of the features that pass the filter, in the table's order; see [`Model::refresh_listed`].
     pub listed: Vec<usize>,
     pub look: Look,
     pub colour_by: ColourBy,
     pub theme: egui::ThemePreference,
-    /// Whether a detection starts automatically after a change.
     pub auto_detect: bool,
     pub playing: bool,
     pub panels: Panels,
-    /// Width of the window, in points.
     pub window_width_points: f32,
     pub bottom_tab: BottomTab,
     pub pair: PairState,
@@ -115,7 +110,6 @@ pub struct Model {
     pub explained: ExplainedState,
     pub coherence: CoherenceState,
     pub probe: ProbeModel,
-    /// Whether a lesson is open; everything here then belongs to it.
     pub in_lesson: bool,
     pub figures: Wanted<FiguresJob>,
     pub datasets: Datasets,
@@ -145,7 +139,6 @@ impl Model {
         (self.params, self.slopes) = (params.detector, params.slopes);
     }
 
-    /// Whether `side` has an open burst and valid parameters, but no detection with these parameters.
     pub fn needs_detection(&self, side: Side) -> bool {
         let slot = &self.slots[side];
         let is_made = |found: &FoundFeatures| found.asked == self.asked_of(side);

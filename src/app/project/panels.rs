@@ -51,7 +51,6 @@ pub struct Panels {
     pub bottom: Visibility,
     pub filmstrip: bool,
     pub advanced: bool,
-    /// The card of the first start, until it is dismissed.
     pub welcome: bool,
 }
 
@@ -94,7 +93,6 @@ impl Model {
         self.panels.bottom.or(self.workspace != Workspace::Inspect)
     }
 
-    /// Opens the panel on the left, also in a narrow window.
     pub fn open_left(&mut self) {
         self.panels.left = Visibility::Open;
         if !self.shows_left() {

@@ -8,12 +8,10 @@ use crate::app::project::side::Side;
 use crate::app::view::View;
 use std::time::{Duration, Instant};
 
-/// Minimum time for which each slope is shown while slopes are played.
 const PLAY_EVERY: Duration = Duration::from_millis(220);
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// Add a second pane beside this one.
     Split(PaneId, Direction),
     Close(PaneId),
     LayOut(PaneId, Preset),
@@ -24,9 +22,7 @@ pub enum Change {
 /// Changes of this pass that were set explicitly, so that nothing follows from them.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SetExplicitly {
-    /// Each cursor was set to its own place: none follows another.
     pub cursors: bool,
-    /// Settings were changed by something that is no step to undo.
     pub history: bool,
 }
 
@@ -75,7 +71,6 @@ impl Model {
         (self.set_explicitly.cursors, self.set_explicitly.history) = (true, true);
     }
 
-    /// Moves the cursors that are linked to the one in focus, if that has moved since `before`.
     pub(in crate::app) fn lead_cursors(&mut self, before: CursorBefore) {
         let are_set = std::mem::take(&mut self.set_explicitly.cursors);
         if !are_set && before.focus == self.focus() && before.cursor != *self.cursor() {
@@ -86,7 +81,7 @@ impl Model {
     }
 
     pub fn change_views(&mut self, change: impl Fn(&mut View)) {
-        let (focus, shown) = (self.focus(), self.visible_panes());
+        let (focus, shown) = (self.focus(), self.panes.shown());
         let is_linked = self.focused().links.view;
         for (id, pane) in self.panes.iter_mut() {
             if id == focus || (is_linked && pane.links.view && shown.contains(&id)) {

@@ -5,7 +5,8 @@
 //! same panes always get the same range.
 
 use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
-use crate::app::project::cursor::{Cursor, ViewKind};
+use crate::app::project::asking::answers;
+use crate::app::project::cursor::Cursor;
 use crate::app::project::look::{RangeClass, Ranges};
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
@@ -45,10 +46,6 @@ impl Model {
         self.focused().picture.as_ref()
     }
 
-    pub fn visible_panes(&self) -> Vec<PaneId> {
-        self.panes.shown()
-    }
-
     pub fn burst_of(&self, side: Side) -> Option<&OpenBurst> {
         self.slots[side].burst.as_ref()
     }
@@ -61,10 +58,6 @@ impl Model {
         self.found_of(side).is_some_and(|found| found.asked == self.asked_of(side))
     }
 
-    pub fn usable_params_of(&self, side: Side) -> &DetectorParams {
-        &self.slots[side].usable_params
-    }
-
     /// The burst that `pane` shows; where methods are compared that may be the gold standard.
     pub fn burst_in(&self, pane: &Pane) -> Option<&OpenBurst> {
         match pane.method {
@@ -73,9 +66,8 @@ impl Model {
         }
     }
 
-    /// The last valid parameters for the burst of `pane`, as its method takes them.
     pub fn params_in(&self, pane: &Pane) -> Cow<'_, DetectorParams> {
-        let usable = self.usable_params_of(pane.side);
+        let usable = &self.slots[pane.side].usable_params;
         pane.method.map_or(Cow::Borrowed(usable), |method| Cow::Owned(method.params(usable)))
     }
 
@@ -87,7 +79,7 @@ impl Model {
     }
 
     pub fn cursor_params(&self) -> &DetectorParams {
-        self.usable_params_of(self.focused().side)
+        &self.slots[self.focused().side].usable_params
     }
 
     pub fn focused_frame_count(&self) -> usize {
@@ -136,7 +128,7 @@ impl Model {
     }
 
     pub fn pictures_are_current(&self) -> bool {
-        self.visible_panes().into_iter().all(|id| self.is_current(id))
+        self.panes.shown().into_iter().all(|id| self.is_current(id))
     }
 
     /// Switches a link of a pane. A pane that no longer shares its display keeps the ranges that it had.
@@ -149,7 +141,6 @@ impl Model {
         }
     }
 
-    /// Slope by which the frames were shifted for the picture of `id`; `None` for pictures without a single slope.
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
         let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
         picture.request.kind.about().slope
@@ -165,16 +156,15 @@ impl Model {
             match ended.result {
                 Ok(picture) => self.take_picture(id, picture),
                 Err(JobError::Cancelled) => self.wanted_pictures.entry(id).or_default().forget(),
-                Err(error) => self.take_problem(id, ended.request, &error),
+                Err(error) => {
+                    if let Some(pane) = self.panes.get_mut(id) {
+                        pane.problem = Some((ended.request, error.to_string()));
+                    }
+                }
             }
         }
-        for ended in self.wanted_patch.take() {
-            match ended.result {
-                Ok(patch) => self.patch = Some(patch),
-                Err(JobError::Cancelled) => {}
-                Err(error) => self.messages.error("Patch", error.to_string()),
-            }
-        }
+        let patch = answers(&mut self.wanted_patch, "Patch", &mut self.messages).pop();
+        self.patch = patch.or_else(|| self.patch.take());
     }
 
     /// Requests the missing pictures of visible panes, that of the pane in focus first, and that of the selected
@@ -182,7 +172,7 @@ impl Model {
     /// their burst, from which they may be made.
     pub(in crate::app) fn ask_for_pictures(&mut self, engine: &Engine, dragging: bool) {
         let focus = self.focus();
-        let mut ids = self.visible_panes();
+        let mut ids = self.panes.shown();
         ids.sort_by_key(|id| *id != focus);
         for id in ids {
             let Some(wanted) = self.wanted(id).filter(|_| !self.is_current(id)) else { continue };
@@ -194,17 +184,9 @@ impl Model {
         }
         let is_there = |wanted: &PictureRequest| self.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
         let missing = self.patch_request().filter(|wanted| !is_there(wanted));
-        if missing.is_some() {
-            self.wanted_patch.want(engine, missing);
-        }
+        self.wanted_patch.want_missing(engine, missing);
     }
 
-    pub(in crate::app) fn forget_closed_pictures(&mut self) {
-        let panes = &self.panes;
-        self.wanted_pictures.retain(|id, _| panes.get(*id).is_some());
-    }
-
-    /// Cancels the requests for pictures; those still wanted are requested again.
     pub(in crate::app) fn forget_asked_pictures(&mut self) {
         self.wanted_pictures.clear();
         self.wanted_patch.forget();
@@ -233,12 +215,6 @@ impl Model {
         self.settle_ranges();
     }
 
-    pub fn take_problem(&mut self, id: PaneId, request: PictureRequest, error: &JobError) {
-        if let Some(pane) = self.panes.get_mut(id) {
-            pane.problem = Some((request, error.to_string()));
-        }
-    }
-
     /// Moves the focus to a visible pane on the burst of `side`, if there is one and the focus is not on such a pane.
     pub fn focus_on_side(&mut self, side: Side) {
         let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
@@ -254,10 +230,6 @@ impl Model {
         self.panes.lay_out(preset, &params);
         self.check_params();
     }
-
-    pub fn show_kind(&mut self, kind: ViewKind) {
-        self.focused_mut().show(kind);
-    }
 }
 
 impl Model {
@@ -267,14 +239,12 @@ impl Model {
         picture.map_or_else(wanted, |picture| RangeClass::of(&picture.request))
     }
 
-    /// Whether a colour bar lies over the picture of pane `id`: over a map.
     pub fn has_colour_bar(&self, id: PaneId) -> bool {
         use RangeClass::{Difference, Intensity, Response};
         let has_picture = self.panes.get(id).is_some_and(|pane| pane.picture.is_some());
         has_picture && !matches!(self.range_class(id), Intensity | Response | Difference)
     }
 
-    /// Value ranges of `pane`: its own, or those that panes share.
     pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
         pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
     }
@@ -292,12 +262,11 @@ impl Model {
         ranges.display(self.range_class(id))
     }
 
-    /// Sets the ranges that are not set yet: a pane's own range from its picture, a shared one from the pane in focus
-    /// or the first in reading order that shows this class.
+    /// A pane's own range is set from its picture, a shared one from the pane in focus or the first of this class.
     pub fn settle_ranges(&mut self) {
         let mut led = Vec::new();
         let focus = self.focus();
-        let mut ids = self.visible_panes();
+        let mut ids = self.panes.shown();
         ids.sort_by_key(|id| *id != focus);
         for id in ids {
             let Some(wanted) = self.wanted(id) else { continue };

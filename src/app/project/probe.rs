@@ -22,7 +22,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedProbe {
-    /// The place, pixels at mid-burst.
     pub place: [f32; 2],
     #[serde(default)]
     pub is_open: bool,
@@ -34,8 +33,7 @@ pub struct ProbeModel {
     pub is_open: bool,
     pub follows: bool,
     pub question: Option<ProbeQuestion>,
-    /// Scale σ near which candidates come first, input pixels: that of the DoG in view as the place was asked about,
-    /// until another is chosen; `None` for all scales alike.
+    /// Scale σ near which candidates come first, input pixels: that of the DoG in view; `None` for all alike.
     pub near_sigma: Option<f32>,
     pub traced: Option<Traced>,
     pub answer: Option<Probed>,
@@ -93,8 +91,7 @@ impl ProbeModel {
         self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request == wanted)
     }
 
-    /// Takes a trail. A question about a feature, or about a sample on another grid of slopes, becomes one about the
-    /// best candidate at its place.
+    /// A question about a feature, or a sample on another grid, becomes one about the best candidate at its place.
     pub fn take_trail(&mut self, traced: Traced) {
         let slopes = |traced: &Traced| traced.cache.params().used_slopes();
         let same_grid = self.traced.as_ref().is_some_and(|before| slopes(before) == slopes(&traced));
@@ -171,9 +168,7 @@ impl Model {
             }
         }
         let missing = self.probe.wanted().filter(|_| !self.probe.is_current());
-        if missing.is_some() {
-            self.probe.wanted_answer.want(engine, missing);
-        }
+        self.probe.wanted_answer.want_missing(engine, missing);
     }
 
     pub(in crate::app) fn follow_with_probe(&mut self) {
@@ -190,8 +185,7 @@ impl Model {
         !probe.is_on() || !can || probe.question.is_none() || probe.problem.is_some() || probe.is_current()
     }
 
-    /// Asks a question about the burst of `side`, and shows the panel with the answer. A place outside the picture only
-    /// gives a note. Does nothing without the burst.
+    /// A place outside the picture only gives a note.
     pub fn ask_probe(&mut self, side: Side, question: ProbeQuestion) {
         let Some((width, height)) = self.burst_of(side).map(|open| open.burst.size()) else { return };
         let inside = match question {
@@ -209,8 +203,7 @@ impl Model {
         self.open_probe();
     }
 
-    /// Sets the question about the burst of `side`, with the scale in view. A question about a feature has its own
-    /// scale.
+    /// A question about a feature has its own scale.
     fn set_question(&mut self, side: Side, question: ProbeQuestion) {
         self.probe.turn_to(side);
         self.probe.question = Some(question);
@@ -220,12 +213,11 @@ impl Model {
 
     /// Scale σ of the DoG that the pane of the probed burst shows, input pixels; `None` for other content.
     fn sigma_in_view(&self) -> Option<f32> {
-        let (pane, params) = (self.probed_pane(), self.usable_params_of(self.probe.side));
+        let (pane, params) = (self.probed_pane(), &self.slots[self.probe.side].usable_params);
         let space = ScaleSpace::of(params);
         pane.shows(ViewKind::Dog).then(|| space.sigma_image(pane.cursor.octave, f64::from(pane.cursor.level)) as f32)
     }
 
-    /// The detection of the probed burst, if the present trail is not of it.
     pub fn untraced(&self) -> Option<DetectionSource> {
         let side = self.probe.side;
         let (burst, found) = (self.burst_of(side)?, self.found_of(side)?);
@@ -240,7 +232,6 @@ impl Model {
         self.ask_probe(side, ProbeQuestion::At { place, wanted: Subject::Best });
     }
 
-    /// Asks about a feature of the burst of `side`, and selects it where features can be selected: in A.
     pub fn probe_feature(&mut self, side: Side, index: usize) {
         let feature = self.found_of(side).and_then(|found| found.detection.features.get(index));
         if let Some(place) = feature.map(|feature| [feature.u, feature.v]) {
@@ -251,8 +242,7 @@ impl Model {
         }
     }
 
-    /// The feature that is looked at, with its side: the selected one, or of two bursts that of the match or of the
-    /// feature of A that is asked about, on the side in focus.
+    /// With its side: the selected one; of two bursts that of the match or the one asked about, on the side in focus.
     pub fn feature_to_probe(&self) -> Option<(Side, usize)> {
         if self.workspace != Workspace::Pair {
             return self.selected_feature().and(self.selected).map(|index| (Side::A, index));
@@ -267,17 +257,10 @@ impl Model {
         of_match.or_else(|| Some((Side::A, self.asked_feature()?)))
     }
 
-    pub(in crate::app) fn probe_expected(&mut self) {
-        if let Some(place) = self.expected_place() {
-            self.probe_place(Side::B, place);
-        }
-    }
-
     pub fn probe_is_here(&self) -> bool {
         self.probe.side == Side::A || self.workspace == Workspace::Pair
     }
 
-    /// The pane that stands for the probed burst: the one in focus, if it shows this burst.
     pub fn probed_pane(&self) -> &Pane {
         let (focused, side) = (self.focused(), self.probe.side);
         let other = || self.panes.get(self.pane_for(side)).unwrap_or_else(|| self.panes.of(side));
@@ -304,8 +287,7 @@ impl Model {
         self.probe.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != asked())
     }
 
-    /// Effect of a change that is offered for the burst of `side`, as a sentence without a full stop: its price, if the
-    /// answer of the probe has it, or the time that the search with it takes. `None` for a change that cannot be made.
+    /// A sentence without a full stop: the price, or the time of the search; `None` for what cannot be made.
     pub fn price_text(&self, side: Side, change: &ParamChange) -> Option<String> {
         let answer = self.probe.answer.as_ref().filter(|_| self.probe.side == side && !self.probe_is_stale());
         let known = answer.and_then(|answer| answer.prices.iter().find(|(of, _)| of == change));
@@ -321,8 +303,6 @@ impl Model {
         })
     }
 
-    /// Applies a change that the answer proposes, as the parameter's row in the panel does; a message gives the change
-    /// or the error.
     pub fn apply_change(&mut self, change: &ParamChange) {
         match self.apply_changes(self.probe.side, std::slice::from_ref(change)) {
             Ok(()) => self.messages.note(format!("Set {}", change.label())),

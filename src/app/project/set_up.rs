@@ -18,19 +18,16 @@ pub struct SetUpState {
 }
 
 impl SetUpState {
-    /// The state in which slopes are read as depths by `depths_by`, if that is a sound set-up, or not at all.
     #[must_use]
     pub fn reading_by(self, depths_by: Option<SetUp>) -> Self {
         let sound = depths_by.filter(|values| values.check().is_ok());
         Self { values: sound.unwrap_or(self.values), reads_depths: sound.is_some(), ..self }
     }
 
-    /// The set-up by which slopes are read as depths, if they are.
     pub fn depths_by(&self) -> Option<&SetUp> {
         (self.reads_depths && self.values.check().is_ok()).then_some(&self.values)
     }
 
-    /// What is known of a feature of `slope` beside itself; `judged` is what was found out of it.
     pub fn known<'a>(&self, slope: Slope, judged: Option<&'a Judged>) -> Known<'a> {
         Known { judged, depth_m: self.depths_by().and_then(|values| values.depth_at(slope)) }
     }

@@ -52,14 +52,12 @@ impl Side {
 }
 
 impl Model {
-    /// Requests to open a burst for `side`; the open burst stays until the new one is there.
     pub(in crate::app) fn open(&mut self, side: Side, source: BurstSource, engine: &Engine) -> JobId {
         let options = self.calibration.clone();
         self.slots[side].opening.ask(engine, OpenRequest { source, options })
     }
 
-    /// Shows a burst that was opened for `side`. It goes to the recent list, unless it is one of the open dataset; that
-    /// gives it its name in the dataset.
+    /// It goes to the recent list, unless it is one of the open dataset, which gives it its name.
     pub(in crate::app) fn take_opened(&mut self, side: Side, mut burst: OpenBurst, engine: &Engine) -> Option<Effect> {
         let dataset = self.datasets.open.as_ref().filter(|dataset| dataset.place_of(Some(&burst)).is_some());
         let recent = match dataset {
@@ -109,8 +107,7 @@ impl Model {
         Effect::ForgetThumbnails
     }
 
-    /// Text in place of what the features of `side` are needed for: `press`, which asks for a detection, or that one
-    /// runs.
+    /// `press` asks for a detection.
     pub fn without_features(&self, side: Side, press: &'static str) -> &'static str {
         if self.slots[side].detecting.is_pending() { "Detecting…" } else { press }
     }
@@ -163,7 +160,6 @@ impl Model {
         }
     }
 
-    /// Shows an error for work that failed, or a note if it was cancelled.
     pub(in crate::app) fn say_failed(&mut self, what: &str, error: &JobError) {
         match error {
             JobError::Cancelled => self.messages.note(format!("{what} cancelled")),
@@ -188,8 +184,7 @@ impl Model {
         self.check_params();
     }
 
-    /// Resets the panes on the burst of `side` for a newly opened burst: the leading pane (that in focus, if it is on
-    /// `side`) gets the cursor from `begin`, the others keep their distance to it.
+    /// The leading pane (that in focus, if it is on `side`) gets the cursor from `begin`; others keep their distance.
     pub(crate) fn start_panes(&mut self, side: Side, begin: impl Fn(&Cursor) -> Cursor) {
         let focus = self.panes.focus();
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
@@ -220,8 +215,7 @@ impl Model {
         }
     }
 
-    /// Clamps cursors to their ranges. Those of panes that follow the one in focus may lie outside, so that they keep
-    /// their distance to it.
+    /// Cursors that follow the one in focus may lie outside, so that they keep their distance to it.
     fn check_cursors(&mut self) {
         let follows = self.panes.followers();
         let bursts = [
@@ -276,13 +270,10 @@ fn usable_for(frame_count: usize) -> DetectorParams {
 #[derive(Debug, Clone)]
 pub struct FoundFeatures {
     pub asked: SearchParams,
-    /// The parameters that were used: with the slopes found, if slopes were to be found.
     pub params: DetectorParams,
     /// Parameters of the search that they were judged from: see [`Detected::searched`].
     pub searched: DetectorParams,
-    /// Time that that search took, seconds.
     pub search_secs: f32,
-    /// The search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
     pub detection: Arc<Detection>,
     pub elapsed: Duration,
@@ -300,7 +291,6 @@ impl FoundFeatures {
     }
 }
 
-/// A selected feature, to be selected again after the next detection.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SavedSelection {
     pub index: usize,
@@ -388,8 +378,7 @@ impl Model {
         (distance(&features[nearest]) < 1.0).then_some(nearest)
     }
 
-    /// Moves the cursor to the slope with most features in the burst of `side`, unless a slope was chosen since that
-    /// burst was opened.
+    /// Unless a slope was chosen since that burst was opened.
     pub(crate) fn go_to_first_slope(&mut self, side: Side) {
         let (focus, own) = (self.panes.focus(), PaneId::of(side));
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { own };
@@ -402,8 +391,7 @@ impl Model {
         }
     }
 
-    /// Moves the cursor of pane `id` to the slope of the grid with most features, and shows a note. Slopes on the
-    /// grid's rim count only if there are features nowhere else. Does nothing without features.
+    /// Slopes on the grid's rim count only if there are features nowhere else.
     pub fn go_to_busiest_slope(&mut self, id: PaneId) {
         let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
         let Some(found) = self.found_of(side) else { return };
@@ -422,8 +410,7 @@ impl Model {
 }
 
 impl Model {
-    /// All files that are open: frames of the bursts and datasets, calibration, gold standards, features of others,
-    /// trajectories. Parameter and session files are not among them, because they may be saved again after changes.
+    /// Parameter and session files are not among them, because they may be saved again after changes.
     pub fn opened_files(&self) -> Vec<PathBuf> {
         let gold = self.compare.gold.iter().flatten();
         let bursts = self.slots.both().into_iter().flat_map(|slot| &slot.burst).chain(gold);

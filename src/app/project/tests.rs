@@ -26,7 +26,6 @@ impl Bench {
         Self { model, engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
     }
 
-    /// Makes passes until `done` holds; returns the effects.
     pub fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {
         let (end, mut effects) = (Instant::now() + Duration::from_secs(60), Vec::new());
         loop {
@@ -182,7 +181,7 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
     let ranges = |order: &dyn Fn(&mut Vec<PaneId>)| {
         let mut model = with_features();
         model.lay_out(Preset::FrameAndStack);
-        let mut ids = model.visible_panes();
+        let mut ids = model.panes.shown();
         assert_eq!(ids.len(), 2);
         order(&mut ids);
         for id in ids {

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A task of the window: each workspace has its own arrangement of the middle of the window and of the panels around
-/// it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Workspace {

@@ -44,9 +44,7 @@ pub enum RecoveryChoice {
     Restore,
     /// Ask whether to remove it.
     Discard,
-    /// Remove it: the question was answered with yes.
     Remove,
-    /// Keep it: the question was answered with no.
     Keep,
 }
 
@@ -69,7 +67,6 @@ pub struct Recovery {
 }
 
 impl Recovery {
-    /// Creates the record of a new window, and collects those left behind.
     pub fn new(kept: &KeptIn) -> io::Result<Self> {
         let own = Arc::new(Record::new(&kept.folder)?);
         // A session that this program cannot read, of a newer version for example, is left in place.
@@ -95,8 +92,7 @@ impl Recovery {
             .ok()
     }
 
-    /// Saves the session of `model` in the background, if it is due and has changed. Returns the time to wait before
-    /// calling again, if nothing else happens.
+    /// Returns the time to wait before calling again, if nothing else happens.
     pub fn keep(&mut self, model: &Model, engine: &Engine) -> Option<Duration> {
         if self.writing.is_some() || self.restoring.is_some() {
             return None;
@@ -114,16 +110,12 @@ impl Recovery {
         None
     }
 
-    /// Saves the session of `model` at once: another window goes on with it, and if that fails it is offered later.
-    ///
-    /// # Errors
-    /// When it cannot be written: the title and text of the message.
+    /// Another window goes on with it, and if that fails it is offered later. The error: title and text of a message.
     pub fn keep_now(&self, model: &Model) -> Result<(), (&'static str, String)> {
         session_text(model).map_or(Ok(()), |text| self.own.write(&text).map_err(|error| (TITLE, error)))
     }
 
-    /// Whether the task that ended was the saving of the session. A failure is reported once for each reason, and the
-    /// session is due again at the next interval.
+    /// A failure is reported once for each reason, and the session is due again at the next interval.
     pub fn has_kept(&mut self, done: &TaskDone, messages: &mut Messages) -> bool {
         if self.writing.take_if(|writing| *writing == done.id).is_none() {
             return false;
@@ -174,7 +166,6 @@ impl Recovery {
         Some(Offer { label: label.clone(), age, more: self.left.len() - 1, is_restoring, is_asking })
     }
 
-    /// Deletes the offered session, unless it is being restored.
     fn forget(&mut self) {
         if self.restoring.is_none()
             && let Some((record, _)) = self.left.pop_front()
@@ -183,14 +174,12 @@ impl Recovery {
         }
     }
 
-    /// Keeps the offer where its session is not being restored any more: `waits_for` is the request that opens the
-    /// burst of the session that is.
+    /// `waits_for` is the request that opens the burst of the session that is being restored.
     pub fn give_up_unless(&mut self, waits_for: Option<JobId>) {
         self.restoring = self.restoring.filter(|restoring| Some(*restoring) == waits_for);
     }
 
-    /// Takes the end of a request to restore a session. If it was that of the offer and `is_done`, the offered record
-    /// replaces the window's own; otherwise it stays offered.
+    /// If it was that of the offer and `is_done`, the offered record replaces the window's own.
     pub fn restored(&mut self, request: JobId, is_done: bool) {
         if self.restoring.take_if(|restoring| *restoring == request).is_some()
             && is_done
@@ -201,7 +190,6 @@ impl Recovery {
         }
     }
 
-    /// Removes the window's own record: the window ends normally.
     pub fn end(&self) {
         self.own.remove();
     }

@@ -31,12 +31,10 @@ struct Held {
     written: u64,
 }
 
-/// Position of a text in the order of writing into a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Turn(u64);
 
 impl Record {
-    /// Creates a record in `folder`, and the folder if it does not exist.
     pub fn new(folder: &Path) -> io::Result<Self> {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         std::fs::create_dir_all(folder)?;
@@ -83,7 +81,6 @@ impl Record {
         &self.session
     }
 
-    /// Time of the last writing; `None` before the first.
     pub fn saved(&self) -> Option<SystemTime> {
         std::fs::metadata(&self.session).ok()?.modified().ok()
     }
@@ -92,13 +89,11 @@ impl Record {
         Turn(self.newest.fetch_add(1, Ordering::Relaxed) + 1)
     }
 
-    /// Writes the session atomically. Does nothing once the record was removed.
     pub fn write(&self, text: &str) -> Result<(), String> {
         self.write_in_turn(text, self.turn())
     }
 
-    /// Writes a text that has waited since it got its turn, atomically. Does nothing if a newer one was written
-    /// meanwhile, or the record was removed.
+    /// Does nothing if a newer text was written meanwhile, or the record was removed.
     pub fn write_in_turn(&self, text: &str, Turn(turn): Turn) -> Result<(), String> {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         if held.lock.is_none() || held.written > turn {
@@ -109,7 +104,6 @@ impl Record {
         Ok(())
     }
 
-    /// Removes the record: its window ends normally, or its session is not wanted.
     pub fn remove(&self) {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(lock) = held.lock.take() {

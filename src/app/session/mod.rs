@@ -138,7 +138,6 @@ impl Session {
         }
     }
 
-    /// Reads the session in a case. It opens no file but the case.
     pub fn in_case(path: &Path) -> Result<Option<Self>, String> {
         let Some(text) = read_session(path).map_err(|error| error.to_string())? else { return Ok(None) };
         let session = Self::from_toml(&text).map_err(|error| format!("{error}: {}", path.display()))?;
@@ -150,7 +149,6 @@ impl Session {
         format!("# A Burstscope session: open it with File > Open session.\n{body}")
     }
 
-    /// Reads a session file's text.
     pub fn from_toml(text: &str) -> Result<Self, String> {
         // The version is checked first: the other contents of another version are unknown here.
         #[derive(Deserialize)]
@@ -178,8 +176,7 @@ impl Session {
         Ok(session)
     }
 
-    /// Checks the numbers that decide what is computed, by the records that options and fields of the window use. Other
-    /// numbers, of panes, views and ranges, are brought into their ranges where they are used.
+    /// Numbers that decide what is computed. Those of panes, views and ranges are brought into range where used.
     fn check(&self) -> Result<(), String> {
         fn named<E: Display>(key: &str, checked: Result<(), E>) -> Result<(), String> {
             checked.map_err(|error| format!("{key}: {error}"))
@@ -212,7 +209,6 @@ impl Session {
         SavedWorkspaces { placed: [self.panes.clone(), self.pair_panes.clone(), self.methods_panes.clone()] }
     }
 
-    /// Restores the session in `model`, whose burst was just opened.
     pub fn apply(&self, model: &mut Model) {
         self.apply_without_burst(model);
         let pane = model.panes.of_mut(Side::A);
@@ -228,7 +224,6 @@ impl Session {
         model.check_params();
     }
 
-    /// Restores in `model` everything that belongs to no burst: parameters, calibration, and display.
     pub fn apply_without_burst(&self, model: &mut Model) {
         model.set_search(self.params.clone());
         model.calibration = self.calibration.clone();
@@ -244,18 +239,16 @@ impl Session {
     }
 }
 
-/// The search that is set, with the last parameters that made sense where those that are typed make none: a session
-/// could not be opened again.
+/// Where what is typed makes no sense, the last that did: a session could not be opened again.
 fn sound_search(model: &Model) -> SearchParams {
     let asked = model.asked();
     match asked.validate() {
         Ok(()) => asked,
-        Err(_) => SearchParams { detector: model.usable_params_of(Side::A).clone(), ..asked },
+        Err(_) => SearchParams { detector: model.slots.a.usable_params.clone(), ..asked },
     }
 }
 
-/// Reads a value from TOML, and lists the unknown keys, each as a path: `pair.links.vews`. Types that deny unknown keys
-/// themselves fail at once; the error names the key and its place.
+/// Unknown keys are paths: `pair.links.vews`. Types that deny unknown keys themselves fail at once.
 fn read_noting_unknown_keys<T: DeserializeOwned>(text: &str) -> Result<(T, Vec<String>), toml::de::Error> {
     let mut unknown = Vec::new();
     let value = serde_ignored::deserialize(toml::Deserializer::parse(text)?, |path| unknown.push(path.to_string()))?;

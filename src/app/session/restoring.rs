@@ -18,7 +18,6 @@ const TITLE: &str = "Open session";
 #[derive(Debug, Default)]
 pub struct Restoring {
     session: Option<(JobId, Box<Session>)>,
-    /// Request that opens the second burst, and the session's state of the pair.
     pair: Option<(JobId, Box<PairSession>, SavedWorkspaces)>,
 }
 
@@ -46,8 +45,7 @@ impl Restoring {
         id
     }
 
-    /// Opens a burst as A. That of a case is shown as it was saved: with its session, or else with its search and the
-    /// place that is asked about.
+    /// A case is shown as it was saved: with its session, or else with its search and the place asked about.
     pub fn open(&mut self, source: BurstSource, model: &mut Model, engine: &Engine) {
         let case = match source.paths() {
             [path] if is_case(path) => Some(path),
@@ -69,8 +67,7 @@ impl Restoring {
         model.open(Side::A, source, engine);
     }
 
-    /// Request that opens the burst of the session that is being restored. A session whose request was superseded or
-    /// forgotten, because something else is opened instead, is given up.
+    /// A session whose request was superseded or forgotten, because something else is opened, is given up.
     pub fn waits_for(&mut self, model: &Model) -> Option<JobId> {
         let [of_a, of_b] = model.slots.both().map(|slot| slot.opening.pending_id());
         self.session.take_if(|(id, _)| Some(*id) != of_a);
@@ -150,7 +147,6 @@ impl Restoring {
         closed
     }
 
-    /// Opens the second burst of a session, and then restores the session's state of the pair.
     fn restore_pair(&mut self, session: PairSession, panes: SavedWorkspaces, model: &mut Model, engine: &Engine) {
         match session.burst.clone() {
             Some(source) => {
@@ -206,7 +202,6 @@ mod tests {
     use crate::app::project::tests::{Bench, open};
     use std::path::PathBuf;
 
-    /// Makes passes until a burst was opened for `side`, or failed to; returns the effects beyond that.
     fn opened(bench: &mut Bench, restoring: &mut Restoring, side: Side) -> Vec<Effect> {
         let is_end = |effect: &Effect| matches!(effect, Effect::Opened(of, _) if *of == side);
         let effects = bench.run_until(|_, effects| effects.iter().any(is_end));
@@ -217,7 +212,6 @@ mod tests {
         effects.into_iter().flat_map(apply).collect()
     }
 
-    /// A session of the demo in `home`, with other parameters than the default, and with a second burst.
     fn session(home: &Path, burst: BurstSource) -> PathBuf {
         let mut model = Model::default();
         let mut a = open((64, 48), 5);

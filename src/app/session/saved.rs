@@ -97,7 +97,6 @@ fn sound(mut params: MatchParams) -> MatchParams {
     params
 }
 
-/// The second burst and the matches as a session file stores them.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PairSession {

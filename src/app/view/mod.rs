@@ -12,7 +12,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ColourBy {
-    /// The apparent motion: hue for its direction, saturation for its length.
     #[default]
     SlopeDirection,
     SlopeU,
@@ -21,11 +20,9 @@ pub enum ColourBy {
     /// The DoG value with its sign: bright blobs are negative.
     Response,
     Snr,
-    /// Whether the feature is at the limit of the searched slopes: its motion lies beyond.
     Limit,
     /// Evenness of the frames' responses along its motion, 0 … 1; known once it was computed.
     Coherence,
-    /// The depth that the slope means, in logarithmic steps; known with the set-up of camera and scene.
     Depth,
 }
 
@@ -101,7 +98,6 @@ pub fn number(value: f32, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// Formats as `number` does, with a `+` before positive numbers.
 pub fn signed_number(value: f32, digits: usize) -> String {
     let text = number(value, digits);
     if value > 0.0 { format!("+{text}") } else { text }
@@ -119,7 +115,6 @@ pub fn signed(value: f32, decimals: usize) -> String {
     if is_zero { text.trim_start_matches(['+', '-']).to_owned() } else { text }
 }
 
-/// Formats a slope's two parts as [`signed`] does: `+1.25, -0.50`.
 pub fn signed_slope(slope: Slope, decimals: usize) -> String {
     format!("{}, {}", signed(slope.u, decimals), signed(slope.v, decimals))
 }

@@ -12,12 +12,10 @@ const FIT_MARGIN_POINTS: f32 = 6.0;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Zoom {
-    /// The whole image fits; follows the size of the canvas.
     #[default]
     Fit,
     /// A part of the image of this size (columns, rows) around the centre fits; follows the size of the canvas.
     Region([f32; 2]),
-    /// Points of the window for each pixel of the image.
     PointsPerPixel(f32),
 }
 
@@ -27,8 +25,7 @@ pub enum Zoom {
 #[serde(default)]
 pub struct View {
     pub zoom: Zoom,
-    /// Place of the image at the centre of the canvas, (u, v) in image pixels. It is the image's centre while the image
-    /// is fitted.
+    /// (u, v) at the centre of the canvas, image pixels; the image's centre while it is fitted.
     pub centre_image: [f32; 2],
     /// Zoom of [`Zoom::Fit`] on the last canvas, points per image pixel; 0 before the first frame.
     #[serde(skip)]
@@ -46,7 +43,6 @@ impl View {
         Self::default()
     }
 
-    /// View of the part of the image from `min_image` to `max_image`, (u, v) in image pixels, as large as it fits.
     pub fn region(min_image: [f32; 2], max_image: [f32; 2]) -> Self {
         let [centre, size] = [[0.5, 0.5], [-1.0, 1.0]]
             .map(|[a, b]| [a * min_image[0] + b * max_image[0], a * min_image[1] + b * max_image[1]]);
@@ -71,13 +67,11 @@ impl View {
         self.zoom = Zoom::PointsPerPixel(self.limited(self.points_per_pixel() * factor));
     }
 
-    /// Centres `pos_image`, with at least `min_points_per_pixel`.
     pub fn look_at(&mut self, pos_image: Pos2, min_points_per_pixel: f32) {
         self.zoom = Zoom::PointsPerPixel(self.limited(self.points_per_pixel().max(min_points_per_pixel)));
         self.centre_image = pos_image.into();
     }
 
-    /// Points of the window for each pixel of the image, as last shown.
     pub fn points_per_pixel(&self) -> f32 {
         match self.zoom {
             Zoom::Fit if self.fit_points_per_pixel > 0.0 => self.fit_points_per_pixel,
@@ -130,8 +124,7 @@ impl View {
         self.move_centre((after.center() - before.center()) / zoom);
     }
 
-    /// Pans and zooms as another view did from `before` to `after`. The distance between the two places stays, until
-    /// both are fitted.
+    /// The distance between the two places stays, until both are fitted.
     pub fn follow(&mut self, before: &Self, after: &Self) {
         if before.is_same(after) {
             return;
@@ -203,8 +196,7 @@ pub struct RectTransform {
 }
 
 impl RectTransform {
-    /// Creates the transform that maps `anchor_from` to `anchor_to` and multiplies lengths by `scale`, which must be
-    /// finite and positive.
+    /// `scale` must be finite and positive.
     pub fn new(anchor_from: Pos2, anchor_to: Pos2, scale: f32) -> Self {
         debug_assert!(scale.is_finite() && scale > 0.0, "a scale is positive, not {scale}");
         Self { anchor_from, anchor_to, scale }
@@ -214,12 +206,10 @@ impl RectTransform {
         self.scale
     }
 
-    /// Anchor before the transform; positions near it are the most exact.
     pub fn anchor_from(&self) -> Pos2 {
         self.anchor_from
     }
 
-    /// Anchor after the transform.
     pub fn anchor_to(&self) -> Pos2 {
         self.anchor_to
     }

@@ -24,7 +24,6 @@ pub(super) struct RunningJob {
 }
 
 impl RunningJob {
-    /// Cancels the request if it is superseded and its grace has ended.
     pub(super) fn enforce_grace(&self) {
         if self.standing != Standing::Latest && self.started.elapsed() >= self.manner.grace {
             self.monitor.cancel();

@@ -24,7 +24,6 @@ fn queue() -> Arc<JobQueue> {
     Arc::new(JobQueue::new(nobody()))
 }
 
-/// Work that ends only when it is cancelled.
 fn until_cancelled(monitor: &Monitor) -> Result<(), JobError> {
     loop {
         monitor.check()?;

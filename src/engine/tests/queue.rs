@@ -23,14 +23,12 @@ fn stubborn(go: mpsc::Receiver<()>) -> impl Fn(u32, &Monitor) -> Result<u32, Job
     }
 }
 
-/// Jobs that run until they are cancelled or receive a message, and the sender of these messages, which end one job
-/// each.
+/// Jobs that run until they are cancelled or receive a message, which ends one job.
 fn stubborn_jobs(grace: Duration) -> (Jobs<u32, u32>, mpsc::Sender<()>) {
     let (go, gone) = mpsc::channel();
     (Jobs::new(&queue(), Urgency::Search, grace, stubborn(gone)), go)
 }
 
-/// Waits for `count` answers: their slots, ids and results.
 fn answers_of(jobs: &Jobs<u32, u32>, count: usize) -> Vec<(u32, JobId, Result<u32, JobError>)> {
     let mut taken = Vec::new();
     wait_for(|| {

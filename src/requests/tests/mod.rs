@@ -24,7 +24,6 @@ fn params() -> DetectorParams {
     DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..DetectorParams::default() }
 }
 
-/// The chart of seed 1, opened once for all tests.
 fn open() -> OpenBurst {
     static OPEN: OnceLock<OpenBurst> = OnceLock::new();
     let source = || BurstSource::Chart(Box::new(chart(1)));
@@ -36,7 +35,6 @@ fn empty(size: (usize, usize), frames: usize) -> OpenBurst {
     OpenBurst::new(Burst::from_planes("empty", planes), BurstSource::Demo)
 }
 
-/// The features of the chart, found once for all tests.
 fn detected() -> Detected {
     static DETECTED: OnceLock<Detected> = OnceLock::new();
     let find = || answer(DetectRequest { burst: open(), params: params().into() }).expect("valid parameters");

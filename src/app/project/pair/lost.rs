@@ -14,11 +14,9 @@ pub const PATCHES: usize = 3;
 #[derive(Debug, Default)]
 pub struct LostFeatures {
     pub found: Option<Arc<FoundLosses>>,
-    /// The feature of A that is asked about while no match is selected.
     pub selected: Option<usize>,
     pub why: Option<Why>,
     pub hidden: Vec<Lost>,
-    /// The pictures from which the patches are cut: A's feature, then its candidates.
     pub pictures: Vec<Picture>,
     pub wanted: Wanted<LossesRequest>,
     pub wanted_pictures: Wanted<PicturesRequest>,
@@ -63,9 +61,7 @@ impl Model {
             return;
         }
         let missing = self.wanted_losses().filter(|_| self.losses().is_none());
-        if missing.is_some() {
-            self.pair.lost.wanted.want(engine, missing);
-        }
+        self.pair.lost.wanted.want_missing(engine, missing);
         self.refresh_why();
         let pictures = self.wanted_candidate_pictures();
         let is_there = |wanted: &[PictureRequest]| {
@@ -88,7 +84,6 @@ impl Model {
         self.pair.lost.found.as_ref().filter(|found| found.request == wanted)
     }
 
-    /// The feature of A that is asked about: that of the match in focus, or the one that was selected.
     pub fn asked_feature(&self) -> Option<usize> {
         let of_match = || {
             let matches = self.pair.matches.as_ref()?;
@@ -97,7 +92,6 @@ impl Model {
         of_match().or(self.pair.lost.selected)
     }
 
-    /// Selects feature `index` of A for explanation; if it has a match, selects that match.
     pub fn ask_feature(&mut self, index: Option<usize>) {
         let matches = self.pair.matches.as_ref();
         let its_match = index.and_then(|index| matches?.rows().find(|row| row.found.a == index).map(|row| row.index));
@@ -135,7 +129,6 @@ impl Model {
         nearest_on(&why.unmatched.expected, [f64::from(own.u), f64::from(own.v)]).map(|place| place.map(|x| x as f32))
     }
 
-    /// The motion-stack images from which the patches of the feature that is asked about and of its candidates are cut.
     pub fn wanted_candidate_pictures(&self) -> Vec<PictureRequest> {
         let Some((why, found)) = self.pair.lost.why.as_ref().zip(self.losses()) else { return Vec::new() };
         let MatchSides { a, b } = MatchSides::of(found);

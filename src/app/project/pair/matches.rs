@@ -26,17 +26,13 @@ pub struct MatchRow<'a> {
     pub b: &'a Feature,
     /// Whether it agrees with the geometry; `None` where it was not verified.
     pub inlier: Option<bool>,
-    /// Distance from the geometry, pixels; `None` where there is no geometry, infinite where the distance is
-    /// undefined.
+    /// Pixels; `None` where there is no geometry, infinite where the distance is undefined.
     pub error_px: Option<f32>,
 }
 
-/// Places of a match's features, with which it is selected again after the next matching.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SavedMatch {
-    /// (u, v) in A, pixels.
     pub a: [f32; 2],
-    /// (u, v) in B, pixels.
     pub b: [f32; 2],
 }
 
@@ -252,7 +248,6 @@ impl MatchLook {
         if inlier == Some(false) { self.outliers } else { self.inliers }
     }
 
-    /// Copy with the settings that decide which matches are listed; the others have their defaults.
     pub(crate) fn listing(&self) -> Self {
         Self { inliers: self.inliers, outliers: self.outliers, ..Self::default() }
     }

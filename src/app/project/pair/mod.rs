@@ -11,6 +11,7 @@ pub use sides::Links;
 
 use crate::app::pane::{Content, Pane};
 use crate::app::project::against::With;
+use crate::app::project::asking::answers;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::filter::Order;
 use crate::app::project::slot::Slot;
@@ -19,7 +20,7 @@ use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Method, ParamError, SearchParams, SlopeGrid};
 use crate::engine::{Engine, Wanted};
 use crate::matching::MatchParams;
-use crate::requests::{JobError, MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest};
+use crate::requests::{MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest};
 
 pub use crate::app::project::side::Side;
 
@@ -47,7 +48,6 @@ pub struct PairState {
     pub lines_drawn: (usize, usize),
     pub reselect: Option<SavedMatch>,
     pub matching: Wanted<MatchRequest>,
-    /// The motion-stack images of A and B from which the patches of the focused match are cut.
     pub patches: Vec<Picture>,
     pub wanted_patches: Wanted<PicturesRequest>,
     listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
@@ -59,8 +59,7 @@ impl PairState {
         self.selected.or(self.hovered)
     }
 
-    /// Indices of the matches that are drawn: those that are listed, or the selected one alone. The selected one is
-    /// drawn even where its kind is hidden.
+    /// Those that are listed, or the selected one alone, even where its kind is hidden.
     pub fn drawn(&self) -> Vec<usize> {
         match self.selected {
             Some(one) if self.look.alone => vec![one],
@@ -78,7 +77,6 @@ impl PairState {
         self.refresh_listed();
     }
 
-    /// Forgets the matches: they are of bursts that are not open any more.
     pub fn forget_matches(&mut self) {
         (self.matches, self.selected, self.hovered) = (None, None, None);
         self.refresh_listed();
@@ -108,8 +106,7 @@ impl PairState {
 }
 
 impl Model {
-    /// Shows the comparison of the features of `side` with `with`, or none. Of two bursts, the features are drawn too,
-    /// as the comparison is drawn in their place.
+    /// Of two bursts, the features are drawn too, as the comparison is drawn in their place.
     pub fn show_against(&mut self, side: Side, with: Option<With>) {
         self.slots[side].against.show(with);
         if self.workspace == Workspace::Pair && with.is_some() {
@@ -132,8 +129,7 @@ impl Model {
         self.refresh_listed();
     }
 
-    /// The detector's parameters for `side`. B has A's, as far as they can be used: a single frame is searched by SIFT,
-    /// and a range of frames that B does not have means all of them.
+    /// B has A's, as far as they can be used: a single frame is searched by SIFT, frames that it lacks mean all.
     pub fn params_of(&self, side: Side) -> DetectorParams {
         let mut params = self.params.clone();
         if let (Side::B, Some(b)) = (side, &self.slots.b.burst) {
@@ -182,7 +178,6 @@ impl Model {
         self.check_pair();
     }
 
-    /// Request for the present matches; `None` while the features of a side are missing or the parameters are invalid.
     pub fn wanted_matches(&self) -> Option<MatchRequest> {
         if self.pair.param_error.is_some() {
             return None;
@@ -195,7 +190,6 @@ impl Model {
         self.wanted_matches().is_some_and(|wanted| !self.pair.matches.as_ref().is_some_and(|m| m.request == wanted))
     }
 
-    /// The motion-stack images that the patches of the match in focus are cut from, each at its own feature's slope.
     pub fn patches_request(&self) -> Option<PicturesRequest> {
         let matches = self.pair.matches.as_ref()?;
         let row = matches.row(self.pair.focus()?)?;
@@ -206,7 +200,6 @@ impl Model {
         Some(PicturesRequest(vec![request(Side::A, row.a.slope)?, request(Side::B, row.b.slope)?]))
     }
 
-    /// Like `patches_request`, but `None` if the pictures are there.
     fn missing_patches(&self) -> Option<PicturesRequest> {
         let there = || PicturesRequest(self.pair.patches.iter().map(|picture| picture.request.clone()).collect());
         self.patches_request().filter(|wanted| there() != *wanted)
@@ -214,12 +207,6 @@ impl Model {
 
     fn wants_matching(&self) -> bool {
         self.needs_matches() && !self.wanted_matches().is_some_and(|wanted| self.pair.matching.has_failed(&wanted))
-    }
-
-    pub(in crate::app) fn start_matching(&mut self, engine: &Engine) {
-        if let Some(wanted) = self.wanted_matches() {
-            self.pair.matching.ask(engine, wanted);
-        }
     }
 
     pub(in crate::app) fn take_matches(&mut self) {
@@ -232,13 +219,8 @@ impl Model {
                 Err(error) => self.say_failed("Matching", &error),
             }
         }
-        for ended in self.pair.wanted_patches.take() {
-            match ended.result {
-                Ok(pictures) => self.pair.patches = pictures,
-                Err(JobError::Cancelled) => {}
-                Err(error) => self.messages.error("Patches", error.to_string()),
-            }
-        }
+        let patches = answers(&mut self.pair.wanted_patches, "Patches", &mut self.messages).pop();
+        self.pair.patches = patches.unwrap_or_else(|| std::mem::take(&mut self.pair.patches));
     }
 
     pub(in crate::app) fn ask_for_pair(&mut self, engine: &Engine, dragging: bool) {
@@ -246,9 +228,7 @@ impl Model {
             return;
         }
         let patches = self.missing_patches();
-        if patches.is_some() {
-            self.pair.wanted_patches.want(engine, patches);
-        }
+        self.pair.wanted_patches.want_missing(engine, patches);
         if dragging {
             return;
         }
@@ -283,7 +263,6 @@ impl Model {
         self.pair.patches.clear();
     }
 
-    /// Cancels the requests for both sides, before their bursts change.
     pub(in crate::app) fn forget_requests(&mut self) {
         for side in Side::BOTH {
             let slot = &mut self.slots[side];

@@ -56,7 +56,6 @@ impl Model {
         Links { views: all(Link::View), cursor: all(Link::Cursor), ranges: all(Link::Display) }
     }
 
-    /// Lets the panes of *Two bursts* share `link`, or those of B not.
     pub fn link_pair(&mut self, link: Link, on: bool) {
         for id in self.panes.shown_in(Workspace::Pair) {
             if on || self.panes.get(id).is_some_and(|pane| pane.side == Side::B) {
@@ -65,8 +64,7 @@ impl Model {
         }
     }
 
-    /// Lets all panes on the screen share `link`, or no longer. Cursors of two bursts that are linked are brought
-    /// together.
+    /// Cursors of two bursts that are linked are brought together.
     pub fn toggle_link(&mut self, link: Link) {
         let on = !self.panes.all_share(link);
         if self.workspace == Workspace::Pair {
