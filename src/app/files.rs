@@ -29,6 +29,8 @@ use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::to_rgba8;
 use crate::requests::{BurstSource, Picture};
+use image::RgbaImage;
+use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -201,9 +203,7 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
         Purpose::Export(ExportKind::CurvesCsv) => {
             let text = curves_csv(&shown_plots(&model.lab));
-            Ok(Box::new(move |path| {
-                export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
-            }))
+            Ok(work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes()))))
         }
         Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(Kind::Drawing, curves_svg(&shown_plots(&model.lab)))),
         Purpose::Export(ExportKind::Case) => case_work(model),
@@ -218,8 +218,12 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
     }
 }
 
+fn work<E: Display>(write: impl FnOnce(&Path) -> Result<(), E> + Send + 'static) -> Work {
+    Box::new(move |path| write(path).map_err(|error| error.to_string()))
+}
+
 fn text_work(kind: Kind, text: String) -> Work {
-    Box::new(move |path| export::write_text(path, kind, text).map_err(|e| e.to_string()))
+    work(move |path| export::write_text(path, kind, text))
 }
 
 fn settings_work(toml: String) -> Work {
@@ -246,14 +250,14 @@ fn case_work(model: &Model) -> Result<Work, String> {
 fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {
     let found = model.found_of(model.active_side()).ok_or("there are no features; press Detect first")?;
     let detection = found.detection.clone();
-    Ok(Box::new(move |path| format.write(path, &detection).map_err(|e| e.to_string())))
+    Ok(work(move |path| format.write(path, &detection)))
 }
 
 fn matches_work(model: &Model) -> Result<Work, String> {
     let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
-    Ok(Box::new(move |path| {
+    Ok(work(move |path| {
         let rows: Vec<export::MatchRow> = matches.rows().map(|row| export_row(&row)).collect();
-        export::write_matches_csv(path, &rows).map_err(|e| e.to_string())
+        export::write_matches_csv(path, &rows)
     }))
 }
 
@@ -269,7 +273,7 @@ fn profile_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     if profiles.is_empty() {
         return Err("the pane with the line is closed; draw another line with Q".to_owned());
     }
-    Ok(Box::new(move |path| export::write_profiles_csv(path, &profiles).map_err(|e| e.to_string())))
+    Ok(work(move |path| export::write_profiles_csv(path, &profiles)))
 }
 
 fn export_row(row: &MatchRow<'_>) -> export::MatchRow {
@@ -293,7 +297,7 @@ fn match_picture_work(model: &Model) -> Result<Work, String> {
         Ok::<_, String>((picture, display))
     };
     let sides = [side(Side::A)?, side(Side::B)?];
-    Ok(Box::new(move |path| {
+    Ok(work(move |path| {
         let lines: Vec<export::MatchLine> = listed
             .iter()
             .filter_map(|&index| matches.row(index))
@@ -303,11 +307,8 @@ fn match_picture_work(model: &Model) -> Result<Work, String> {
             })
             .collect();
         let drawn = sides.each_ref().map(|(picture, display)| to_rgba8(&on_image_pixels(picture), display));
-        let [a, b] = drawn.each_ref().map(|rgba| {
-            let (width, height) = rgba.dimensions();
-            export::Picture::rgba(width as usize, height as usize, rgba.as_raw())
-        });
-        export::write_match_picture(path, a, b, &lines).map_err(|e| e.to_string())
+        let [a, b] = drawn.each_ref().map(picture_of);
+        export::write_match_picture(path, a, b, &lines)
     }))
 }
 
@@ -315,26 +316,24 @@ fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
     let picture = model.picture().cloned().ok_or("there is no picture; open a burst first")?;
     let display = model.display_of(model.focus());
     Ok(match kind {
-        ExportKind::Tiff => Box::new(move |path| export::write_tiff(path, &picture.plane).map_err(|e| e.to_string())),
-        _ => Box::new(move |path| {
-            let rgba = picture.rgba(&display);
-            let (width, height) = picture.plane.size();
-            export::write_png(path, export::Picture::rgba(width, height, rgba.as_raw())).map_err(|e| e.to_string())
-        }),
+        ExportKind::Tiff => work(move |path| export::write_tiff(path, &picture.plane)),
+        _ => work(move |path| export::write_png(path, picture_of(&picture.rgba(&display)))),
     })
 }
 
 fn figure_work(model: &Model, widgets: &PaneWidgets, kind: ExportKind) -> Result<Work, String> {
     let drawing = drawing_of(model, widgets, &model.figure)?;
     Ok(match kind {
-        ExportKind::FigurePng => Box::new(move |path| {
-            let image = rasterise(&drawing)?;
-            let (width, height) = image.dimensions();
-            let picture = export::Picture::rgba(width as usize, height as usize, image.as_raw());
-            export::write_png(path, picture).map_err(|e| e.to_string())
-        }),
-        _ => Box::new(move |path| export::write_drawing_svg(path, &drawing).map_err(|e| e.to_string())),
+        ExportKind::FigurePng => {
+            Box::new(move |path| export::write_png(path, picture_of(&rasterise(&drawing)?)).map_err(|e| e.to_string()))
+        }
+        _ => work(move |path| export::write_drawing_svg(path, &drawing)),
     })
+}
+
+fn picture_of(rgba: &RgbaImage) -> export::Picture<'_> {
+    let (width, height) = rgba.dimensions();
+    export::Picture::rgba(width as usize, height as usize, rgba.as_raw())
 }
 
 /// Resamples the picture to the pixels of the input image, so that features are drawn at their places.

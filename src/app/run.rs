@@ -184,23 +184,3 @@ pub fn icon(side: u32) -> IconData {
     }
     IconData { rgba, width: side, height: side }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn its_corners_are_clear_its_ground_dark_and_its_middle_bright() {
-        for side in [16, 64, 256] {
-            let icon = icon(side);
-            assert_eq!(icon.rgba.len(), (4 * side * side) as usize);
-            let at = |u: u32, v: u32| {
-                let start = (4 * (v * side / 64 * side + u * side / 64)) as usize;
-                icon.rgba[start..start + 4].to_vec()
-            };
-            assert_eq!(at(0, 0)[3], 0);
-            assert!(at(32, 6)[..3].iter().all(|x| *x < 60) && at(32, 6)[3] == 255);
-            assert!(at(32, 32)[..3].iter().all(|x| *x > 150));
-        }
-    }
-}

@@ -1,6 +1,4 @@
-//! Kinds of background work: each with its requests, its answers, and its urgency.
-//!
-//! A kind is one value of [`Jobs`]: its urgency, a function from requests to answers, and a place where the answers are
+//! Kinds of background work: each with its urgency, a function from requests to answers, and a place where these are
 //! polled. Before the one answer, work may tell partial results.
 
 use super::OnUpdate;

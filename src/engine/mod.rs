@@ -1,13 +1,9 @@
-//! Background work: takes requests and publishes answers, so that the asker never waits. [`crate::requests`] defines
-//! the requests and computes their answers; this module decides when, and on which thread. Nothing here names a kind of
-//! request.
+//! Background work: takes requests and publishes answers, so that the asker never waits. Nothing here names a kind of
+//! request or depends on the window.
 //!
-//! The [`Engine`] has one queue for everything. A part of the window that shows an answer holds a
-//! [`Wanted`], which asks for one thing at a time: the latest request wins, so scrubbing stays live while a detection
-//! runs. Each request is an immutable snapshot with an id, and ends in exactly one answer, which is published before
-//! `on_update` is called. A panic in the work becomes an error with its place.
-//!
-//! The engine does not depend on the window: anything that holds a [`Wanted`] can use it.
+//! A part of the window that shows an answer holds a [`Wanted`], which asks for one thing at a time: the latest request
+//! wins, so scrubbing stays live while a detection runs. Each request ends in exactly one answer, which is published
+//! before `on_update` is called. A panic in the work becomes an error with its place.
 
 mod cache;
 mod fault;

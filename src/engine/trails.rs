@@ -1,9 +1,6 @@
-//! Store of the trails of detections: all that the search of an open burst left behind, for requests that explain it.
-//!
-//! A trail costs as much as its detection. So the detection makes it in the same search and stores it here, for the
-//! probe, the spectrum of slopes, the map of winning slopes and the comparison with the truth. If it was not kept, the
-//! detection is repeated once for all of them. A detection that differs from a kept one only in its thresholds is
-//! judged from what that one's search left.
+//! Store of the trails of detections: all that the search of an open burst left behind, for requests that explain it. A
+//! trail costs as much as its detection, so the detection makes it in the same search. If it was not kept, the search
+//! is repeated once for all askers; one that differs only in its thresholds is judged from what a kept one left.
 
 use crate::detector::{DetectorParams, SearchParams, memory};
 use crate::inspect::ProbeCache;

@@ -14,6 +14,7 @@ pub trait Request: Clone + PartialEq + Send + 'static {
 
     fn urgency(&self) -> Urgency;
 
+    /// The answer, if it is kept and needs no work.
     fn kept(&self, _kept: &Kept<'_>) -> Option<Self::Answer> {
         None
     }
@@ -42,18 +43,14 @@ pub struct Kept<'a> {
 
 /// Pictures that were computed before.
 pub trait PictureStore {
-    fn get(&self, request: &PictureRequest) -> Option<Picture>;
-
-    fn put(&self, picture: &Picture);
-}
-
-impl PictureStore for NothingKept {
     fn get(&self, _: &PictureRequest) -> Option<Picture> {
         None
     }
 
     fn put(&self, _: &Picture) {}
 }
+
+impl PictureStore for NothingKept {}
 
 pub struct Work<'a, T> {
     pub kept: Kept<'a>,
@@ -65,11 +62,6 @@ impl<'a, T> Work<'a, T> {
     /// Context without results of earlier requests, which drops results that are told before the answer.
     pub fn alone(monitor: &'a Monitor) -> Self {
         Self { kept: Kept { trails: &NothingKept, pictures: &NothingKept }, monitor, tell: &|_| {} }
-    }
-
-    #[must_use]
-    pub fn with_trails(self, trails: &'a dyn TrailStore) -> Self {
-        Self { kept: Kept { trails, ..self.kept }, ..self }
     }
 
     #[must_use]

@@ -27,62 +27,19 @@ pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
 
-/// The answers are the same with every store, but for the tally of a detection that is judged from an earlier one.
+/// Without any of its functions it keeps nothing, and every trail is made anew. The answers are the same with every
+/// store, but for the tally of a detection that is judged from an earlier one.
 pub trait TrailStore {
-    fn put(&self, burst: &OpenBurst, trail: &Arc<ProbeCache>);
-
-    /// Drops trails above the budget, before another one is made.
-    fn make_room(&self);
-
-    fn asked(&self, burst: &OpenBurst, asked: &SearchParams) -> Option<Arc<ProbeCache>>;
-
-    /// Judged from what the search of a kept one left, see [`ProbeCache::rejudged`]. It then stands for that one too.
-    fn rejudged(
-        &self,
-        burst: &OpenBurst,
-        asked: &SearchParams,
-        monitor: &Monitor,
-    ) -> Result<Option<Arc<ProbeCache>>, JobError>;
-
-    fn get(&self, source: &DetectionSource) -> Option<Arc<ProbeCache>>;
-
-    fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError>;
-
-    fn get_or_make_for(
-        &self,
-        burst: &OpenBurst,
-        params: &DetectorParams,
-        monitor: &Monitor,
-    ) -> Result<Arc<ProbeCache>, JobError>;
-}
-
-/// Fraction of the progress that making a trail takes, where it is not kept.
-const TRAIL_SHARE: f32 = 0.6;
-
-pub(super) fn trail_and_rest(
-    trails: &dyn TrailStore,
-    source: &DetectionSource,
-    monitor: &Monitor,
-) -> Result<(Arc<ProbeCache>, Monitor), JobError> {
-    let (trail, share) = match trails.get(source) {
-        Some(kept) => (kept, 0.0),
-        None => (trails.get_or_make(source, &monitor.part(0.0, TRAIL_SHARE))?, TRAIL_SHARE),
-    };
-    Ok((trail, monitor.part(share, 1.0 - share)))
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-pub struct NothingKept;
-
-impl TrailStore for NothingKept {
     fn put(&self, _: &OpenBurst, _: &Arc<ProbeCache>) {}
 
+    /// Drops trails above the budget, before another one is made.
     fn make_room(&self) {}
 
     fn asked(&self, _: &OpenBurst, _: &SearchParams) -> Option<Arc<ProbeCache>> {
         None
     }
 
+    /// Judged from what the search of a kept one left, see [`ProbeCache::rejudged`]. It then stands for that one too.
     fn rejudged(&self, _: &OpenBurst, _: &SearchParams, _: &Monitor) -> Result<Option<Arc<ProbeCache>>, JobError> {
         Ok(None)
     }
@@ -104,3 +61,23 @@ impl TrailStore for NothingKept {
         trail_of(burst, params, monitor).map(Arc::new)
     }
 }
+
+/// Fraction of the progress that making a trail takes, where it is not kept.
+const TRAIL_SHARE: f32 = 0.6;
+
+pub(super) fn trail_and_rest(
+    trails: &dyn TrailStore,
+    source: &DetectionSource,
+    monitor: &Monitor,
+) -> Result<(Arc<ProbeCache>, Monitor), JobError> {
+    let (trail, share) = match trails.get(source) {
+        Some(kept) => (kept, 0.0),
+        None => (trails.get_or_make(source, &monitor.part(0.0, TRAIL_SHARE))?, TRAIL_SHARE),
+    };
+    Ok((trail, monitor.part(share, 1.0 - share)))
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NothingKept;
+
+impl TrailStore for NothingKept {}

@@ -1,8 +1,5 @@
-//! All actions of the user, each registered once.
-//!
-//! [`registry`] holds one row for each action: its label, menu, shortcut and help. The menu bar, the toolbar's
-//! tooltips, the command palette and the sheet of shortcuts are drawn from these rows, so none of them can miss an
-//! action or name it differently.
+//! All actions of the user, each registered once: the menu bar, the tooltips, the command palette and the sheet of
+//! shortcuts are drawn from the rows of [`registry`].
 
 mod change;
 pub mod menu;
@@ -100,34 +97,4 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
             *queue = vec![opener];
         }
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::project::tests::open;
-    use egui::{Event, Id, Key, Modifiers, Popup, RawInput};
-
-    fn pressed(key: Key, drop_down_is_open: bool) -> Queue {
-        let (ctx, mut model, mut queue) = (egui::Context::default(), Model::default(), Queue::new());
-        model.take_burst(open((64, 48), 5));
-        let event = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
-        let mut output = ctx.run_ui(RawInput { events: vec![event], ..Default::default() }, |ui| {
-            if drop_down_is_open {
-                Popup::open_id(ui.ctx(), Id::unique("drop-down"));
-            }
-            take_shortcuts(ui.ctx(), &model, &mut queue);
-        });
-        output.textures_delta.clear();
-        queue
-    }
-
-    #[test]
-    fn an_open_drop_down_keeps_the_arrows_from_the_cursor() {
-        let steps = pressed(Key::ArrowRight, false);
-        assert_eq!(steps.len(), 1, "{steps:?}");
-        for key in [Key::ArrowRight, Key::ArrowDown, Key::Escape] {
-            assert_eq!(pressed(key, true), [], "{key:?}");
-        }
-    }
 }

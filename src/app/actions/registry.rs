@@ -18,18 +18,10 @@ pub enum Menu {
 }
 
 impl Menu {
-    pub const ALL: [Self; 10] = [
-        Self::File,
-        Self::Edit,
-        Self::View,
-        Self::Panes,
-        Self::Cursor,
-        Self::Detect,
-        Self::Features,
-        Self::Pair,
-        Self::Dataset,
-        Self::Help,
-    ];
+    pub const ALL: [Self; 10] = {
+        use Menu::*;
+        [File, Edit, View, Panes, Cursor, Detect, Features, Pair, Dataset, Help]
+    };
 
     pub fn label(self) -> &'static str {
         match self {

@@ -177,21 +177,3 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         },
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::actions::ACTIONS;
-
-    #[test]
-    fn without_a_burst_one_can_still_open_configure_and_find_help() {
-        let model = Model::default();
-        let can: Vec<ActionId> = ACTIONS.iter().map(|a| a.id).filter(|id| enabled(*id, &model)).collect();
-        for id in [ActionId::OpenFolder, ActionId::OpenDemo, ActionId::LoadParams, ActionId::Palette, ActionId::Quit] {
-            assert!(can.contains(&id), "{id:?}");
-        }
-        for id in [ActionId::Detect, ActionId::ExportCsv, ActionId::Play, ActionId::NextFeature, ActionId::Cancel] {
-            assert!(!can.contains(&id), "{id:?}");
-        }
-    }
-}

@@ -1,9 +1,6 @@
-//! File questions: the system's dialogs, and a path field where the system has none.
-//!
-//! The system's dialogs wait for a person, so they run on a thread of their own. They are behind [`FileDialogs`], so
-//! that tests can answer for the person. A free desktop shows dialogs through its portal, or through the program
-//! `zenity`; whether one of them is there is looked up for each question, and where neither is, the path field opens. A
-//! dialog that returns nothing was cancelled or has failed, which cannot be told apart: both are said.
+//! File questions: the system's dialogs, on threads of their own, and a path field where the system has none. A free
+//! desktop shows dialogs through its portal, or through the program `zenity`. A dialog that returns nothing was
+//! cancelled or has failed, which cannot be told apart: both are said.
 
 mod path_field;
 

@@ -1,8 +1,5 @@
 //! Measuring line and rectangle, drawn on a picture: the values along the line and the statistics in the rectangle, for
 //! all linked panes together.
-//!
-//! [`Measure`] is a plain value of the project: the shape, its pane, and its place in pixels of the input image. The
-//! panels below the pictures show [`profiles_of`] and [`region_in`]; the export writes the same values.
 
 mod panels;
 

@@ -1,7 +1,4 @@
 //! Requests of the project to the engine: in each pass it takes the answers that came, and requests what is missing.
-//!
-//! Each part of the project holds a [`Wanted`](crate::engine::Wanted) for each of its requests, takes the answers and
-//! requests what is missing. [`Model::wants`] lists them all.
 
 use super::messages::Messages;
 use super::side::Side;

@@ -1,9 +1,6 @@
-//! Undo and redo of the user's settings: the parameters of the detector and of matching, and the slopes of panes'
-//! cursors.
-//!
-//! The window gives the history the settings before and after each pass in which the user could change them. Automatic
-//! changes (slopes that were found, the slope with most features) are no steps. A continued change (a drag, typing,
-//! playing through the slopes) is one step.
+//! Undo and redo of the user's settings: the parameters of the detector and of matching, and the slopes of cursors.
+//! Automatic changes (slopes that were found, the slope with most features) are no steps. A continued change (a drag,
+//! typing, playing through the slopes) is one step.
 
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
@@ -118,16 +115,11 @@ impl History {
     }
 
     pub fn swap_sides(&mut self) {
-        let [a, b] = Side::BOTH.map(PaneId::of);
         for (id, _) in self.past.iter_mut().chain(&mut self.future).chain(&mut self.begun).flat_map(|s| &mut s.cursors)
         {
-            *id = if *id == a {
-                b
-            } else if *id == b {
-                a
-            } else {
-                *id
-            };
+            if let Some(side) = Side::BOTH.into_iter().find(|side| PaneId::of(*side) == *id) {
+                *id = PaneId::of(side.other());
+            }
         }
     }
 

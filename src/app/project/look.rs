@@ -1,8 +1,6 @@
-//! Look of pictures and features: value ranges, colour maps, and drawings over the picture.
-//!
-//! Each class of picture has a fixed range, so that two slopes or two frames can be compared: frames and motion-stack
-//! images share one; DoG responses have another, symmetric about zero; so does each map. A range is set once, from the
-//! first picture of its class (with several panes: that of the pane in focus); after that only by the user.
+//! Look of pictures and features: value ranges, colour maps, and drawings over the picture. A class of pictures shares
+//! a range, so that slopes or frames can be compared. It is set once, from the first picture of its class (of several
+//! panes, that in focus); after that only by the user.
 
 use crate::detector::ParamError;
 use crate::detector::params::Bounds;
@@ -46,13 +44,8 @@ impl Default for Ranges {
 
 impl Ranges {
     pub fn display(&self, class: RangeClass) -> Display {
-        match class {
-            RangeClass::Intensity => self.intensity,
-            RangeClass::Response => self.response,
-            RangeClass::Difference => self.difference,
-            RangeClass::Noise => self.noise,
-            RangeClass::Share | RangeClass::Motion => self.share,
-        }
+        let mut own = *self;
+        *own.display_mut(class)
     }
 
     pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {

@@ -1,6 +1,5 @@
 //! Parts of the window that are open. At the first start the picture has most of the window: the panel on the right
-//! comes with a selection or a probe, the table is closed, and in a narrow window the panel on the left is folded. A
-//! panel that the user opens or closes stays so.
+//! comes with a selection or a probe. A panel that the user opens or closes stays so.
 
 use super::Model;
 use super::workspace::Workspace;

@@ -172,18 +172,4 @@ mod tests {
         model.lead_cursors(before);
         assert_eq!(slopes(&model), [left, left, start]);
     }
-
-    #[test]
-    fn slopes_are_played_only_while_they_are_to_be() {
-        let mut model = Model::default();
-        assert_eq!(model.step_play(), None);
-        model.toggle_play();
-        let before = model.cursor().slope;
-        assert!(model.step_play().is_some() && model.cursor().slope != before);
-        // Each slope is shown for a while.
-        let shown = model.cursor().slope;
-        assert!(model.step_play().is_some() && model.cursor().slope == shown);
-        model.toggle_play();
-        assert_eq!(model.step_play(), None);
-    }
 }

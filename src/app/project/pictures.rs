@@ -1,8 +1,6 @@
 //! Pictures of panes: those that are wanted, those that are there, the pane in focus, and the pictures' value ranges.
-//!
-//! A shared range is set by the pane in focus, or if that shows another class of picture by the first in reading order,
-//! once its wanted picture is there. So the result does not depend on the order in which the pictures are made: the
-//! same panes always get the same range.
+//! Panes get the same range in whichever order their pictures are made: a shared one is set by the pane in focus, or by
+//! the first in reading order that shows the class.
 
 use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
 use crate::app::project::asking::answers;

@@ -1,7 +1,5 @@
-//! Slot of one of the two bursts: the burst, its features, their comparison with others, and the requests for it.
-//!
-//! A slot takes a newly opened burst, keeps the parameters and cursors valid for it, and takes the features that were
-//! found. The selected feature is kept across detections. What was opened is never overwritten.
+//! Slot of one of the two bursts: the burst, its features, their comparison with others, and the requests for it. What
+//! was opened is never overwritten.
 
 use crate::app::pane::PaneId;
 use crate::app::project::against::Against;
@@ -10,7 +8,7 @@ use crate::app::project::side::Side;
 use crate::app::project::{Effect, Model};
 use crate::app::view::View;
 use crate::app::view::fixed;
-use crate::burst::{self, OpenOptions};
+use crate::burst::OpenOptions;
 use crate::detector::{
     Advice, Detection, DetectorParams, Feature, Method, ParamError, SearchParams, Slope, SlopeFinding, SlopeGrid,
     explain, follows,
@@ -399,12 +397,8 @@ impl Model {
         if let Some((index, count)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
             let slope = grid.slope(index);
             self.panes.get_mut(id).into_iter().for_each(|pane| pane.cursor.slope = slope);
-            let Slope { u, v } = slope;
-            self.messages.note(format!(
-                "Most features ({count}) are at slope ({}, {}) px/frame",
-                fixed(u, 2),
-                fixed(v, 2)
-            ));
+            let [u, v] = [slope.u, slope.v].map(|part| fixed(part, 2));
+            self.messages.note(format!("Most features ({count}) are at slope ({u}, {v}) px/frame"));
         }
     }
 }
@@ -414,31 +408,18 @@ impl Model {
     pub fn opened_files(&self) -> Vec<PathBuf> {
         let gold = self.compare.gold.iter().flatten();
         let bursts = self.slots.both().into_iter().flat_map(|slot| &slot.burst).chain(gold);
-        let mut files: Vec<PathBuf> = bursts.flat_map(|open| files_of(&open.source)).collect();
+        let mut files: Vec<PathBuf> = bursts.flat_map(|open| open.source.files()).collect();
         for burst in self.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
-            files.extend(files_at(burst.paths.clone()));
+            files.extend(BurstSource::Paths(burst.paths.clone()).files());
         }
         let calibration = [&self.calibration.bias, &self.calibration.flat];
-        files.extend(calibration.into_iter().flatten().flat_map(|path| files_at(vec![path.clone()])));
+        files.extend(calibration.into_iter().flatten().flat_map(|path| BurstSource::Paths(vec![path.clone()]).files()));
         let others = self.slots.both().into_iter().filter_map(|slot| slot.against.file.as_ref());
         files.extend(others.map(|file| file.path.clone()));
         let trajectories = [&self.trajectories.compared.estimate, &self.trajectories.compared.truth];
         files.extend(trajectories.into_iter().flatten().flat_map(|(path, _)| files_of_model(path)));
         files
     }
-}
-
-fn files_of(source: &BurstSource) -> Vec<PathBuf> {
-    match source {
-        BurstSource::Paths(paths) => files_at(paths.clone()),
-        BurstSource::DarkCopy { of, .. } | BurstSource::Planted { of, .. } => files_of(of),
-        BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => Vec::new(),
-    }
-}
-
-fn files_at(paths: Vec<PathBuf>) -> Vec<PathBuf> {
-    let source = burst::BurstFiles { name: String::new(), paths };
-    source.files().unwrap_or(source.paths)
 }
 
 fn files_of_model(path: &Path) -> Vec<PathBuf> {

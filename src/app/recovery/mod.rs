@@ -1,8 +1,5 @@
 //! Automatic saving of the window's session, and the offer to restore that of a window that did not end normally.
-//!
-//! A [`Recovery`] has a [`Record`] of its own, into which the session is written in the background: at a limited rate,
-//! and only after changes. It holds the records that other windows left behind, and offers them one after the other;
-//! nothing is restored unasked. A restored record becomes the window's own, so that its session is never lost.
+//! Nothing is restored unasked. A restored record becomes the window's own, so that its session is never lost.
 
 mod record;
 

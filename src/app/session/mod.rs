@@ -1,8 +1,5 @@
-//! A session: everything needed to restore a view of a burst, as a TOML file.
-//!
-//! Pixels and features are not stored: the burst is opened again from its source, and the features, those of a pinned
-//! result included, are detected again, which gives the same bits. The selected feature is then identified by its
-//! place.
+//! A session: everything needed to restore a view of a burst, as a TOML file. Pixels and features are not stored: the
+//! burst is opened again, and the features are detected again, which gives the same bits.
 
 mod restoring;
 mod saved;

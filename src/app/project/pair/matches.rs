@@ -129,21 +129,10 @@ pub enum MatchColumn {
 }
 
 impl MatchColumn {
-    pub const ALL: [Self; 13] = [
-        Self::Number,
-        Self::UA,
-        Self::VA,
-        Self::UB,
-        Self::VB,
-        Self::SigmaA,
-        Self::SigmaB,
-        Self::SlopeA,
-        Self::SlopeB,
-        Self::Distance,
-        Self::Ratio,
-        Self::Error,
-        Self::Inlier,
-    ];
+    pub const ALL: [Self; 13] = {
+        use MatchColumn::*;
+        [Number, UA, VA, UB, VB, SigmaA, SigmaB, SlopeA, SlopeB, Distance, Ratio, Error, Inlier]
+    };
 
     pub fn heading(self) -> &'static str {
         match self {
