@@ -361,20 +361,10 @@ mod tests {
     use crate::requests::{PictureKind, PictureRequest};
     use std::time::Duration;
 
-    const EXPORTS: [ExportKind; 12] = [
-        ExportKind::Csv,
-        ExportKind::Colmap,
-        ExportKind::Npz,
-        ExportKind::Png,
-        ExportKind::Tiff,
-        ExportKind::Svg,
-        ExportKind::FigurePng,
-        ExportKind::Matches,
-        ExportKind::MatchPicture,
-        ExportKind::Profile,
-        ExportKind::CurvesCsv,
-        ExportKind::CurvesSvg,
-    ];
+    const EXPORTS: [ExportKind; 12] = {
+        use ExportKind::*;
+        [Csv, Colmap, Npz, Png, Tiff, Svg, FigurePng, Matches, MatchPicture, Profile, CurvesCsv, CurvesSvg]
+    };
 
     #[test]
     fn dropped_files_mean_what_is_open_where_they_are_dropped() {

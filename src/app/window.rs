@@ -384,15 +384,11 @@ impl BurstscopeApp {
 
     fn readout(&self) -> Option<String> {
         if self.model.panes.are_many() {
-            let (first, rest) = self.widgets.values.split_first()?;
+            let first = &self.widgets.values.first()?.readout;
             let value = |v: &PlaceValue| format!("{}: {}", v.number, v.readout.short_text());
-            let values: Vec<String> = std::iter::once(first).chain(rest).map(value).collect();
-            return Some(format!(
-                "u {}  v {}   {}",
-                fixed(first.readout.u, 1),
-                fixed(first.readout.v, 1),
-                values.join("  ")
-            ));
+            let values: Vec<String> = self.widgets.values.iter().map(value).collect();
+            let [u, v] = [first.u, first.v].map(|at| fixed(at, 1));
+            return Some(format!("u {u}  v {v}   {}", values.join("  ")));
         }
         let readouts = self.model.panes.shown().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
         readouts.into_iter().next().map(|readout: Readout| readout.to_string())

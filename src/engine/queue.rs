@@ -23,16 +23,10 @@ use std::time::{Duration, Instant};
 use threads::{unique_key, work};
 
 /// Lowest urgency that each thread takes: pictures never wait for files or searches, nor searches for datasets.
-pub(super) const THREADS: [Urgency; 8] = [
-    Urgency::Picture,
-    Urgency::Write,
-    Urgency::SlowPicture,
-    Urgency::Search,
-    Urgency::Search,
-    Urgency::Search,
-    Urgency::Dataset,
-    Urgency::Dataset,
-];
+pub(super) const THREADS: [Urgency; 8] = {
+    use Urgency::*;
+    [Picture, Write, SlowPicture, Search, Search, Search, Dataset, Dataset]
+};
 
 /// Kind of work and slot of a request. Of one key the latest request wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

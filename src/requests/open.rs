@@ -7,7 +7,6 @@ use crate::inspect::truth::{TruthError, is_known, truth_of};
 use crate::inspect::words::counted;
 use crate::monitor::Monitor;
 use crate::synth::{Truth, synth_chart};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -66,12 +65,11 @@ impl BurstSource {
                 Ok(OpenBurst { planted: planted.map(Arc::new), ..OpenBurst::new(burst, self.clone()) })
             }
             Err(error) if error.is_cancelled() || monitor.is_cancelled() => Err(JobError::Cancelled),
-            Err(SourceError::Open(OpenError::SeveralBursts { .. })) => Err(JobError::Several(bursts_at(self.paths()))),
+            Err(SourceError::Open(OpenError::SeveralBursts { .. })) => {
+                let found = find_bursts(self.paths()).unwrap_or_default();
+                Err(JobError::Several(found.into_iter().map(|found| BurstSource::Paths(found.paths)).collect()))
+            }
             Err(error) => Err(JobError::failed(error)),
         }
     }
-}
-
-fn bursts_at(paths: &[PathBuf]) -> Vec<BurstSource> {
-    find_bursts(paths).unwrap_or_default().into_iter().map(|found| BurstSource::Paths(found.paths)).collect()
 }

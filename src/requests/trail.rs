@@ -8,12 +8,18 @@ use crate::monitor::Monitor;
 use std::sync::Arc;
 
 /// Source of a detection: its burst, and the parameters that were asked for and used.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct DetectionSource {
     pub burst: OpenBurst,
     pub asked: SearchParams,
     pub params: DetectorParams,
     pub finding: Option<SlopeFinding>,
+}
+
+impl PartialEq for DetectionSource {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.burst, &self.asked, &self.params) == (&other.burst, &other.asked, &other.params)
+    }
 }
 
 impl DetectionSource {

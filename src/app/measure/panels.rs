@@ -81,15 +81,8 @@ pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut 
         }
         button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Clear rectangle"));
         let rect = region.rect_image;
-        ui.weak(format!(
-            "({}, {}) to ({}, {}): {:.1} × {:.1} px",
-            fixed(rect.min.x, 1),
-            fixed(rect.min.y, 1),
-            fixed(rect.max.x, 1),
-            fixed(rect.max.y, 1),
-            rect.width(),
-            rect.height()
-        ));
+        let (from, to) = (place_text(rect.min), place_text(rect.max));
+        ui.weak(format!("{from} to {to}: {:.1} × {:.1} px", rect.width(), rect.height()));
     });
     let histogram = regions
         .iter()
@@ -105,6 +98,10 @@ pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut 
             histogram_ui(ui, number, &histogram);
         }
     });
+}
+
+fn place_text(at: egui::Pos2) -> String {
+    format!("({}, {})", fixed(at.x, 1), fixed(at.y, 1))
 }
 
 fn row(of: &PaneRegion, statistics: Option<RegionStatistics>) -> [String; COLUMNS.len()] {
@@ -193,8 +190,7 @@ pub fn profile_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
         button_ui(ui, model, queue, ActionId::MeasureLine, Some("Draw a line"));
         button_ui(ui, model, queue, ActionId::ExportProfile, Some("Export as CSV…"));
         button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Clear line"));
-        let place = |at: egui::Pos2| format!("({}, {})", fixed(at.x, 1), fixed(at.y, 1));
-        ui.weak(format!("{} to {}, {:.1} px", place(from), place(to), from.distance(to)));
+        ui.weak(format!("{} to {}, {:.1} px", place_text(from), place_text(to), from.distance(to)));
     });
     let plot = Plot::new("profile")
         .legend(Legend::default().position(Corner::RightTop))

@@ -27,17 +27,10 @@ pub enum ColourBy {
 }
 
 impl ColourBy {
-    pub const ALL: [Self; 9] = [
-        Self::SlopeDirection,
-        Self::SlopeU,
-        Self::SlopeV,
-        Self::Scale,
-        Self::Response,
-        Self::Snr,
-        Self::Limit,
-        Self::Coherence,
-        Self::Depth,
-    ];
+    pub const ALL: [Self; 9] = {
+        use ColourBy::*;
+        [SlopeDirection, SlopeU, SlopeV, Scale, Response, Snr, Limit, Coherence, Depth]
+    };
 
     /// The choices, in the order of a picker; depths only where slopes are read as depths.
     pub fn choices(with_depths: bool) -> impl Iterator<Item = Self> {
