@@ -55,7 +55,7 @@ pub fn is_asked(ctx: &egui::Context) -> bool {
 
 /// Copies the selected feature or match, or else the value under the pointer.
 pub fn copy_row(ctx: &egui::Context, model: &mut Model, widgets: &PaneWidgets) {
-    let readouts = model.visible_panes().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
+    let readouts = model.panes.shown().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
     let value = readouts.into_iter().next().map(|readout| value_text(&readout));
     if let Some(text) = selected_text(model).or(value) {
         let what = text.lines().last().unwrap_or_default().replace('\t', "  ");

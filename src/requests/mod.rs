@@ -1,12 +1,10 @@
-//! Requests for background work and their answers: values, and the function from the one to the other.
+//! Requests for background work and their answers. A request is an immutable snapshot of all that decides its answer;
+//! `compute` makes it on the calling thread and its pool, and stops with [`JobError::Cancelled`] once its
+//! [`Monitor`](crate::monitor::Monitor) is cancelled. Some answers need the trail of a detection, from a
+//! [`TrailStore`].
 //!
-//! A request is an immutable snapshot of all that decides its answer: the burst, the parameters, what is asked. Whether
-//! two requests ask for the same can be told from their values. `compute` makes the answer on the calling thread and
-//! its pool, and stops with [`JobError::Cancelled`] once its [`Monitor`](crate::monitor::Monitor) is cancelled. Some
-//! answers need the trail of a detection; a [`TrailStore`] in which it may be kept is passed in.
-//!
-//! Nothing here runs by itself: when a request is computed, on which thread, and which of several requests wins is
-//! decided above, by [`crate::engine`].
+//! Nothing here runs by itself: when, on which thread, and which of several requests wins is decided by
+//! [`crate::engine`].
 
 mod against;
 mod coherence;

@@ -143,6 +143,12 @@ struct KindKey {
     params: u64,
 }
 
+impl PartialEq for PictureRequest {
+    fn eq(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+}
+
 impl PictureRequest {
     /// Picture `kind` of `burst`, made with `params`.
     pub fn new(burst: OpenBurst, kind: PictureKind, params: DetectorParams) -> Self {

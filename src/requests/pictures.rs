@@ -54,11 +54,6 @@ impl Request for PictureRequest {
         self.minus().map_or(own, |minus| own.max(minus.urgency()))
     }
 
-    /// Whether both have the same pixels.
-    fn is_same(&self, other: &Self) -> bool {
-        self.key() == other.key()
-    }
-
     fn kept(&self, kept: &Kept<'_>) -> Option<Picture> {
         kept.pictures.get(self)
     }
@@ -83,7 +78,7 @@ impl Request for PictureRequest {
 }
 
 /// Several pictures that are shown together, such as the two from which the patches of a match are cut.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PicturesRequest(pub Vec<PictureRequest>);
 
 impl Request for PicturesRequest {
@@ -93,10 +88,6 @@ impl Request for PicturesRequest {
 
     fn urgency(&self) -> Urgency {
         self.0.iter().map(PictureRequest::urgency).max().unwrap_or(Urgency::Picture)
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(|(a, b)| a.is_same(b))
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<Picture>, JobError> {

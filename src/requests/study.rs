@@ -12,7 +12,7 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StudyRequest {
     pub study: Study,
     /// The open burst; a study of it uses its truth, if there is one.
@@ -25,11 +25,6 @@ impl Request for StudyRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        let open = |request: &Self| request.open.as_ref().map(|open| open.id);
-        self.study == other.study && open(self) == open(other)
     }
 
     fn compute(self, work: &Work<'_, StudyReport>) -> Result<StudyReport, JobError> {
@@ -51,10 +46,6 @@ impl Request for ChartOfStudy {
         Urgency::Search
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        self == other
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ShownChart, JobError> {
         Ok(self.show(work.monitor)?)
     }
@@ -67,10 +58,6 @@ impl Request for FiguresJob {
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self == other
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<FiguresReport, JobError> {
@@ -104,8 +91,14 @@ impl TrajectorySource {
     }
 }
 
+impl PartialEq for TrajectorySource {
+    fn eq(&self, other: &Self) -> bool {
+        self.path() == other.path()
+    }
+}
+
 /// Trajectories to read, and to compare if both are given.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PosesRequest {
     pub estimate: Option<TrajectorySource>,
     pub truth: Option<TrajectorySource>,
@@ -118,12 +111,6 @@ impl Request for PosesRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        let path = |source: &Option<TrajectorySource>| source.as_ref().map(|source| source.path().clone());
-        let paths = |request: &Self| [path(&request.estimate), path(&request.truth)];
-        paths(self) == paths(other) && self.study == other.study
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedPoses, JobError> {

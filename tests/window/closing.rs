@@ -44,16 +44,18 @@ struct UntilCancelled {
     release: Arc<Mutex<Option<mpsc::Sender<()>>>>,
 }
 
+impl PartialEq for UntilCancelled {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 impl Request for UntilCancelled {
     type Answer = ();
     type Told = Infallible;
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, _: &Self) -> bool {
-        true
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<(), JobError> {

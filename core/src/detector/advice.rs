@@ -173,7 +173,8 @@ fn wider_axis(grid: &SlopeGrid) -> (Param<DetectorParams>, SlopeAxis) {
     if grid.v.count > grid.u.count { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) }
 }
 
-fn capitalised(text: &str) -> String {
+/// A text whose first letter is a capital.
+pub fn capitalised(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }

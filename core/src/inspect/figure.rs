@@ -9,7 +9,7 @@ use crate::inspect::response::ResponseMap;
 use crate::inspect::shares::{Shares, Slice};
 use crate::inspect::spectrum::{SlopeBar, Spectrum};
 use crate::inspect::texture::dirichlet;
-use crate::inspect::words::{counted, number, slope_text};
+use crate::inspect::words::{capitalised, counted, number, slope_text};
 use crate::inspect::{Fate, Probe};
 use crate::plane::Plane;
 use crate::plane::display::Display;
@@ -254,11 +254,6 @@ fn tests(sheet: &mut Sheet, (x, y): (f64, f64), fate: &Fate) -> f64 {
         );
     }
     y
-}
-
-fn capitalised(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
 
 const SLOPES_WIDTH: f64 = 820.0;

@@ -1,6 +1,7 @@
 //! Number formats of explanations.
 
 use crate::detector::Slope;
+pub use crate::detector::advice::capitalised;
 
 /// A slope in px/frame as short text: one number where it is horizontal, two otherwise.
 pub fn slope_text(slope: Slope) -> String {

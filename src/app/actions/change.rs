@@ -19,7 +19,6 @@ use crate::engine::Engine;
 use crate::requests::{BurstSource, ProbeQuestion};
 use crate::synth::Example;
 
-/// Runs an action that changes the project alone. Returns what it changes beyond the project.
 pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
     use ActionId as A;
     if let Some(purpose) = asked_files(id, model.active_side()) {
@@ -31,6 +30,10 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
     }
     if let Some(preset) = layout(id) {
         model.change_panes(Change::LayOut(model.focus(), preset));
+        return None;
+    }
+    if let Some(workspace) = workspace(id) {
+        model.open_workspace(workspace);
         return None;
     }
     match id {
@@ -47,7 +50,11 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
         A::CancelDataset => model.datasets.wanted.cancel(),
         A::CancelStudy => model.lab.wanted.cancel(),
         A::CancelFigures => model.figures.cancel(),
-        A::Match => model.start_matching(engine),
+        A::Match => {
+            if let Some(wanted) = model.wanted_matches() {
+                model.pair.matching.ask(engine, wanted);
+            }
+        }
         A::MatchPairs => model.match_pairs(engine),
         A::MatchSelected => model.match_selected(engine),
         A::RunStudy => model.run_study(engine),
@@ -80,7 +87,6 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
     None
 }
 
-/// Files that the action asks for.
 fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
     use ActionId as A;
     Some(match id {
@@ -121,7 +127,6 @@ fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
     })
 }
 
-/// Burst that is built into the program and that the action opens.
 fn built_in(id: ActionId) -> Option<BurstSource> {
     use ActionId as A;
     Some(BurstSource::Example(match id {
@@ -138,8 +143,7 @@ fn built_in(id: ActionId) -> Option<BurstSource> {
     }))
 }
 
-/// Layout of the panes that the action makes from the one in focus.
-fn layout(id: ActionId) -> Option<Preset> {
+pub(super) fn layout(id: ActionId) -> Option<Preset> {
     use ActionId as A;
     Some(match id {
         A::LayoutSingle => Preset::Single,
@@ -152,6 +156,19 @@ fn layout(id: ActionId) -> Option<Preset> {
         A::LayoutSlice => Preset::Slice,
         A::LayoutScales => Preset::Scales,
         A::LayoutTwoByTwo => Preset::TwoByTwo,
+        _ => return None,
+    })
+}
+
+pub(super) fn workspace(id: ActionId) -> Option<Workspace> {
+    use ActionId as A;
+    Some(match id {
+        A::WorkspaceInspect => Workspace::Inspect,
+        A::WorkspacePair => Workspace::Pair,
+        A::WorkspaceMethods => Workspace::Methods,
+        A::WorkspaceMatches => Workspace::Matches,
+        A::WorkspaceTrajectories => Workspace::Trajectories,
+        A::WorkspaceLab => Workspace::Lab,
         _ => return None,
     })
 }
@@ -170,7 +187,6 @@ pub fn probe_here(model: &mut Model, widgets: &PaneWidgets) {
     }
 }
 
-/// Runs an action that only changes values: content, selection, links.
 fn change_values(id: ActionId, model: &mut Model) {
     use ActionId as A;
     match id {
@@ -213,12 +229,6 @@ fn change_values(id: ActionId, model: &mut Model) {
             model.show_against(side, (!on).then_some(With::Truth));
             model.bottom_tab = BottomTab::Compared;
         }
-        A::WorkspaceInspect => model.open_workspace(Workspace::Inspect),
-        A::WorkspacePair => model.open_workspace(Workspace::Pair),
-        A::WorkspaceMatches => model.open_workspace(Workspace::Matches),
-        A::WorkspaceTrajectories => model.open_workspace(Workspace::Trajectories),
-        A::WorkspaceMethods => model.open_workspace(Workspace::Methods),
-        A::WorkspaceLab => model.open_workspace(Workspace::Lab),
         A::KeepCurves => model.lab.keep_current(),
         A::MeasureLine => model.measure.toggle(Tool::Line),
         A::MeasureRegion => model.measure.toggle(Tool::Region),
@@ -272,7 +282,11 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::ClearSelection => (model.selected, model.slots.a.against.selected) = (None, None),
         A::ClearFilter => model.filter = Default::default(),
         A::OtherSide => model.focus_other_side(),
-        A::ProbeExpected => model.probe_expected(),
+        A::ProbeExpected => {
+            if let Some(place) = model.expected_place() {
+                model.probe_place(Side::B, place);
+            }
+        }
         A::LinkCursors => model.toggle_link(Link::Cursor),
         A::LinkViews => model.toggle_link(Link::View),
         A::LinkRanges => model.toggle_link(Link::Display),
@@ -285,7 +299,6 @@ fn change_values(id: ActionId, model: &mut Model) {
     }
 }
 
-/// Runs an action that moves the cursor of the focused pane.
 fn move_cursor(model: &mut Model, id: ActionId) {
     use ActionId as A;
     let grid = model.cursor_params().slopes;

@@ -3,47 +3,26 @@
 use crate::teach::Shown;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-/// The menus of the menu bar, from left to right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Menu {
-    /// Opening, saving, exporting.
     File,
-    /// Undo, redo and the clipboard.
     Edit,
-    /// Content of the pictures, and how it is shown.
     View,
-    /// Number of panes, and their contents.
     Panes,
-    /// Moving through frames, slopes and scales.
     Cursor,
-    /// The detector and its parameters.
     Detect,
-    /// The features found.
     Features,
-    /// A second burst, and the matches with it.
     Pair,
-    /// Many bursts.
     Dataset,
-    /// Help.
     Help,
 }
 
 impl Menu {
-    /// All menus.
-    pub const ALL: [Self; 10] = [
-        Self::File,
-        Self::Edit,
-        Self::View,
-        Self::Panes,
-        Self::Cursor,
-        Self::Detect,
-        Self::Features,
-        Self::Pair,
-        Self::Dataset,
-        Self::Help,
-    ];
+    pub const ALL: [Self; 10] = {
+        use Menu::*;
+        [File, Edit, View, Panes, Cursor, Detect, Features, Pair, Dataset, Help]
+    };
 
-    /// Name of the menu.
     pub fn label(self) -> &'static str {
         match self {
             Self::File => "File",
@@ -60,25 +39,19 @@ impl Menu {
     }
 }
 
-/// Row of an action.
 #[derive(Debug, Clone, Copy)]
 pub struct Action {
-    /// Id.
     pub id: ActionId,
     /// Label; ends in `…` when the action first asks for something.
     pub label: &'static str,
-    /// Menu of the action.
     pub menu: Menu,
     /// Group within the menu; a line separates groups.
     pub group: u8,
-    /// Shortcut.
     pub shortcut: Option<KeyboardShortcut>,
-    /// Description in one line.
     pub help: &'static str,
 }
 
 impl ActionId {
-    /// Row of this action.
     pub fn action(self) -> &'static Action {
         ACTIONS.iter().find(|a| a.id == self).expect("the macro below makes a row for each id")
     }
@@ -91,13 +64,11 @@ const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 macro_rules! actions {
     ($($id:ident, $menu:ident $group:literal, $label:literal, [$($modifiers:ident $key:ident)?], $help:literal;)*) => {
-        /// Names of the actions.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum ActionId {
             $(#[doc = $help] $id,)*
         }
 
-        /// All actions, in the order of the menus.
         pub const ACTIONS: &[Action] = &[
             $(Action {
                 id: ActionId::$id,
@@ -311,10 +282,8 @@ actions! {
     About, Help 3, "About Burstscope", [], "Version of this program, and the method's paper";
 }
 
-/// Second shortcut of the command palette, as in other programs.
 pub const PALETTE_ALSO: KeyboardShortcut = KeyboardShortcut::new(CTRL_SHIFT, Key::P);
 
-/// Action that shows a kind of picture.
 pub fn shown_by(shown: Shown) -> ActionId {
     match shown {
         Shown::Frame => ActionId::ShowFrame,

@@ -17,7 +17,7 @@ use crate::app::{canvas, style};
 use crate::detector::Slope;
 use crate::inspect::shares::Slice;
 use crate::inspect::words::{counted, number};
-use crate::requests::{Probed, Request};
+use crate::requests::Probed;
 use egui::{
     Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
 };
@@ -133,7 +133,7 @@ pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
 fn problem_of(model: &Model, id: PaneId) -> Option<&str> {
     let wanted = model.wanted(id)?;
     let (request, why) = model.panes.get(id)?.problem.as_ref()?;
-    request.is_same(&wanted).then_some(why.as_str())
+    (*request == wanted).then_some(why.as_str())
 }
 
 /// Draws the line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.

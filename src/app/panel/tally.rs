@@ -13,6 +13,7 @@ use crate::detector::advice::grouped;
 use crate::detector::{NoiseGate, Slope, Test};
 use crate::inspect::candidates::{CandidateMark, Survey};
 use crate::inspect::probe::Wanted;
+use crate::inspect::words::capitalised;
 use crate::plane::display::ColourMap;
 use crate::requests::ProbeQuestion;
 use egui::{Align2, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
@@ -259,10 +260,7 @@ pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
     };
     Frame::group(ui.style()).inner_margin(Margin::symmetric(6, 3)).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
-            let text = mark_text(&mark, slope).replace('\n', "  ·  ");
-            let mut text = text.chars();
-            let text: String = text.next().into_iter().flat_map(char::to_uppercase).chain(text).collect();
-            ui.add(Label::new(text).wrap());
+            ui.add(Label::new(capitalised(&mark_text(&mark, slope).replace('\n', "  ·  "))).wrap());
             let tip = "Show the DoG at its slope, octave and level, centred on it";
             if ui.button("Go to candidate").on_hover_text(tip).clicked() {
                 model.playing = false;

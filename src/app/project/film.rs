@@ -4,25 +4,19 @@ use crate::app::project::Model;
 use crate::detector::{Method, SlopeAxis};
 use crate::requests::{Film, FilmPlace, MAX_FILM_PICTURES, Sweep};
 
-/// What changes from picture to picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FilmContent {
     /// Slopes of the grid and half-way between, along its first axis that has several.
     #[default]
     Slopes,
-    /// DoG of all octaves and levels.
     Scales,
-    /// Frames, added one by one.
     Frames,
-    /// The first two panes in turn, as they are shown.
     Panes,
 }
 
 impl FilmContent {
-    /// All of them.
     pub const ALL: [Self; 4] = [Self::Slopes, Self::Scales, Self::Frames, Self::Panes];
 
-    /// Label in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Slopes => "Slopes",
@@ -32,7 +26,6 @@ impl FilmContent {
         }
     }
 
-    /// Explanation.
     pub fn help(self) -> &'static str {
         match self {
             Self::Slopes => "The motion stack at the slopes of the search and half-way between",
@@ -43,10 +36,8 @@ impl FilmContent {
     }
 }
 
-/// Choices of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FilmChoice {
-    /// What changes.
     pub content: FilmContent,
     /// Pictures per second.
     pub rate: u16,
@@ -64,12 +55,11 @@ impl Default for FilmChoice {
 const STEPS: usize = 2;
 
 impl Model {
-    /// The film of the burst in focus; `None` without a burst, and for panes, whose pictures are there.
     pub fn film_to_export(&self) -> Option<Film> {
         let side = self.active_side();
         let burst = self.burst_of(side)?.clone();
         let found = self.found_of(side);
-        let params = found.map_or_else(|| self.usable_params_of(side).clone(), |found| found.params.clone());
+        let params = found.map_or_else(|| self.slots[side].usable_params.clone(), |found| found.params.clone());
         let grid = params.used_slopes();
         let count = |axis: &SlopeAxis| (STEPS * (axis.count - 1) + 1).min(MAX_FILM_PICTURES);
         let sweep = match self.film.content {

@@ -11,41 +11,28 @@ use crate::detector::{Feature, Quantity, Slope};
 use crate::inspect::verdict::Judged;
 use serde::{Deserialize, Serialize};
 
-/// Quantity that the colour of a feature shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ColourBy {
-    /// The apparent motion: hue for its direction, saturation for its length.
     #[default]
     SlopeDirection,
     SlopeU,
     SlopeV,
-    /// The scale σ, in logarithmic steps.
     Scale,
     /// The DoG value with its sign: bright blobs are negative.
     Response,
-    /// The signal-to-noise ratio, in logarithmic steps.
     Snr,
-    /// Whether the feature is at the limit of the searched slopes: its motion lies beyond.
     Limit,
     /// Evenness of the frames' responses along its motion, 0 … 1; known once it was computed.
     Coherence,
-    /// The depth that the slope means, in logarithmic steps; known with the set-up of camera and scene.
     Depth,
 }
 
 impl ColourBy {
-    pub const ALL: [Self; 9] = [
-        Self::SlopeDirection,
-        Self::SlopeU,
-        Self::SlopeV,
-        Self::Scale,
-        Self::Response,
-        Self::Snr,
-        Self::Limit,
-        Self::Coherence,
-        Self::Depth,
-    ];
+    pub const ALL: [Self; 9] = {
+        use ColourBy::*;
+        [SlopeDirection, SlopeU, SlopeV, Scale, Response, Snr, Limit, Coherence, Depth]
+    };
 
     /// The choices, in the order of a picker; depths only where slopes are read as depths.
     pub fn choices(with_depths: bool) -> impl Iterator<Item = Self> {
@@ -71,7 +58,6 @@ impl ColourBy {
         self.quantity().map_or("Slope", |quantity| quantity.record().title)
     }
 
-    /// Unit of the numbers in a legend.
     pub fn unit(self) -> &'static str {
         self.quantity().unwrap_or(Quantity::SlopeU).record().unit
     }
@@ -159,7 +145,6 @@ pub fn number(value: f32, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// Formats as `number` does, with a `+` before positive numbers.
 pub fn signed_number(value: f32, digits: usize) -> String {
     let text = number(value, digits);
     if value > 0.0 { format!("+{text}") } else { text }
@@ -177,7 +162,6 @@ pub fn signed(value: f32, decimals: usize) -> String {
     if is_zero { text.trim_start_matches(['+', '-']).to_owned() } else { text }
 }
 
-/// Formats a slope's two parts as [`signed`] does: `+1.25, -0.50`.
 pub fn signed_slope(slope: Slope, decimals: usize) -> String {
     format!("{}, {}", signed(slope.u, decimals), signed(slope.v, decimals))
 }

@@ -133,10 +133,6 @@ impl Request for ThumbnailsRequest {
         Urgency::Dataset
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        self == other
-    }
-
     fn compute(self, work: &Work<'_, Self::Told>) -> Result<(), JobError> {
         for source in self.bursts {
             let silent = work.monitor.silent();

@@ -21,10 +21,6 @@ impl Request for DatasetRequest {
         Urgency::Dataset
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        self == other
-    }
-
     fn compute(self, work: &Work<'_, DatasetEvent>) -> Result<DatasetAnswer, JobError> {
         let (tell, monitor) = (work.tell, work.monitor);
         match self {

@@ -12,7 +12,7 @@ use crate::detector::Test;
 use crate::inspect::fate::{Outcome, Rival, TestReport};
 use crate::inspect::probe::Wanted;
 use crate::inspect::report::{test_name, test_sentence, value_text};
-use crate::inspect::words::{counted_from_one, number, slope_text};
+use crate::inspect::words::{capitalised, counted_from_one, number, slope_text};
 use crate::inspect::{Fate, Outlook, Probe};
 use crate::requests::{ProbeQuestion, Probed};
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
@@ -217,9 +217,7 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, (fate, outlook): (&Fate, Option<&Outl
 
 /// Makes a sentence: adds a capital letter and a full stop.
 pub(super) fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
-    format!("{first}{}.", letters.as_str())
+    capitalised(text) + "."
 }
 
 fn rival_ui(ui: &mut Ui, model: &mut Model, rival: &Rival) {

@@ -4,7 +4,7 @@ use super::PlaneTexture;
 use crate::app::project::Model;
 use crate::detector::coherence::Shape;
 use crate::inspect::shares::{FrameShare, Shares};
-use crate::inspect::words::{number, slope_text};
+use crate::inspect::words::{capitalised, number, slope_text};
 use crate::plane::Plane;
 use crate::requests::Probed;
 use egui::{Color32, Label, RichText, Sense, Stroke, Ui, vec2};
@@ -30,10 +30,7 @@ pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture
         Shape::Level | Shape::Unclear => ui.visuals().text_color(),
         Shape::Uneven | Shape::Bump => crate::app::style::warning(ui),
     };
-    let meaning = shares.meaning.trim();
-    let mut letters = meaning.chars();
-    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
-    ui.add(Label::new(RichText::new(format!("{first}{}.", letters.as_str())).color(colour)).wrap())
+    ui.add(Label::new(RichText::new(capitalised(shares.meaning.trim()) + ".").color(colour)).wrap())
         .on_hover_text("Coherence: 1 if all frames respond alike; if only some respond, about their share");
 }
 

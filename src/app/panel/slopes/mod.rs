@@ -13,6 +13,7 @@ use crate::app::style;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
 use crate::inspect::spectrum::{SlopeAdvice, Spectrum, Subject};
+use crate::inspect::words::capitalised;
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
@@ -106,11 +107,7 @@ pub fn judgement_ui(ui: &mut Ui, model: &mut Model) {
 }
 
 fn sentence_of(clause: &str) -> String {
-    let mut sentence = format!("{clause}.");
-    if let Some(first) = sentence.get_mut(0..1) {
-        first.make_ascii_uppercase();
-    }
-    with_whole_numbers(&sentence)
+    with_whole_numbers(&(capitalised(clause) + "."))
 }
 
 /// Draws one piece of advice; `name` is that of its button.

@@ -11,9 +11,7 @@ use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{Detection, SearchParams};
 use crate::engine::{Engine, Wanted};
 use crate::inspect::changes::ForeignFeature;
-use crate::requests::{
-    Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, OpenBurst, Reference, Request,
-};
+use crate::requests::{Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, OpenBurst, Reference};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -168,7 +166,7 @@ impl Against {
     /// Takes a comparison, unless `wanted` is another one by now.
     fn take(&mut self, compared: ComparedWith, wanted: Option<&AgainstRequest>) {
         let ComparedWith { request, against: answered } = compared;
-        let is_wanted = wanted.is_some_and(|wanted| wanted.is_same(&request));
+        let is_wanted = wanted.is_some_and(|wanted| *wanted == request);
         let Some(with) = self.with.filter(|_| is_wanted) else { return };
         if let (Some(pinned), Some(found)) = (&mut self.pinned, answered.found_again()) {
             pinned.detection = Some(found.clone());

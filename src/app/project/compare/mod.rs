@@ -14,7 +14,7 @@ use crate::detector::{Detection, DetectorParams};
 use crate::engine::{Engine, Wanted};
 use crate::requests::{
     BurstId, BurstSource, CompareRequest, Compared, DetectRequest, Detected, JobError, MatchRequest, OpenBurst,
-    OpenRequest, Request, Running,
+    OpenRequest, Running,
 };
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -178,7 +178,7 @@ impl Model {
     /// Matches between the features of `method` in A and in B, with the present parameters.
     pub fn method_matches(&self, method: Contender) -> Option<&Matches> {
         let wanted = self.wanted_method_matches(method)?;
-        self.compare.matches[method.index()].as_ref().filter(|matches| matches.request.is_same(&wanted))
+        self.compare.matches[method.index()].as_ref().filter(|matches| matches.request == wanted)
     }
 
     fn wanted_method_matches(&self, method: Contender) -> Option<MatchRequest> {
@@ -226,7 +226,7 @@ impl Model {
     }
 
     fn has_failed(&self, job: &CompareJob) -> bool {
-        let same = |other: &CompareJob| other.method == job.method && other.request.is_same(&job.request);
+        let same = |other: &CompareJob| other.method == job.method && other.request == job.request;
         self.compare.failed.iter().any(|(failed, _)| same(failed))
     }
 
