@@ -8,7 +8,7 @@
 
 use super::wire::{DecodeRequest, Part, receive_reply, send};
 use super::{Expected, RawFrame};
-use crate::burst::error::OpenError;
+use crate::burst::error::{OpenError, OpenErrorKind};
 use crate::burst::options::OpenOptions;
 use crate::monitor::Monitor;
 use std::ffi::OsString;
@@ -86,8 +86,7 @@ pub(super) fn is_installed() -> bool {
 /// Decodes `part` of the file `path`, of the format `kind`, in a child process.
 ///
 /// # Errors
-/// The child's error about the file; [`OpenError::Corrupt`] where the child ended without an answer, or
-/// [`OpenError::DecoderEnded`] where somebody else ended it.
+/// The child's error about the file; damage where the child ended without an answer, unless somebody else ended it.
 pub(super) fn decode(
     path: &Path,
     kind: &'static str,
@@ -98,12 +97,12 @@ pub(super) fn decode(
     monitor: &Monitor,
 ) -> Result<RawFrame, OpenError> {
     monitor.check()?;
-    let worker = WORKER.get().ok_or_else(|| failed(path, "no program is set that decodes it".to_owned()))?;
+    let worker = WORKER.get().ok_or_else(|| OpenError::unread(path, "no program is set that decodes it"))?;
     let mut running = Running::start(worker, path)?;
     let request = DecodeRequest {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         part,
-        expected: expected.map(|expected| expected.size),
+        expected: expected.map(|expected| (expected.first.to_string_lossy().into_owned(), expected.size)),
         options: OpenOptions { bias: None, flat: None, ..options.clone() },
         limits: options.limits,
         memory_bytes: budget.memory_bytes,
@@ -111,16 +110,14 @@ pub(super) fn decode(
     };
     let clock = Duration::from_secs(budget.cpu_seconds.saturating_mul(CLOCK_FACTOR));
     let (mut stdin, mut stdout, stderr) = running.pipes();
-    let first = expected.map(|expected| (expected.first, expected.size));
     let watch = Watch { child: &running.child, monitor, until: Instant::now() + clock, done: AtomicBool::new(false) };
     let answer = std::thread::scope(|scope| {
         let watching = std::thread::Builder::new().spawn_scoped(scope, || watch.until_done());
-        let watching = watching.map_err(|e| failed(path, format!("a thread could not be started: {e}")))?;
+        let watching = watching.map_err(|e| OpenError::unread(path, format!("a thread could not be started: {e}")))?;
         let _over = Over { done: &watch.done, thread: watching.thread().clone() };
         // Writing to a child that has already ended fails; its last output is read below.
-        Ok::<_, OpenError>(
-            send(&mut stdin, &request).and_then(|()| receive_reply(&mut stdout, path, kind, first, &options.limits)),
-        )
+        let answer = send(&mut stdin, &request).and_then(|()| receive_reply(&mut stdout, path, &options.limits));
+        Ok::<_, OpenError>(answer)
     })?;
     // The child ends when its input is closed.
     drop(stdin);
@@ -129,15 +126,16 @@ pub(super) fn decode(
     match answer {
         Ok(answer) => answer,
         Err(error) => Err(match running.last_words(&error, stderr, is_overdue, budget) {
-            Ending::OfFile(reason) => OpenError::Corrupt { path: path.into(), kind, reason },
-            Ending::FromOutside(signal) => OpenError::DecoderEnded { path: path.into(), kind, signal },
+            Ending::OfFile(reason) => OpenError::corrupt(path, kind, reason),
+            Ending::FromOutside(signal) => {
+                let problem = format!(
+                    "the decoder of this {kind} file was ended by signal {signal}, from outside or because the machine \
+                     has no memory left"
+                );
+                OpenError::new(OpenErrorKind::System, problem, "open it again").about(path)
+            }
         }),
     }
-}
-
-/// The error of a child process that could not be started.
-fn failed(path: &Path, reason: String) -> OpenError {
-    OpenError::Read { path: path.into(), reason }
 }
 
 /// Reason why there is no answer.
@@ -171,10 +169,8 @@ impl Running {
             const CREATE_NO_WINDOW: u32 = 0x0800_0000;
             std::os::windows::process::CommandExt::creation_flags(&mut command, CREATE_NO_WINDOW);
         }
-        let child = command.spawn();
-        let child =
-            child.map_err(|e| failed(path, format!("the process that decodes it could not be started: {e}")))?;
-        Ok(Self { child: Mutex::new(child) })
+        let failed = |e| OpenError::unread(path, format!("the process that decodes it could not be started: {e}"));
+        Ok(Self { child: Mutex::new(command.spawn().map_err(failed)?) })
     }
 
     /// The child's ends of the pipes; can be called once.

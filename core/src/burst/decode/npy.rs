@@ -23,7 +23,7 @@ pub(super) fn frame(
 ) -> Result<RawFrame, OpenError> {
     let header = npy_header::read(path, reopened(path, &file)?, limits)?;
     if header.frames != 1 {
-        return Err(OpenError::StackAmongFrames { path: path.into(), frames: header.frames });
+        return Err(OpenError::stack_among_frames(path, header.frames));
     }
     Expected::check(expected, path, (header.width, header.height))?;
     let mut frames = stack(path, file, limits, &Ticker::quiet(&Monitor::default()))?;

@@ -5,7 +5,7 @@
 //! neither take memory nor nest without end. Format:
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use crate::burst::error::OpenError;
+use crate::burst::error::{OpenError, OpenErrorKind};
 use crate::burst::options::Limits;
 use std::io::{Read, Seek};
 use std::path::Path;
@@ -76,7 +76,7 @@ pub(super) struct NpyHeader {
 
 /// Reads the header, checks the shape against the limits, and the file's length against the shape.
 pub(super) fn read(path: &Path, mut file: std::fs::File, limits: &Limits) -> Result<NpyHeader, OpenError> {
-    let corrupt = |reason: &str| OpenError::Corrupt { path: path.into(), kind: "NPY", reason: reason.into() };
+    let corrupt = |reason: &str| OpenError::corrupt(path, "NPY", reason);
     let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
     let file_bytes = file.metadata().map_err(fail)?.len();
     file.rewind().map_err(fail)?; // handles of one file share their place
@@ -102,10 +102,10 @@ pub(super) fn read(path: &Path, mut file: std::fs::File, limits: &Limits) -> Res
     let (descr, fortran_order, shape) = parse(text).ok_or_else(|| corrupt("its header cannot be understood"))?;
 
     let (order, code) = descr.split_at_checked(1).unwrap_or(("", ""));
-    let dtype = Dtype::from_code(code).ok_or_else(|| OpenError::Unsupported {
-        path: path.into(),
-        kind: "NPY",
-        reason: format!("its values are of the type '{descr}'; save integers or floats, such as uint16 or float32"),
+    let dtype = Dtype::from_code(code).ok_or_else(|| {
+        let reason =
+            format!("its values are of the type '{descr}'; save integers or floats, such as uint16 or float32");
+        OpenError::unsupported(path, "NPY", reason)
     })?;
     let big_endian = match order {
         "<" | "|" | "=" => false,
@@ -114,12 +114,13 @@ pub(super) fn read(path: &Path, mut file: std::fs::File, limits: &Limits) -> Res
     };
     let (frames, height, width) = match shape[..] {
         [height, width] => (1, height, width),
-        [frames, height, width] => (frames, height, width),
-        _ => return Err(OpenError::NpyShape { path: path.into(), shape }),
+        [frames @ (1..), height, width] => (frames, height, width),
+        _ => {
+            let problem = format!("this array has the shape {shape:?}");
+            let remedy = "a stack is [frames, rows, columns], one frame is [rows, columns]";
+            return Err(OpenError::new(OpenErrorKind::Unsupported, problem, remedy).about(path));
+        }
     };
-    if frames == 0 {
-        return Err(OpenError::NpyShape { path: path.into(), shape });
-    }
     limits.check_frame(path, width, height)?;
     limits.check_burst(path, frames, width, height)?;
     let data_offset = data_offset + header_bytes as u64;

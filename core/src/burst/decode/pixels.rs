@@ -29,6 +29,12 @@ macro_rules! sample {
 
 sample!(u8 u16 u32 u64 i8 i16 i32 i64 f32 f64);
 
+impl Sample for half::f16 {
+    fn to_f32(self) -> f32 {
+        self.to_f32()
+    }
+}
+
 /// Luma of a colour. The luma of grey (r = g = b) is exact, because only differences are weighted.
 #[inline]
 fn luma(r: f32, g: f32, b: f32) -> f32 {

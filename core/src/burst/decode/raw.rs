@@ -34,7 +34,7 @@ pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenO
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| OpenError::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);
-    let corrupt = |e: rawler::RawlerError| OpenError::Corrupt { path: path.into(), kind: "raw", reason: e.to_string() };
+    let corrupt = |e: rawler::RawlerError| OpenError::corrupt(path, "raw", e);
     let decoder = rawler::get_decoder(&source).map_err(corrupt)?;
     // The declared size is checked before anything is decoded.
     let (mut width, mut height) = (0, 0);
@@ -50,17 +50,13 @@ pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenO
     }
     options.limits.check_frame(path, width as u64, height as u64)?;
     let raw = decoder.raw_image(&source, &RawDecodeParams::default(), false).map_err(corrupt)?;
-    let unsupported = |reason: String| OpenError::Unsupported { path: path.into(), kind: "raw", reason };
-    let area = Area::of(&raw).ok_or_else(|| OpenError::Corrupt {
-        path: path.into(),
-        kind: "raw",
-        reason: "it has fewer values than its size announces".to_owned(),
-    })?;
+    let unsupported = |reason: String| OpenError::unsupported(path, "raw", reason);
+    let too_few = || OpenError::corrupt(path, "raw", "it has fewer values than its size announces");
+    let area = Area::of(&raw).ok_or_else(too_few)?;
     let levels = RawLevels::of(&raw, (area.width, area.height), black_steps, options).map_err(unsupported)?;
     let (plane, binning) = plane_of(&raw, &area, &levels, options.raw_colour).map_err(unsupported)?;
     if let Some(index) = plane.data().iter().position(|v| !v.is_finite()) {
-        let (u, v, value) = (index % plane.width(), index / plane.width(), plane.data()[index]);
-        return Err(OpenError::NotFinite { path: path.into(), frame: 0, u, v, value });
+        return Err(OpenError::not_finite(path, 0, plane.width(), index, plane.data()[index]));
     }
     let orientation = u8::try_from(raw.orientation.to_u16()).ok().and_then(Orientation::from_exif);
     let plane = turned(plane, orientation.unwrap_or(Orientation::NoTransforms));
