@@ -51,7 +51,7 @@ impl Burst {
     pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
-        let raw = read(inputs, options, monitor, &|frames| Ticker::new(monitor, frames))?;
+        let raw = read(inputs, options, monitor)?;
         let measured =
             |path: &Option<PathBuf>| path.as_ref().map(|path| Measured::read(path, options, monitor)).transpose();
         let measured = [measured(&options.bias)?, measured(&options.flat)?];
@@ -109,7 +109,7 @@ impl Measured {
     /// Decodes the frames at `path`.
     fn read(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
         // Quiet, because its progress would begin again after the burst's own.
-        let frames = read(&[path.to_path_buf()], options, monitor, &|_| Ticker::quiet(monitor))?.frames;
+        let frames = read(&[path.to_path_buf()], options, &monitor.silent())?.frames;
         Ok(Self { frames, path: path.to_owned() })
     }
 }
@@ -142,20 +142,15 @@ pub(super) struct RawBurst {
     pub origins: Vec<(PathBuf, usize)>,
 }
 
-/// Decodes the burst that `inputs` name. `ticker` makes the counter for a number of frames.
-fn read<'a>(
-    inputs: &[PathBuf],
-    options: &OpenOptions,
-    monitor: &Monitor,
-    ticker: &dyn Fn(usize) -> Ticker<'a>,
-) -> Result<RawBurst, OpenError> {
+/// Decodes the burst that `inputs` name.
+fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, OpenError> {
     let limits = &options.limits;
     let source = only_burst(inputs)?;
     let files = source.files()?;
     let first = files.first().ok_or_else(OpenError::nothing_given)?;
     let (header, decoded) = decode::header(first, options, monitor)?;
     if files.len() == 1 {
-        let ticker = ticker(header.frames);
+        let ticker = Ticker::new(monitor, header.frames);
         let frames = match decoded {
             Some(frame) => {
                 ticker.tick();
@@ -175,7 +170,7 @@ fn read<'a>(
     }
     let size = (header.width, header.height);
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
-    let ticker = ticker(files.len());
+    let ticker = Ticker::new(monitor, files.len());
     let expected = Expected { first, size };
     let decoded = Mutex::new(decoded);
     let frames = in_order(files.len(), |i| {

@@ -316,7 +316,11 @@ pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut) -> Result<Vec<Burst
         let problem = format!("this has {} frames, too few for a burst of {}", frames.len(), cut.length);
         return Err(OpenError::new(OpenErrorKind::Request, problem, "cut it into shorter bursts").about(&path));
     }
-    let mut bursts: Vec<BurstFiles> = ranges.map(|range| burst_of(&frames[range])).collect();
+    let burst_of = |range: Range<usize>| {
+        let frames = &frames[range];
+        BurstFiles { name: stem(&frames[frames.len() / 2]), paths: frames.to_vec() }
+    };
+    let mut bursts: Vec<BurstFiles> = ranges.map(burst_of).collect();
     make_names_unique(&mut bursts);
     Ok(bursts)
 }
@@ -324,10 +328,6 @@ pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut) -> Result<Vec<Burst
 /// Name of a burst of one of several sequences.
 pub fn name_among_several(sequence: &str, burst: &str) -> String {
     format!("{sequence}_{burst}")
-}
-
-fn burst_of(frames: &[PathBuf]) -> BurstFiles {
-    BurstFiles { name: stem(&frames[frames.len() / 2]), paths: frames.to_vec() }
 }
 
 /// Number and size of a burst's frames.
@@ -380,36 +380,11 @@ mod tests {
         }
     }
 
-    fn cut(length: usize, step: Option<usize>) -> SequenceCut {
-        SequenceCut::new(length, step).expect("it can be cut like this")
-    }
-
-    #[test]
-    fn bursts_follow_one_another_overlap_or_leave_gaps() {
-        let ranges = |cut: SequenceCut, frames| cut.ranges(frames).collect::<Vec<_>>();
-        assert_eq!(ranges(cut(3, None), 10), [0..3, 3..6, 6..9]);
-        assert_eq!(ranges(cut(3, Some(2)), 7), [0..3, 2..5, 4..7]);
-        assert_eq!(ranges(cut(2, Some(5)), 10), [0..2, 5..7]);
-        assert!(ranges(cut(4, None), 3).is_empty());
-        assert!(SequenceCut::new(0, None).is_err() && SequenceCut::new(3, Some(0)).is_err());
-    }
-
-    #[test]
-    fn bursts_are_named_after_their_middle_frames() {
-        let frame = |t: usize| PathBuf::from(format!("film/f_{t:02}.png"));
-        let film = BurstFiles { name: "film".into(), paths: (0..9).map(frame).collect() };
-        let bursts = cut_sequence(&film, cut(4, None)).expect("two bursts");
-        let names: Vec<&str> = bursts.iter().map(|b| b.name.as_str()).collect();
-        assert_eq!(names, ["f_02", "f_06"]);
-        assert_eq!(bursts[1].paths, (4..8).map(frame).collect::<Vec<_>>());
-        let error = cut_sequence(&film, cut(10, None)).expect_err("too short").to_string();
-        assert!(error.contains("9 frames") && error.contains("10"), "{error}");
-    }
-
     proptest! {
         #[test]
         fn every_burst_is_whole_and_the_last_one_is_the_last_that_fits(frames in 0usize..200, length in 1usize..20, step in 1usize..20) {
-            let ranges: Vec<_> = cut(length, Some(step)).ranges(frames).collect();
+            let cut = SequenceCut::new(length, Some(step)).expect("it can be cut like this");
+            let ranges: Vec<_> = cut.ranges(frames).collect();
             prop_assert!(ranges.iter().enumerate().all(|(k, r)| r.start == k * step && r.len() == length && r.end <= frames));
             let next = ranges.len() * step + length;
             prop_assert!(next > frames);

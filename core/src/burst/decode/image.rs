@@ -4,7 +4,7 @@ use super::child::{self, Budget};
 use super::look::too_few_bytes;
 use super::pixels::{turned, turned_size};
 use super::wire::Part;
-use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_from_data, jpeg};
+use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_of_plane, jpeg};
 use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved};
 use crate::burst::error::OpenError;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
@@ -93,7 +93,7 @@ pub(super) fn frame(
         ColorType::Rgb32F | ColorType::Rgba32F => {
             let values = read::<f32>(decoder, values).map_err(failure)?;
             let values = grey_from_interleaved(&values, channels, Curve::Linear(1.0));
-            let frame = frame_from_data(path, 0, size, values, false)?;
+            let frame = frame_of_plane(path, 0, Plane::from_vec(size.0, size.1, values), false)?;
             Ok(RawFrame { plane: turned(frame.plane, orientation), ..frame })
         }
         other => {

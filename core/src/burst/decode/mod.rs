@@ -49,7 +49,6 @@ pub(super) enum FileScale {
     },
     /// Float, and integers of 32 and 64 bit, whose range no sensor fills: the plane is in file units.
     Data {
-        /// Whether the file holds integers.
         integer: bool,
         /// Largest magnitude in this frame.
         largest: f32,
@@ -73,14 +72,10 @@ impl FileScale {
     }
 }
 
-/// One decoded frame.
 #[derive(Debug)]
 pub(super) struct RawFrame {
-    /// Pixels of the frame.
     pub plane: Plane,
-    /// Unit of the pixels.
     pub scale: FileScale,
-    /// Relation of the pixels to light.
     pub encoding: Encoding,
     /// Sensor pixels along a side of one pixel of the plane: 1 unless a colour mosaic was binned.
     pub binning: usize,
@@ -100,18 +95,14 @@ impl RawFrame {
 /// Sizes that a file declares, before any pixel is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Header {
-    /// Columns.
     pub width: usize,
-    /// Rows.
     pub height: usize,
-    /// Number of frames in the file.
     pub frames: usize,
 }
 
 /// Size that a frame must have, and the file that it comes from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Expected<'a> {
-    /// File of the burst's first frame.
     pub first: &'a Path,
     /// Size (columns, rows) of that frame.
     pub size: (usize, usize),
@@ -141,7 +132,7 @@ pub(super) fn frame_count(path: &Path) -> Result<usize, OpenError> {
     let input = InputFile::open(path, PAGES)?;
     guarded(path, input.kind, || match input.kind {
         Kind::Raw | Kind::Picture(_) => Ok(1),
-        Kind::Npy => Ok(npy_header::read(path, input.file, &OpenOptions::default().limits)?.frames),
+        Kind::Npy => Ok(npy_header::read(path, &input.file, &OpenOptions::default().limits)?.frames),
         Kind::Tiff => tiff::frame_count(path, input.file),
     })
 }
@@ -163,15 +154,14 @@ pub(super) fn header(
             Ok((Header { width, height, frames: 1 }, Some(frame)))
         }
         Kind::Npy => {
-            let header = npy_header::read(path, input.file, limits)?;
-            Ok((Header { width: header.width, height: header.height, frames: header.frames }, None))
+            let npy_header::NpyHeader { width, height, frames, .. } = npy_header::read(path, &input.file, limits)?;
+            Ok((Header { width, height, frames }, None))
         }
         Kind::Tiff => Ok((tiff::header(path, input.file, limits)?, None)),
         Kind::Picture(format) => Ok((image::header(path, input.file, format, limits)?, None)),
     })
 }
 
-/// Decodes a file that holds one frame.
 pub(super) fn frame(
     path: &Path,
     expected: Option<Expected<'_>>,
@@ -240,14 +230,11 @@ fn raw_frame(
 
 /// A file whose declared sizes have been checked.
 struct InputFile {
-    /// Positioned at its start.
     file: File,
-    /// Length, bytes.
     length: u64,
     kind: Kind,
     /// The name of its kind, where its extension names another.
     misnamed: Option<&'static str>,
-    /// Directories of a TIFF, and of raw files that are TIFFs.
     directories: Option<Directories>,
 }
 
@@ -311,17 +298,6 @@ fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, OpenEr
         .unwrap_or_else(|_| Err(OpenError::corrupt(path, kind.name(), "its decoder failed unexpectedly")))
 }
 
-/// Makes a frame of values in file units. Fails at the first value that is not finite.
-fn frame_from_data(
-    path: &Path,
-    frame: usize,
-    size: (usize, usize),
-    values: Vec<f32>,
-    integer: bool,
-) -> Result<RawFrame, OpenError> {
-    frame_of_plane(path, frame, Plane::from_vec(size.0, size.1, values), integer)
-}
-
 /// Makes a frame of a plane in file units. Fails at the first value that is not finite.
 pub(super) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame, OpenError> {
     let values = plane.data();
@@ -341,36 +317,25 @@ pub(super) struct Ticker<'a> {
     monitor: &'a Monitor,
     done: AtomicUsize,
     total: usize,
-    quiet: bool,
 }
 
 impl<'a> Ticker<'a> {
     /// Counter that reports the finished fraction of `total` frames to `monitor`.
     pub(super) fn new(monitor: &'a Monitor, total: usize) -> Self {
-        Self { monitor, done: AtomicUsize::new(0), total, quiet: false }
+        Self { monitor, done: AtomicUsize::new(0), total }
     }
 
-    /// Counter that checks for cancellation, but reports nothing.
-    pub(super) fn quiet(monitor: &'a Monitor) -> Self {
-        Self { quiet: true, ..Self::new(monitor, 0) }
-    }
-
-    /// The monitor for cancellation and reports.
     pub(super) fn monitor(&self) -> &'a Monitor {
         self.monitor
     }
 
-    /// Fails once the user has cancelled.
     pub(super) fn check(&self) -> Result<(), OpenError> {
         Ok(self.monitor.check()?)
     }
 
-    /// Counts one more finished frame.
     pub(super) fn tick(&self) {
         let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
-        if !self.quiet {
-            self.monitor.report(Stage::Open, done as f32 / self.total.max(1) as f32);
-        }
+        self.monitor.report(Stage::Open, done as f32 / self.total.max(1) as f32);
     }
 }
 

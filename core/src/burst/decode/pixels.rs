@@ -12,7 +12,6 @@ use std::sync::LazyLock;
 /// Weights of Rec. 709 for red, green and blue. They sum to 1.
 pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// A numeric sample type of a file.
 pub(in crate::burst) trait Sample: Copy {
     /// Converts to the nearest `f32`.
     fn to_f32(self) -> f32;
@@ -64,7 +63,6 @@ fn linear(encoded: f64) -> f32 {
     (if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }) as f32
 }
 
-/// Linear intensity of an sRGB-encoded byte.
 fn byte_linear<T: Sample>(byte: T) -> f32 {
     BYTES_LINEAR[(byte.to_f32() as usize).min(255)]
 }
@@ -119,7 +117,6 @@ pub(super) fn turned_size((width, height): (usize, usize), orientation: Orientat
 /// Function from a place of the turned picture, and the last column and row of the stored one, to the stored place.
 type PlaceOf = fn((usize, usize), (usize, usize)) -> (usize, usize);
 
-/// The picture turned upright.
 pub(super) fn turned(plane: Plane, orientation: Orientation) -> Plane {
     let (width, height) = plane.size();
     let (right, bottom) = (width - 1, height - 1);

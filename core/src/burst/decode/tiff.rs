@@ -7,7 +7,7 @@
 use super::child::{self, Budget};
 use super::pixels::{turned, turned_size};
 use super::wire::Part;
-use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_from_data, jpeg};
+use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_of_plane, jpeg};
 use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved, grey_from_planes};
 use crate::burst::decode::{Ticker, in_order};
 use crate::burst::error::{OpenError, OpenErrorKind};
@@ -153,11 +153,9 @@ impl Pages {
     }
 }
 
-/// Decoder of pages, one after the other.
 struct PageReader<'a> {
     path: &'a Path,
     decoder: FileDecoder,
-    /// Length of the file, bytes.
     length: u64,
     options: &'a OpenOptions,
     monitor: &'a Monitor,
@@ -253,6 +251,24 @@ fn announced_images(decoder: &mut FileDecoder) -> Option<usize> {
     text.lines().find_map(|line| line.strip_prefix("images=")?.trim().parse().ok())
 }
 
+/// Samples of `$result`, whatever their type, as `$samples` in `$value`.
+macro_rules! with_samples {
+    ($result:expr, $samples:ident => $value:expr) => {
+        match $result {
+            DecodingResult::U8($samples) => $value,
+            DecodingResult::U16($samples) => $value,
+            DecodingResult::U32($samples) => $value,
+            DecodingResult::U64($samples) => $value,
+            DecodingResult::I8($samples) => $value,
+            DecodingResult::I16($samples) => $value,
+            DecodingResult::I32($samples) => $value,
+            DecodingResult::I64($samples) => $value,
+            DecodingResult::F16($samples) => $value,
+            DecodingResult::F32($samples) => $value,
+            DecodingResult::F64($samples) => $value,
+        }
+    };
+}
 /// Decodes the decoder's current page; its size has been checked.
 fn decode_page(
     path: &Path,
@@ -276,34 +292,17 @@ fn decode_page(
         return Err(unsupported(format!("its samples have {} bits; save it with 8, 16 or 32", color.bit_depth())));
     }
     let orientation = orientation(decoder);
-    let Samples { samples, planar } = read_samples(decoder, size, channels).map_err(fail)?;
-    // Largest value of the types whose range is the full scale, and whether their pictures may be encoded.
-    let (range, is_unsigned) = match samples {
-        DecodingResult::U8(_) => (Some(255.0), true),
-        DecodingResult::U16(_) => (Some(65535.0), true),
-        DecodingResult::I8(_) => (Some(127.0), false),
-        DecodingResult::I16(_) => (Some(32767.0), false),
-        _ => (None, false),
-    };
-    let curve = Curve::of(range.unwrap_or(1.0), is_unsigned && options.linearise);
-    macro_rules! values {
-        ($($kind:ident)*) => {
-            match &samples {
-                $(DecodingResult::$kind(s) => grey(s, size.0 * size.1, channels, planar, curve),)*
-            }
-        };
-    }
-    let values = values!(U8 U16 U32 U64 I8 I16 I32 I64 F16 F32 F64);
+    let (samples, kind, planar) = read_samples(decoder, size, channels).map_err(fail)?;
+    let curve = Curve::of(kind.range.unwrap_or(1.0), kind.is_unsigned && options.linearise);
+    let values = with_samples!(&samples, s => grey(s, size.0 * size.1, channels, planar, curve));
     let too_few = || OpenError::corrupt(path, "TIFF", "it has fewer samples than its size announces");
     let values = values.ok_or_else(too_few)?;
-    let decoded = match range {
-        Some(range) => RawFrame::linear(Plane::from_vec(size.0, size.1, values), FileScale::Range(range)),
-        None => {
-            let is_float = matches!(samples, DecodingResult::F16(_) | DecodingResult::F32(_) | DecodingResult::F64(_));
-            frame_from_data(path, frame, size, values, !is_float)?
-        }
+    let plane = Plane::from_vec(size.0, size.1, values);
+    let decoded = match kind.range {
+        Some(range) => RawFrame::linear(plane, FileScale::Range(range)),
+        None => frame_of_plane(path, frame, plane, !kind.is_float)?,
     };
-    let is_photograph = channels > 2 && range == Some(255.0) && !options.linearise;
+    let is_photograph = channels > 2 && kind.range == Some(255.0) && !options.linearise;
     let encoding = if is_photograph { Encoding::Srgb } else { decoded.encoding };
     Ok(RawFrame { plane: turned(decoded.plane, orientation), encoding, ..decoded })
 }
@@ -337,97 +336,67 @@ fn failure(path: &Path, error: tiff::TiffError) -> OpenError {
     }
 }
 
-/// Decoder of a file.
-pub(super) type FileDecoder = Decoder<BufReader<File>>;
+type FileDecoder = Decoder<BufReader<File>>;
 
-/// Samples of a page.
-pub(super) struct Samples {
-    /// Interleaved, or plane after plane.
-    pub samples: DecodingResult,
-    /// Whether the samples are in planes.
-    pub planar: bool,
+struct SampleKind {
+    /// Largest value, where it is the full scale.
+    range: Option<f32>,
+    /// Whether they are unsigned integers of 8 or 16 bit, which may be encoded for screens.
+    is_unsigned: bool,
+    is_float: bool,
 }
 
-/// Reads the decoder's current page, of `size` (columns, rows) and `channels` samples a pixel.
-pub(super) fn read_samples(decoder: &mut FileDecoder, size: (usize, usize), channels: usize) -> TiffResult<Samples> {
-    const PLANES: u16 = 2;
-    let configuration = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration)?;
-    let (tile_width, tile_height) = decoder.chunk_dimensions();
-    let is_cut = !(size.0.is_multiple_of(tile_width as usize) && size.1.is_multiple_of(tile_height as usize));
-    if decoder.get_chunk_type() == ChunkType::Tile && configuration == Some(PLANES) && channels > 1 && is_cut {
-        let samples = planes_of_tiles(decoder, size, channels, (tile_width as usize, tile_height as usize))?;
-        return Ok(Samples { samples, planar: true });
+impl SampleKind {
+    fn of(samples: &DecodingResult) -> Self {
+        let (range, is_unsigned, is_float) = match samples {
+            DecodingResult::U8(_) => (Some(255.0), true, false),
+            DecodingResult::U16(_) => (Some(65535.0), true, false),
+            DecodingResult::I8(_) => (Some(127.0), false, false),
+            DecodingResult::I16(_) => (Some(32767.0), false, false),
+            DecodingResult::F16(_) | DecodingResult::F32(_) | DecodingResult::F64(_) => (None, false, true),
+            _ => (None, false, false),
+        };
+        Self { range, is_unsigned, is_float }
     }
-    let mut samples = DecodingResult::U8(Vec::new());
-    let layout = decoder.read_image_to_buffer(&mut samples)?;
-    Ok(Samples { samples, planar: layout.planes > 1 })
 }
 
-fn planes_of_tiles(
+/// Reads the decoder's current page, of `size` (columns, rows) and `channels` samples a pixel; returns its samples, the
+/// type that they have in the file, and whether they are plane after plane.
+fn read_samples(
     decoder: &mut FileDecoder,
     (width, height): (usize, usize),
     channels: usize,
-    (tile_width, tile_height): (usize, usize),
-) -> TiffResult<DecodingResult> {
+) -> TiffResult<(DecodingResult, SampleKind, bool)> {
+    const PLANES: u16 = 2;
+    let configuration = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration)?;
+    let (tile_width, tile_height) = decoder.chunk_dimensions();
+    let (tile_width, tile_height) = (tile_width as usize, tile_height as usize);
+    let is_cut = !(width.is_multiple_of(tile_width) && height.is_multiple_of(tile_height));
+    if decoder.get_chunk_type() != ChunkType::Tile || configuration != Some(PLANES) || channels < 2 || !is_cut {
+        let mut samples = DecodingResult::U8(Vec::new());
+        let layout = decoder.read_image_to_buffer(&mut samples)?;
+        let kind = SampleKind::of(&samples);
+        return Ok((samples, kind, layout.planes > 1));
+    }
     let across = width.div_ceil(tile_width);
     let tiles = across * height.div_ceil(tile_height);
-    let mut whole: Option<DecodingResult> = None;
+    let mut planes: Vec<f32> = memory::zeroed(channels * width * height);
+    let mut kind = SampleKind { range: None, is_unsigned: false, is_float: true };
     for chunk in 0..tiles * channels {
         let tile = decoder.read_chunk(chunk as u32)?;
         let (columns, rows) = decoder.chunk_data_dimensions((chunk % tiles) as u32);
-        let place = Place {
-            // In samples from the start of the first plane.
-            start: chunk / tiles * width * height
-                + (chunk % tiles) / across * tile_height * width
-                + (chunk % tiles) % across * tile_width,
-            stride: width,
-            columns: columns as usize,
-            rows: rows as usize,
-            samples: channels * width * height,
-        };
-        whole = Some(place.put(whole, tile));
-    }
-    Ok(whole.unwrap_or(DecodingResult::U8(Vec::new())))
-}
-
-/// Place of a tile's samples in the page.
-struct Place {
-    start: usize,
-    stride: usize,
-    columns: usize,
-    rows: usize,
-    samples: usize,
-}
-
-impl Place {
-    /// Copies the tile into the page's samples, which are allocated at the first tile.
-    fn put(&self, whole: Option<DecodingResult>, tile: DecodingResult) -> DecodingResult {
-        macro_rules! kinds {
-            ($($kind:ident)*) => {
-                match (whole, tile) {
-                    $((None, DecodingResult::$kind(tile)) => {
-                        let mut samples = vec![Default::default(); self.samples];
-                        self.copy(&mut samples, &tile);
-                        DecodingResult::$kind(samples)
-                    })*
-                    $((Some(DecodingResult::$kind(mut samples)), DecodingResult::$kind(tile)) => {
-                        self.copy(&mut samples, &tile);
-                        DecodingResult::$kind(samples)
-                    })*
-                    // All tiles of a page are of one kind.
-                    (Some(whole), _) => whole,
-                }
-            };
-        }
-        kinds!(U8 U16 U32 U64 I8 I16 I32 I64 F16 F32 F64)
-    }
-
-    fn copy<T: Copy>(&self, whole: &mut [T], tile: &[T]) {
-        for (row, values) in tile.chunks_exact(self.columns.max(1)).take(self.rows).enumerate() {
-            let start = self.start + row * self.stride;
-            if let Some(target) = whole.get_mut(start..start + self.columns) {
+        let (columns, rows) = (columns as usize, rows as usize);
+        kind = SampleKind::of(&tile);
+        let values: Vec<f32> = with_samples!(&tile, s => s.iter().map(|v| Sample::to_f32(*v)).collect());
+        // In samples from the start of the first plane.
+        let start = chunk / tiles * width * height
+            + (chunk % tiles) / across * tile_height * width
+            + (chunk % tiles) % across * tile_width;
+        for (row, values) in values.chunks_exact(columns.max(1)).take(rows).enumerate() {
+            if let Some(target) = planes.get_mut(start + row * width..start + row * width + columns) {
                 target.copy_from_slice(values);
             }
         }
     }
+    Ok((DecodingResult::F32(planes), kind, true))
 }

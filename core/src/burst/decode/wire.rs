@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-/// Maximum length of the JSON, bytes.
 const MAX_JSON_BYTES: u32 = 1 << 20;
 
 /// Part of a file to decode.

@@ -17,7 +17,6 @@ const MAX_SHARING: u64 = 4;
 /// Further allowance for the values of all entries, bytes: for small files.
 const SMALL_VALUES: u64 = 1 << 24;
 
-/// Tags that are understood here.
 mod tag {
     pub(super) const NEW_SUBFILE_TYPE: u64 = 254;
     pub(super) const IMAGE_WIDTH: u64 = 256;
@@ -84,7 +83,6 @@ fn size_of_kind(kind: u64) -> u64 {
     }
 }
 
-/// State of the walk through a file.
 struct Walk<'a, R> {
     file: &'a mut R,
     length: u64,

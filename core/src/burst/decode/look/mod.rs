@@ -92,12 +92,10 @@ pub(in crate::burst) fn extensions() -> impl Iterator<Item = &'static str> {
 }
 
 impl Kind {
-    /// Name in messages.
     pub(super) fn name(self) -> &'static str {
         KINDS.iter().find(|(kind, ..)| *kind == self).map_or("picture", |(_, name, _)| name)
     }
 
-    /// Kind that a file's extension stands for.
     pub(super) fn named(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_string_lossy().to_lowercase();
         KINDS.iter().find(|(.., extensions)| extensions.contains(&&*extension)).map(|(kind, ..)| *kind)
@@ -136,7 +134,6 @@ pub(super) fn is_video(start: &[u8]) -> bool {
         .any(|magic| at(0, magic))
 }
 
-/// Error for a video.
 pub(super) fn video(path: &Path) -> OpenError {
     let quoted = path.display().to_string().replace('\'', r"'\''");
     let remedy = format!("make frames of it first: mkdir frames && ffmpeg -i '{quoted}' frames/frame_%05d.png");
