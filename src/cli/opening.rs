@@ -3,7 +3,7 @@
 use super::args::SequenceArgs;
 use super::failure::{Failure, complain};
 use super::inputs::{Input, resolve, resolve_one};
-use crate::burst::{OpenError, SequenceCut};
+use crate::burst::{OpenErrorKind, SequenceCut};
 use crate::dataset::DatasetSource;
 use std::path::PathBuf;
 
@@ -55,7 +55,7 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
             }
             Ok(_) => {}
             // The others are opened all the same.
-            Err(error @ OpenError::Stray { .. }) => complain(&error.to_string()),
+            Err(error) if error.kind == OpenErrorKind::Stray => complain(&error.to_string()),
             Err(error) => return Err(error.into()),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::error::JobError;
 use super::source::{BurstSource, SourceError};
-use crate::burst::{Burst, OpenError, OpenOptions, find_bursts};
+use crate::burst::{Burst, OpenErrorKind, OpenOptions, find_bursts};
 use crate::inspect::truth::{TruthError, is_known, truth_of};
 use crate::inspect::words::counted;
 use crate::monitor::Monitor;
@@ -65,7 +65,7 @@ impl BurstSource {
                 Ok(OpenBurst { planted: planted.map(Arc::new), ..OpenBurst::new(burst, self.clone()) })
             }
             Err(error) if error.is_cancelled() || monitor.is_cancelled() => Err(JobError::Cancelled),
-            Err(SourceError::Open(OpenError::SeveralBursts { .. })) => {
+            Err(SourceError::Open(error)) if error.kind == OpenErrorKind::SeveralBursts => {
                 let found = find_bursts(self.paths()).unwrap_or_default();
                 Err(JobError::Several(found.into_iter().map(|found| BurstSource::Paths(found.paths)).collect()))
             }

@@ -266,7 +266,7 @@ impl Model {
         }
         if let [first, rest @ ..] = &open.strays[..] {
             let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
-            let stray = OpenError::Stray { path: first.clone() };
+            let stray = OpenError::stray(first);
             self.messages.error("Open dataset", format!("{stray}{more}"));
         }
         let mut dataset = Dataset::new(open);
