@@ -5,7 +5,7 @@
 //! place and scale, at each slope for itself or jointly over slope) → [`refine`] (between the samples) → [`distinct`]
 //! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale,
 //! slope) → [`orient`] and [`describe`] (on the pixels around the feature) → [`coherence`] (if requested, the single
-//! frames agree) → [`feature`].
+//! frames agree) → [`feature`]. [`test`] has a record of each test that a candidate goes through.
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
@@ -32,6 +32,7 @@ pub mod scale_space;
 pub mod search;
 pub mod slopes;
 pub mod stack;
+pub mod test;
 pub mod view;
 
 pub use advice::{Advice, explain};

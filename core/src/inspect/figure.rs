@@ -4,12 +4,12 @@
 //! the tests; that of a burst's slopes the features and evidence at each slope, the range searched, and the advice.
 
 use crate::export::sheet::{Anchor, Area, BLUE, FAINT, GREEN, GRID, INK, RED, Sheet};
-use crate::inspect::fate::{Outcome, Side};
+use crate::inspect::fate::Outcome;
 use crate::inspect::response::ResponseMap;
 use crate::inspect::shares::{Shares, Slice};
 use crate::inspect::spectrum::{SlopeBar, Spectrum};
 use crate::inspect::texture::dirichlet;
-use crate::inspect::words::{counted, number, slope_text};
+use crate::inspect::words::{capitalised, counted, number, sentence, slope_text, value_text};
 use crate::inspect::{Fate, Probe};
 use crate::plane::Plane;
 use crate::plane::display::Display;
@@ -228,13 +228,11 @@ fn tests(sheet: &mut Sheet, (x, y): (f64, f64), fate: &Fate) -> f64 {
         let fails = report.outcome == Outcome::Fails;
         let weight = if Some(report.test) == fate.first_failed { r#"font-weight="bold""# } else { "" };
         let style = format!(r#"{weight} fill="{}""#, if fails { RED } else { INK });
-        let name = crate::inspect::report::test_name(report.test);
+        let name = report.test.record().name;
         sheet.styled_text((columns[0], y), 12.0, Anchor::Start, &style, name);
-        let value = |x: Option<f64>| x.map_or_else(String::new, crate::inspect::report::value_text);
-        sheet.styled_text((columns[1], y), 12.0, Anchor::End, &style, &value(report.value));
-        let sign = if report.side == Side::AtLeast { "≥" } else { "≤" };
-        let limit = report.limit.map_or_else(String::new, |limit| format!("{sign} {}", value(Some(limit))));
-        sheet.styled_text((columns[2], y), 12.0, Anchor::End, &style, &limit);
+        let value = report.value.map(value_text).unwrap_or_default();
+        sheet.styled_text((columns[1], y), 12.0, Anchor::End, &style, &value);
+        sheet.styled_text((columns[2], y), 12.0, Anchor::End, &style, &report.limit_text());
         let word = match report.outcome {
             Outcome::Passes => "passes",
             Outcome::Fails => "fails",
@@ -244,7 +242,7 @@ fn tests(sheet: &mut Sheet, (x, y): (f64, f64), fate: &Fate) -> f64 {
         sheet.styled_text((columns[3], y), 12.0, Anchor::End, &style, word);
         y += 17.0;
     }
-    y = sheet.paragraph((x, y + 6.0), 12.0, area.width, &format!("{}.", capitalised(&fate.verdict)));
+    y = sheet.paragraph((x, y + 6.0), 12.0, area.width, &sentence(&fate.verdict));
     if let Some(remedy) = &fate.remedy {
         y = sheet.paragraph(
             (x, y),
@@ -254,11 +252,6 @@ fn tests(sheet: &mut Sheet, (x, y): (f64, f64), fate: &Fate) -> f64 {
         );
     }
     y
-}
-
-fn capitalised(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
 
 const SLOPES_WIDTH: f64 = 820.0;
@@ -284,7 +277,7 @@ pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
     }
     end += 18.0;
     if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
-        end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &format!("{}.", capitalised(&fits.sentence)));
+        end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &sentence(&fits.sentence));
     }
     for advice in &spectrum.advice {
         end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &format!("• {}.", advice.sentence));

@@ -63,7 +63,7 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             let row = Row { name: test.reason(), samples: tally.rejected_by(test), candidates, bar };
             let mut shown = model.explained.shown_test == Some(test);
             let before = shown;
-            line_ui(ui, &row, takes_candidates(test).then_some(&mut shown));
+            line_ui(ui, &row, test.takes_candidates().then_some(&mut shown));
             if shown != before {
                 (model.explained.shown_test, model.explained.selected) = (shown.then_some(test), None);
             }
@@ -75,12 +75,6 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         ui.add_space(4.0);
         crate::app::panel::status::advice_ui(ui, model, queue);
     });
-}
-
-/// Whether a candidate can fail the test first: a sample that is no extremum at its own slope and scale is no
-/// candidate.
-fn takes_candidates(test: Test) -> bool {
-    !matches!(test, Test::SpaceExtremum | Test::ScaleExtremum)
 }
 
 /// Width of the tests' names, points.
@@ -329,9 +323,9 @@ mod tests {
         let survey = survey(&cache.trail, &SurveyOptions::default(), &Monitor::default()).expect("not cancelled");
         assert!(survey.candidates > 0);
         for count in &survey.counts {
-            assert!(takes_candidates(count.test) || count.candidates == 0, "{:?}", count.test);
+            assert!(count.test.takes_candidates() || count.candidates == 0, "{:?}", count.test);
         }
-        assert_eq!(survey.counts.iter().filter(|count| !takes_candidates(count.test)).count(), 2);
+        assert_eq!(survey.counts.iter().filter(|count| !count.test.takes_candidates()).count(), 2);
     }
 
     fn mark(snr: f32) -> CandidateMark {

@@ -19,7 +19,7 @@ use crate::app::view::signed;
 use crate::detector::ParamChange;
 use crate::inspect::suspicion::{Kind, Suspicion};
 use crate::inspect::verdict::{Judged, Verdict};
-use crate::inspect::words::{counted_from_one, number};
+use crate::inspect::words::{counted_from_one, number, sentence};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::requests::Probed;
@@ -28,7 +28,6 @@ use egui::{
     Color32, Frame, Label, Margin, ProgressBar, Rect, RichText, ScrollArea, Stroke, TextureHandle, TextureOptions, Ui,
     pos2,
 };
-use fates::sentence;
 use std::any::Any;
 use std::sync::Arc;
 
