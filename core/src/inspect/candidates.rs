@@ -5,7 +5,7 @@
 //! detection's tally counts samples; here candidates are counted, which shows how many possible features each test
 //! rejected.
 
-use super::telling::margin_of;
+use super::telling::{keypoint_of, margin_of, over};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
@@ -21,7 +21,7 @@ use serde::Serialize;
 pub struct CandidateMark {
     /// (u, v) of the sample, input pixels.
     pub pos_image: [f32; 2],
-    /// Octave of the sample.
+    /// Scale σ of its level, input pixels.
     pub sigma: f32,
     /// Octave.
     pub octave: i32,
@@ -102,9 +102,6 @@ fn part_px(trail: &Trail) -> usize {
 
 /// Counts all candidates of the picture by the first test that they fail, and lists those that `options` select. It
 /// searches the picture again.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn survey(trail: &Trail, options: &SurveyOptions, monitor: &Monitor) -> Result<Survey, Cancelled> {
     let tally = &trail.detection().tally;
     let (part_px, mut by_test) = (part_px(trail), [0u64; Test::ALL.len()]);
@@ -141,23 +138,27 @@ fn pixels(trail: &Trail, octave: i32) -> f32 {
     width as f32 * height as f32
 }
 
-/// The candidates of a part of the picture, with their judgements.
-fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
-    let levels = trail.space().levels;
-    let scale_ease = scale_ease(ascends(trail.params(), around.octave));
-    let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2], scale_ease };
+/// The samples of a part of the picture that are extrema in place and scale at their own slope, however weak.
+pub(super) fn open_candidates(trail: &Trail, around: &Neighbourhood) -> Vec<Sample> {
+    let octave = around.octave;
+    let scale_ease = scale_ease(ascends(trail.params(), octave));
+    let open = Thresholds { peak: 0.0, gate: vec![0.0; trail.space().levels + 2], scale_ease };
     let mut samples = Vec::new();
+    let mut found: Vec<Candidate> = Vec::new();
     for (slope_index, dog) in around.tiles.iter().enumerate() {
-        let mut found: Vec<Candidate> = Vec::new();
         own_slope_extrema(&dog.levels, &around.region, around.size, &open, &mut Tally::default(), &mut found);
-        samples.extend(found.iter().map(|c| Sample {
-            octave: around.octave,
-            level: c.level_index as i32 - 1,
-            slope_index,
-            x: c.x,
-            y: c.y,
+        let of_slope = found.drain(..);
+        samples.extend(of_slope.map(|Candidate { x, y, level_index, .. }| {
+            let level = level_index as i32 - 1;
+            Sample { octave, level, slope_index, x, y }
         }));
     }
+    samples
+}
+
+/// The candidates of a part of the picture, with their judgements.
+fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
+    let samples = open_candidates(trail, around);
     let pixel = octave_pixel(around.octave);
     let judged = trail.judge(around, &samples);
     samples
@@ -165,10 +166,8 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
         .zip(judged)
         .filter_map(|(sample, judgement)| {
             let judgement = judgement?;
-            let keypoint =
-                judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample));
             let first_failed = judgement.rejected_by.or_else(|| {
-                let keypoint = keypoint?;
+                let keypoint = keypoint_of(trail, &judgement)?;
                 match trail.covered_by(keypoint) {
                     Some(_) => Some(Test::Duplicate),
                     None if trail.is_cut(keypoint) => Some(Test::MaxFeatures),
@@ -176,7 +175,6 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
                 }
             });
             let margin = first_failed.and_then(|test| margin_of(trail, around, sample, &judgement, test));
-            let (value, sigma_d) = (judgement.value, judgement.sigma_d);
             Some(CandidateMark {
                 pos_image: [sample.x as f32 * pixel, sample.y as f32 * pixel],
                 sigma: trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32,
@@ -184,8 +182,8 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
                 level: sample.level,
                 slope_index: sample.slope_index,
                 sample: [sample.x as u32, sample.y as u32],
-                value,
-                snr: if sigma_d > 0.0 { value.abs() / sigma_d } else { f32::INFINITY },
+                value: judgement.value,
+                snr: over(judgement.value.abs(), judgement.sigma_d),
                 first_failed,
                 margin: margin.map(|m| m as f32),
             })
@@ -217,9 +215,6 @@ pub struct WinningSlopes {
 }
 
 /// Computes the winning slope at each place, at one searched octave and level: a map of the motion.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn winning_slopes(trail: &Trail, octave: i32, level: i32, monitor: &Monitor) -> Result<WinningSlopes, Cancelled> {
     let (width, height) = trail.octave_size(octave);
     let grid = trail.params().used_slopes();

@@ -72,9 +72,6 @@ impl ProbeCache {
 
     /// Detection that was requested with `asked`, from what this one's search left; `None` where it needs a new search,
     /// see [`Trail::rejudged`].
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn rejudged(&self, asked: &SearchParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
         let mut judged = self.asked.detector.judged_as(&asked.detector);
         if asked.slopes.is_auto() {

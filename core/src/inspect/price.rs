@@ -51,9 +51,6 @@ impl Price {
 
 /// Price of `change` to the detection of `trail`, from what its search left; `None` where only another search can tell:
 /// see [`Trail::rejudged`]. `sample` is the candidate in question.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn price_at_once(
     trail: &Trail,
     change: &ParamChange,

@@ -2,6 +2,7 @@
 //! words.
 
 use super::ProbeCache;
+use super::candidates::open_candidates;
 use super::fate::Fate;
 use super::outlook::{Outlook, outlook};
 use super::remedy::duplicate_remedy;
@@ -10,9 +11,7 @@ use super::shares::{Shares, Slice, across, direction_of, shares, slice};
 use super::suspicion::{Suspicion, suspicions};
 use super::verdict::Judged;
 use crate::detector::scale_space::octave_pixel;
-use crate::detector::search::ascends;
-use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
-use crate::detector::{Sample, Slope, Tally, Test, Trail};
+use crate::detector::{Sample, Slope, Test, Trail};
 use crate::inspect::telling::fate;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
@@ -338,9 +337,6 @@ fn subject(trail: &Trail, nearness: &Nearness, fates: &[Fate], wanted: Wanted) -
 
 /// The fates of all candidates near a place (u, v), input pixels, within `reach_sigmas` of their σ: kept ones first,
 /// then in order of how far they came and of their strength.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn fates_near(
     trail: &Trail,
     place: [f32; 2],
@@ -374,18 +370,11 @@ fn candidates_near(
     let (x, y) = (middle(place[0], size.0), middle(place[1], size.1));
     let region = Region { columns: x..x + 1, rows: y..y + 1 }.widened(widest, size);
     let around = trail.neighbourhood(octave, &region, monitor)?;
-    let scale_ease = scale_ease(ascends(trail.params(), octave));
-    let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2], scale_ease };
-    let mut samples = Vec::new();
-    for (slope_index, dog) in around.tiles.iter().enumerate() {
-        let mut found: Vec<Candidate> = Vec::new();
-        own_slope_extrema(&dog.levels, &region, size, &open, &mut Tally::default(), &mut found);
-        samples.extend(found.iter().filter_map(|c| {
-            let level = c.level_index as i32 - 1;
-            let (du, dv) = (c.x as f32 - place[0] / pixel, c.y as f32 - place[1] / pixel);
-            (du.hypot(dv) <= reach(level)).then_some(Sample { octave, level, slope_index, x: c.x, y: c.y })
-        }));
-    }
+    let mut samples = open_candidates(trail, &around);
+    samples.retain(|sample| {
+        let (du, dv) = (sample.x as f32 - place[0] / pixel, sample.y as f32 - place[1] / pixel);
+        du.hypot(dv) <= reach(sample.level)
+    });
     let judged = trail.judge(&around, &samples);
     out.extend(samples.iter().zip(judged).filter_map(|(sample, j)| Some(fate(trail, &around, sample, &j?))));
     Ok(region.columns.len() * region.rows.len() * levels * around.tiles.len())
@@ -406,9 +395,6 @@ fn add_feature(trail: &Trail, index: usize, monitor: &Monitor, fates: &mut Vec<F
 }
 
 /// The fate of one sample; `None` on its octave's border, which the search does not examine.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Option<Fate>, Cancelled> {
     let region = Region { columns: sample.x..sample.x + 1, rows: sample.y..sample.y + 1 };
     let around = trail.neighbourhood(sample.octave, &region, monitor)?;
@@ -441,10 +427,9 @@ fn summary_of(nearness: &Nearness, fates: &[Fate], near: usize, response: &Respo
             Some(sigma) => format!("The candidate nearest to σ {} px", number(sigma, 1)),
             None => "The strongest candidate here".to_owned(),
         };
-        let strength = if first.snr.is_finite() {
-            format!("SNR {}", number(first.snr, 1))
-        } else {
-            format!("|D| {:.2e}", first.value.abs())
+        let strength = match first.snr {
+            snr if snr.is_finite() => format!("SNR {}", number(snr, 1)),
+            _ => format!("|D| {:.2e}", first.value.abs()),
         };
         let sigma = number(first.sigma, 1);
         return format!("Nothing was kept here. {who} has {strength} at σ {sigma} px: {}.", first.verdict);

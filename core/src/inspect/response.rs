@@ -112,9 +112,6 @@ const MOST: usize = 121;
 
 /// Computes the response at `place` (input pixels) around `through` (a slope, as coordinates in the grid) and, for two
 /// axes, at `scale` over both.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn response_map(
     trail: &Trail,
     place: [f32; 2],

@@ -65,8 +65,13 @@ impl std::str::FromStr for Ranking {
 
 /// Whether `feature` lies where `disc` is and has its scale, by the rule of this module.
 pub fn finds(feature: &Feature, disc: &FeatureTruth) -> bool {
-    let distance = (f64::from(feature.u) - disc.u).hypot(f64::from(feature.v) - disc.v);
-    let ratio = f64::from(feature.sigma) / disc.sigma;
+    is_of_disc([feature.u, feature.v], feature.sigma, disc)
+}
+
+/// Whether a place and a scale, input pixels, are those of `disc`.
+pub(super) fn is_of_disc([u, v]: [f32; 2], sigma: f32, disc: &FeatureTruth) -> bool {
+    let distance = (f64::from(u) - disc.u).hypot(f64::from(v) - disc.v);
+    let ratio = f64::from(sigma) / disc.sigma;
     distance <= REACH_IN_RADII * disc.radius + REACH_PIXELS && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
 }
 

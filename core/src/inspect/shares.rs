@@ -79,9 +79,6 @@ const PATCH_SIDE: usize = 33;
 const PATCH_SIGMAS: f32 = 4.0;
 /// Computes the shares of all frames at `octave` and `level`, along the motion through `place` (input pixels, at
 /// mid-burst) at `slope`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn shares(
     trail: &Trail,
     (octave, level): (i32, i32),

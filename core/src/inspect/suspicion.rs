@@ -71,9 +71,6 @@ const TEXTURE_MOST_PX: usize = 64;
 
 /// Suspicions about a kept candidate whose frames respond with `evenness`, each with the change that would correct it.
 /// Empty for one that became no feature.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn suspicions(
     trail: &Trail,
     fate: &Fate,
@@ -95,9 +92,6 @@ pub fn suspicions(
 }
 
 /// Suspicions about feature `index` of the detection, except that of a slope beyond the range, and without changes.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn suspicions_of_feature(
     trail: &Trail,
     index: usize,

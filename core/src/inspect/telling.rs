@@ -74,6 +74,11 @@ pub(super) fn over(value: f32, noise: f32) -> f32 {
     if noise > 0.0 { value / noise } else { f32::INFINITY }
 }
 
+/// The detection's keypoint that a judged sample became.
+pub(super) fn keypoint_of(trail: &Trail, judgement: &Judgement) -> Option<usize> {
+    judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample))
+}
+
 fn outcome(is_asked: bool, passes: bool) -> Outcome {
     match (is_asked, passes) {
         (false, _) => Outcome::NotAsked,
@@ -93,9 +98,7 @@ struct Telling<'a> {
 
 impl<'a> Telling<'a> {
     fn new(trail: &'a Trail, around: &'a Neighbourhood, sample: &'a Sample, judgement: &'a Judgement) -> Self {
-        let keypoint = judgement.keypoint();
-        let keypoint = keypoint.and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample));
-        Self { trail, around, sample, judgement, keypoint }
+        Self { trail, around, sample, judgement, keypoint: keypoint_of(trail, judgement) }
     }
 
     fn report(&self, test: Test) -> TestReport {

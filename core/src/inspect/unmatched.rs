@@ -144,9 +144,6 @@ pub struct Losses<'a> {
 
 impl<'a> Losses<'a> {
     /// Compares the descriptors of `pair`, as matching does.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn new(pair: ComparedPair<'a>, monitor: &Monitor) -> Result<Self, Cancelled> {
         let (a, b) = (&pair.a.descriptors, &pair.b.descriptors);
         let (of_a, of_b) = (nearest_two(a, b, monitor)?, nearest_two(b, a, monitor)?);
@@ -190,9 +187,6 @@ impl<'a> Losses<'a> {
     }
 
     /// The numbers of features of A lost at each step, in the order of [`Lost::ALL`].
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn counts(&self, monitor: &Monitor) -> Result<[(Lost, usize); 5], Cancelled> {
         let mut counts = Lost::ALL.map(|lost| (lost, 0));
         for index in 0..self.pair.a.features.len() {

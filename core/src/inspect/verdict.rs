@@ -104,9 +104,6 @@ impl Judged {
 }
 
 /// Judges every feature of the detection of `trail`, in their order.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn judged(trail: &Trail, monitor: &Monitor) -> Result<Vec<Judged>, Cancelled> {
     let evenness = trail.evenness_of(&trail.detection().features, &monitor.part(0.0, EVENNESS_SHARE))?;
     let rest = monitor.part(EVENNESS_SHARE, 1.0 - EVENNESS_SHARE);

@@ -108,9 +108,6 @@ impl Judgement {
 
 impl Trail {
     /// D of all slopes around `region` of `octave`, at least one pixel of which must lie in the octave.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn neighbourhood(&self, octave: i32, region: &Region, monitor: &Monitor) -> Result<Neighbourhood, Cancelled> {
         self.with_search(monitor, |search| {
             let size = self.octave_size(octave);

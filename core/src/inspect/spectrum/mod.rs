@@ -15,7 +15,6 @@ pub use advice::{SlopeAdvice, Subject};
 pub use judgement::{SlopeJudgement, judgement};
 
 use super::ProbeCache;
-use crate::detector::limit::response_loss;
 use crate::detector::slopes::SlopeEvidence;
 use crate::detector::{Detection, Feature, Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
 use crate::inspect::shares::direction_of;
@@ -98,9 +97,6 @@ impl Spectrum {
 }
 
 /// Computes the spectrum of the burst of `cache`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cancelled> {
     let (trail, params) = (&cache.trail, cache.params());
     let grid = params.used_slopes();
@@ -208,12 +204,6 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
             }
         })
         .collect()
-}
-
-/// The part (0 … 1) of its response that the finest blob loses half a step away from its slope: `step` in px/frame,
-/// `frames` frames, the blob's scale `sigma` in px.
-pub fn step_loss(step: f32, frames: usize, sigma: f32) -> f32 {
-    response_loss(0.5 * step, frames, sigma)
 }
 
 /// A texture that is periodic along an axis of the slopes.
@@ -343,10 +333,11 @@ fn highest_lobe(frames: usize) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::detector::limit::response_loss;
 
     #[test]
     fn the_loss_grows_with_step_and_frames_and_not_with_scale() {
+        let step_loss = |step: f32, frames, sigma| response_loss(0.5 * step, frames, sigma);
         // The step that METHOD recommends, 2σ/(N − 1), loses little; twice that begins to matter.
         let recommended = 2.0 * 1.9 / 9.0;
         let loss = step_loss(recommended, 10, 1.9);
