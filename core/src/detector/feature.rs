@@ -28,8 +28,7 @@ pub struct Feature {
     pub slope: Slope,
     /// The interpolated DoG value with its sign, fraction of full scale; bright blobs are negative.
     pub response: f32,
-    /// |response| divided by the standard deviation of the noise in D at its octave and level; infinite for a noiseless
-    /// burst.
+    /// |response| over the noise in D at its octave and level; infinite for a noiseless burst.
     pub snr: f32,
     /// Octave in which it was found; −1 is the doubled image.
     pub octave: i32,

@@ -73,8 +73,7 @@ impl TestReport {
         Self { test, outcome, value, limit, side: record.side, unit: record.unit, rival: None }
     }
 
-    /// The distance of the value from the limit on the passing side, as a part of the limit: below 0 where the test
-    /// fails. `None` for tests without a limit.
+    /// The distance of the value from the limit, as a part of the limit: below 0 where the test fails.
     pub fn margin(&self) -> Option<f64> {
         let (value, limit) = (self.value?, self.limit.filter(|limit| *limit != 0.0)?);
         Some(if self.side == Side::AtLeast { value / limit - 1.0 } else { 1.0 - value / limit })

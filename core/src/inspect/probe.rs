@@ -74,8 +74,7 @@ pub enum Wanted {
         /// Index of the slope in the grid.
         slope_index: usize,
     },
-    /// A candidate near the place, by its sample; as [`Wanted::Best`] where no candidate near the place has this
-    /// sample.
+    /// A candidate near the place, by its sample; as [`Wanted::Best`] where there is none.
     Candidate(Sample),
 }
 
@@ -86,8 +85,7 @@ pub struct ProbeOptions {
     pub reach_sigmas: f32,
     /// Subject to examine more closely.
     pub wanted: Wanted,
-    /// Scale σ near which candidates come first, input pixels: the one in view. For [`Wanted::Feature`] without one,
-    /// the feature's.
+    /// Scale σ near which candidates come first, input pixels. For [`Wanted::Feature`] without one, the feature's.
     pub near_sigma: Option<f32>,
     /// Pixels to each side in the slices.
     pub slice_half_px: usize,
@@ -174,7 +172,6 @@ const LARGE_PX: f32 = 8.0;
 /// Ratio of two scales within which they count as the same.
 const SAME_SCALE: f32 = 1.3;
 
-/// Nearness of candidates to the place and to the scale that are asked about.
 #[derive(Debug, Clone, Copy)]
 struct Nearness {
     place: [f32; 2],
@@ -182,12 +179,10 @@ struct Nearness {
 }
 
 impl Nearness {
-    /// Distance from the place, input pixels.
     fn distance(&self, fate: &Fate) -> f32 {
         (fate.pos_image[0] - self.place[0]).hypot(fate.pos_image[1] - self.place[1])
     }
 
-    /// Whether the candidate lies at the place, as far as a click can tell.
     fn is_here(&self, fate: &Fate) -> bool {
         self.distance(fate) <= AT_PLACE_PX
     }
@@ -231,9 +226,6 @@ fn strength(fate: &Fate) -> f32 {
 }
 
 /// Explains what happened at `place` (u, v), input pixels of the mid-burst picture.
-///
-/// # Errors
-/// See [`ProbeError`].
 pub fn probe(
     cache: &ProbeCache,
     place: [f32; 2],
@@ -268,12 +260,12 @@ pub fn probe(
     let response = response_map(trail, subject.pos_image, grid.coordinates(subject.slope_index), scale, monitor)?;
     let shares = shares(trail, scale, subject.pos_image, subject.slope, monitor)?;
     let suspicions = match subject.fate {
-        Some(index) => suspicions(trail, &fates[index], &shares.evenness(), monitor)?,
+        Some(index) => suspicions(trail, &fates[index], &shares.evenness, monitor)?,
         None => Vec::new(),
     };
     let outlook = subject.fate.and_then(|index| outlook(trail, &fates[index]));
     let is_feature = subject.fate.is_some_and(|index| !fates[index].features.is_empty());
-    let judged = is_feature.then(|| Judged::of(&shares.evenness(), &suspicions));
+    let judged = is_feature.then(|| Judged::of(&shares.evenness, &suspicions));
     let direction = direction_of(subject.slope);
     let slices = [direction, across(direction)].map(|d| slice(trail, subject.pos_image, d, options.slice_half_px));
     let summary = summary_of(&nearness, &fates, near, &response);
@@ -380,8 +372,7 @@ fn candidates_near(
     Ok(region.columns.len() * region.rows.len() * levels * around.tiles.len())
 }
 
-/// Appends the fate of a feature whose sample is too far from its refined position to be among the candidates near
-/// that.
+/// Appends the fate of a feature whose sample is too far from its refined position to be near that.
 fn add_feature(trail: &Trail, index: usize, monitor: &Monitor, fates: &mut Vec<Fate>) -> Result<(), Cancelled> {
     let keypoint = trail.keypoint_of_feature(index);
     if fates.iter().any(|fate| fate.keypoint == Some(keypoint)) {
@@ -488,8 +479,8 @@ mod tests {
     #[test]
     fn the_small_blob_under_the_click_comes_before_the_large_one_over_it() {
         for gate in [NoiseGate::Auto, NoiseGate::Factor(1000.0)] {
-            let place = [81.0, 80.5];
-            let probe = at(&small_under_large(gate), place, ProbeOptions::default());
+            let (cache, place) = (small_under_large(gate), [81.0, 80.5]);
+            let probe = at(&cache, place, ProbeOptions::default());
             let apart = |fate: &Fate| (fate.pos_image[0] - place[0]).hypot(fate.pos_image[1] - place[1]);
             let first = probe.subject_fate().expect("it is at the place");
             assert_eq!(probe.subject.fate, Some(0));
@@ -499,28 +490,13 @@ mod tests {
             let large = probe.larger_fates().iter().find(|fate| fate.sigma > 10.0).expect("it reaches over the place");
             assert!(large.snr > first.snr && apart(large) > AT_PLACE_PX, "{large:?}");
             assert!(probe.near_fates().iter().all(|fate| fate.sigma < 10.0 || apart(fate) <= AT_PLACE_PX));
+            // Chosen candidates are examined wherever they are.
+            let wanted = Wanted::Candidate(large.of_sample());
+            let chosen = at(&cache, place, ProbeOptions { wanted, ..ProbeOptions::default() });
+            assert_eq!(chosen.subject_fate().map(Fate::of_sample), Some(large.of_sample()));
             let beyond = probe.near_fates().iter().map(|fate| apart(fate).max(AT_PLACE_PX));
             assert!(beyond.is_sorted(), "the nearest come first");
         }
-    }
-
-    #[test]
-    fn with_a_scale_in_view_candidates_of_that_scale_come_first_but_the_place_stays() {
-        let (cache, place) = (small_under_large(NoiseGate::Auto), [81.0, 80.5]);
-        let plain = at(&cache, place, ProbeOptions::default());
-        let large = plain.larger_fates().iter().find(|fate| fate.sigma > 10.0).expect("over the place");
-        let near_sigma = Some(large.sigma);
-        let scaled = at(&cache, place, ProbeOptions { near_sigma, ..ProbeOptions::default() });
-        // Samples that lead to another one's maximum do not count.
-        let first = scaled.fates.iter().find(|fate| fate.first_failed != Some(Test::Refinement)).expect("candidates");
-        assert!((first.sigma / large.sigma).ln().abs() < SAME_SCALE.ln(), "{first:?}");
-        assert!(scaled.near > 0 && scaled.fates.len() == plain.fates.len());
-        let apart = (scaled.subject.pos_image[0] - place[0]).hypot(scaled.subject.pos_image[1] - place[1]);
-        assert!(apart <= AT_PLACE_PX, "{:?}", scaled.subject);
-        // Chosen candidates are examined wherever they are.
-        let wanted = Wanted::Candidate(large.of_sample());
-        let chosen = at(&cache, place, ProbeOptions { wanted, ..ProbeOptions::default() });
-        assert_eq!(chosen.subject_fate().map(Fate::of_sample), Some(large.of_sample()));
     }
 
     #[test]

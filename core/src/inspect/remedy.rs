@@ -12,14 +12,12 @@ use crate::detector::{
     Distinct, Judgement, NoiseGate, ParamChange, Slope, SlopeAxis, SlopeExtrema, SlopeGrid, Test, Trail,
 };
 
-/// Margin by which a limit is changed further, so that the value passes although the search computes in single
-/// precision.
+/// Margin by which a limit is changed further: the search computes in single precision.
 const EASE: f64 = 1e-4;
 /// Smallest radius of distinct keypoints that is proposed, and smallest ratio of scales.
 const MIN_RADIUS: f64 = 0.05;
 const MIN_RATIO: f64 = 1.02;
 
-/// Adds the verdict and the remedy to the fate.
 pub(super) fn explained(trail: &Trail, judgement: &Judgement, fate: Fate) -> Fate {
     let verdict = verdict(trail, &fate);
     let remedy = change(trail, judgement, &fate).map(|(sentence, change)| Remedy {
@@ -36,7 +34,6 @@ fn fails_uncut(trail: &Trail, fate: &Fate) -> Option<Test> {
     trail.fails_uncut(cut)
 }
 
-/// The verdict as one sentence.
 fn verdict(trail: &Trail, fate: &Fate) -> String {
     let Some(test) = fate.first_failed else {
         let limit = if fate.at_slope_limit { ", at the limit of the slopes" } else { "" };
@@ -61,7 +58,6 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
     })
 }
 
-/// The distance of a place from the candidate, input pixels.
 fn away(fate: &Fate, [u, v]: [f32; 2]) -> f32 {
     (u - fate.pos_image[0]).hypot(v - fate.pos_image[1])
 }
@@ -112,7 +108,6 @@ fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, 
     Some(remedied(test, ParamChange::new(parameter, value), &was))
 }
 
-/// The remedy's sentence with the values of a change, and the change.
 fn remedied(test: Test, change: ParamChange, was: &str) -> (String, ParamChange) {
     let sentence = filled(test.record().remedy, |word| match word {
         "new" => change.value.clone(),
@@ -161,8 +156,7 @@ pub fn nearest_slope(grid: &SlopeGrid, slope: Slope) -> usize {
     nearest(j, &grid.v) * grid.u.count + nearest(i, &grid.u)
 }
 
-/// The change that extends the axis on whose rim a candidate lies by one step; `None` for a candidate that is not on a
-/// rim.
+/// The change that extends the axis on whose rim a candidate lies by one step.
 pub(super) fn widened_towards(grid: &SlopeGrid, fate: &Fate) -> Option<ParamChange> {
     let rival = fate.report(Test::SlopeExtremum).rival;
     let index = match fate.first_failed {

@@ -8,7 +8,6 @@ use super::{Fate, Probe};
 use crate::detector::Test;
 use std::fmt::Write;
 
-/// Maximum number of candidates in the text.
 const LISTED: usize = 12;
 /// Width of the longest bar, characters.
 const BAR_WIDTH: f32 = 30.0;
@@ -151,7 +150,6 @@ fn write_fate(out: &mut String, fate: &Fate) -> std::fmt::Result {
     Ok(())
 }
 
-/// One test as a line: name, value, limit, margin, and outcome.
 fn report_line(report: &TestReport, is_first_failed: bool) -> String {
     let value = report.value.map_or_else(|| "–".to_owned(), value_text);
     let outcome = match report.outcome {
@@ -173,7 +171,7 @@ fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
         number(shares.sigma, 1),
         shares.meaning
     )?;
-    let sign = if shares.mean < 0.0 { -1.0 } else { 1.0 };
+    let sign = if shares.evenness.mean < 0.0 { -1.0 } else { 1.0 };
     let max =
         shares.frames.iter().filter(|f| f.covers).map(|f| (sign * f.value).abs()).fold(f32::MIN_POSITIVE, f32::max);
     for frame in &shares.frames {
@@ -194,7 +192,6 @@ fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
     Ok(())
 }
 
-/// Maximum number of slopes in the text.
 const SLOPES_LISTED: usize = 25;
 
 /// The spectrum as text; ends with an empty line. `name` is the burst's.

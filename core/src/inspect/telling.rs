@@ -69,7 +69,6 @@ pub fn margin_of(
     Telling::new(trail, around, sample, judgement).report(test).margin()
 }
 
-/// The ratio of value to noise; infinite over 0.
 pub(super) fn over(value: f32, noise: f32) -> f32 {
     if noise > 0.0 { value / noise } else { f32::INFINITY }
 }
@@ -87,7 +86,6 @@ fn outcome(is_asked: bool, passes: bool) -> Outcome {
     }
 }
 
-/// One candidate with the data to report on it.
 struct Telling<'a> {
     trail: &'a Trail,
     around: &'a Neighbourhood,
@@ -171,8 +169,7 @@ impl<'a> Telling<'a> {
         self.compared(test, true, passes, f64::from(rival.value) / f64::from(ease), rival)
     }
 
-    /// Report of the slope test: the rival is the strongest sample around it at the other slopes, those that the joint
-    /// rule compares with, or all where each slope is searched for itself.
+    /// The rival is at a slope that the joint rule compares with, or at any where each is searched for itself.
     fn slopes(&self) -> TestReport {
         let (params, index) = (self.trail.params(), self.sample.level_index());
         let joint = params.used_extrema() == SlopeExtrema::Joint;

@@ -14,7 +14,6 @@ use crate::synth::{Example, FeatureTruth, Truth, TruthKind, demo_truth};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// The name of the demo burst.
 const DEMO: &str = "demo";
 
 /// Reason why there is no truth to compare with.
@@ -49,9 +48,6 @@ pub enum TruthError {
 }
 
 /// Reads a `truth.json`.
-///
-/// # Errors
-/// See [`TruthError`].
 pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
     let text =
         read_text(path, MAX_TABLE_BYTES).map_err(|e| TruthError::Read { path: path.into(), reason: e.to_string() })?;
@@ -61,11 +57,7 @@ pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
     Ok(truth)
 }
 
-/// The truth of a burst: the `truth.json` in its folder or case, or that of a built-in burst. `None` where there is
-/// none.
-///
-/// # Errors
-/// A `truth.json` that cannot be read, is invalid, or is of pictures of another size.
+/// The truth of a burst, if it has one: the `truth.json` in its folder or case, or that of a built-in burst.
 pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
     let [source] = &burst.sources[..] else {
         let built_in = burst.sources.is_empty();

@@ -45,8 +45,7 @@ pub fn sentence(clause: &str) -> String {
     capitalised(clause) + "."
 }
 
-/// The largest number with `significant` digits that is at most `x`, for a limit that `x` must pass; 0 where `x` is not
-/// above 0.
+/// The largest number with `significant` digits that is at most `x`; 0 where `x` is not above 0.
 pub fn rounded_down(x: f64, significant: i32) -> f64 {
     rounded(x, significant, f64::floor)
 }

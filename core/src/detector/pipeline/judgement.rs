@@ -58,11 +58,9 @@ pub struct Neighbourhood {
     pixels: Vec<PartOfLevel>,
 }
 
-/// Part of an octave's first level.
 #[derive(Debug)]
 struct PartOfLevel {
     plane: Plane,
-    /// Column and row of its first pixel.
     first: (usize, usize),
 }
 
@@ -83,8 +81,7 @@ impl PartOfLevel {
 pub struct Judgement {
     /// D at the sample.
     pub value: f32,
-    /// The first test of the search that rejects it, if any. Whether it shows the same blob as a stronger keypoint is
-    /// decided later.
+    /// The first test of the search that rejects it, if any; those of the whole list come later.
     pub rejected_by: Option<Test>,
     /// σ_D at its level and slope where the noise is least.
     pub sigma_d_min: f32,
@@ -94,8 +91,7 @@ pub struct Judgement {
     pub is_beaten: bool,
     /// The quadratic fit; `None` where D has none.
     pub fit: Option<Fit>,
-    /// The keypoint that it makes, or would make if it passed all tests; `None` where the fit did not converge inside
-    /// the octave.
+    /// The keypoint that it would make if it passed all tests; `None` where the fit did not converge inside the octave.
     pub would_be: Option<Keypoint>,
 }
 
@@ -158,8 +154,7 @@ impl Trail {
         })
     }
 
-    /// Judges the samples `samples` of a neighbourhood; `None` for those on the octave's border, which the search does
-    /// not examine.
+    /// Judges samples of a neighbourhood; `None` for those on the octave's border, which the search does not examine.
     pub fn judge(&self, around: &Neighbourhood, samples: &[Sample]) -> Vec<Option<Judgement>> {
         let monitor = Monitor::default();
         self.with_search(&monitor, |search| {
@@ -207,7 +202,6 @@ impl Trail {
     }
 }
 
-/// Whether another slope beats a candidate by the joint rule.
 fn is_beaten(
     search: &Search<'_>,
     around: &Neighbourhood,
@@ -234,8 +228,7 @@ pub fn compared_slopes(grid: &SlopeGrid, index: usize, neighbours: SlopeNeighbou
     })
 }
 
-/// D of the refined sample at the slopes around slope `index`, 0 beyond the grid; the search uses it for the refinement
-/// over slope.
+/// D of the refined sample at the slopes around slope `index`, 0 beyond the grid.
 fn d_around(
     search: &Search<'_>,
     around: &Neighbourhood,

@@ -83,12 +83,10 @@ pub struct Spectrum {
     pub advice: Vec<SlopeAdvice>,
 }
 
-/// Maximum number of grid steps beyond the rim that are shown.
 const MAX_BEYOND: i64 = 40;
 
 impl Spectrum {
-    /// The searched slope with the most features that do not lie at the limit; `None` without features. See
-    /// [`slope_with_most_features`].
+    /// See [`slope_with_most_features`].
     pub fn most_features(&self) -> Option<Slope> {
         // The slopes searched come first, in the grid's order.
         let counts: Vec<usize> = self.bars.iter().filter(|bar| bar.is_searched).map(|bar| bar.features).collect();
@@ -225,9 +223,7 @@ pub struct Alias {
     pub places: Vec<[f32; 2]>,
 }
 
-/// Minimum ambiguity of a window to be examined.
 const AMBIGUOUS: f32 = 0.5;
-/// Minimum significance of a window to be examined.
 const SIGNIFICANT: f32 = 6.5;
 /// Maximum number of windows examined: the most significant ones.
 const MAX_WINDOWS: usize = 120;
@@ -236,8 +232,7 @@ const SAME_PERIOD: f32 = 0.12;
 /// Pixels to each side in which a period is searched.
 const HALF_PX: usize = 32;
 
-/// Finds the periodic textures of a burst; those with aliases in range and with the most places come first. `all` is
-/// the evidence of every window, `confirmed` the confirmed evidence.
+/// Periodic textures, those with aliases in range and with the most places first; `all` is evidence of every window.
 fn aliases(
     cache: &ProbeCache,
     confirmed: &[SlopeEvidence],
@@ -292,8 +287,7 @@ fn aliases(
     Ok(found)
 }
 
-/// The slope of a window: that of the smallest confirmed evidence that contains its middle, or its own where there is
-/// none.
+/// The slope of the smallest confirmed evidence that contains the window's middle, otherwise the window's own.
 fn believed(window: &SlopeEvidence, confirmed: &[SlopeEvidence]) -> Slope {
     let holds = |e: &&SlopeEvidence| {
         (e.centre[0] - window.centre[0]).abs() <= 0.5 * e.size[0]

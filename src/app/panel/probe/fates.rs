@@ -15,12 +15,9 @@ use crate::requests::{ProbeQuestion, Probed};
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
 use std::ops::Range;
 
-/// Height of a row of the list, points.
 const ROW: f32 = 18.0;
-/// Number of visible rows of the list.
 const ROWS_SEEN: usize = 6;
 
-/// Draws the lists, and below them the selected candidate's tests.
 pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
     let (probe, subject) = (&answer.probe, answer.probe.subject.fate);
     scale_ui(ui, model, answer);
@@ -56,7 +53,6 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &
     }
 }
 
-/// Draws the choice of the scale near which candidates come first.
 fn scale_ui(ui: &mut Ui, model: &mut Model, answer: &Probed) {
     let sigma_text = |sigma: f32| format!("Near σ {} px", number(sigma, 1));
     let chosen = model.probe.near_sigma;
@@ -73,7 +69,6 @@ fn scale_ui(ui: &mut Ui, model: &mut Model, answer: &Probed) {
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, format!("Scale of candidates: {text}")));
 }
 
-/// Draws a list of candidates, some rows of which are visible.
 fn list_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, listed: Range<usize>) {
     let (fates, first) = (&answer.probe.fates[listed.clone()], listed.start);
     heading_ui(ui);
@@ -160,7 +155,6 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
     clicked
 }
 
-/// Draws the verdict, the remedy, and every test in order.
 fn fate_ui(ui: &mut Ui, model: &mut Model, (fate, outlook): (&Fate, Option<&Outlook>), queue: &mut Queue) {
     let verdict = counted_from_one(&fate.verdict);
     ui.add(Label::new(RichText::new(sentence(&verdict)).strong()).wrap());
