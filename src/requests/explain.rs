@@ -171,7 +171,7 @@ impl Request for ProbeRequest {
             ProbeQuestion::At { place, wanted } => (place, wanted),
             ProbeQuestion::Strongest => {
                 let mark = strongest(cache, monitor)?;
-                (mark.pos_image, Wanted::Candidate(mark.of_sample()))
+                (mark.pos_image, Wanted::Candidate(mark.sample))
             }
         };
         let options = ProbeOptions { wanted, near_sigma: self.near_sigma, ..ProbeOptions::default() };

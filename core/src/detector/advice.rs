@@ -7,7 +7,8 @@
 
 use super::feature::{Detection, Tally, Test};
 use super::params::{DetectorParams, Method, Param, Word, doc};
-use crate::detector::params::slope_grid::{SlopeAxis, SlopeGrid};
+use super::test::{LOWEST_GATE, wider_axis};
+use crate::detector::params::slope_grid::SlopeAxis;
 
 /// Reason for a poor detection, and a setting to change.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,15 +38,13 @@ const LITTLE_PER_MEGAPIXEL: f64 = 50.0;
 /// Fewer features than this are too few in an image of any size.
 const LITTLE: usize = 8;
 /// Minimum number of samples above both thresholds for one feature: one of 650 to 1000 became a keypoint wherever
-/// [`usual_share`] was measured.
+/// the usual shares were measured.
 const SAMPLES_PER_FEATURE: u64 = 500;
 /// A test that lets pass less than this fraction of its usual share is to blame.
 const BLAMED_BELOW: f64 = 0.5;
 /// Gate's share of rejected samples below which it had little noise to reject, because the peak threshold before it
 /// took that.
 const GATE_REJECTS_NOISE: f64 = 0.999;
-/// Gate factor below which so much noise passes that lowering it further does not help.
-const LOWEST_GATE: f32 = 4.0;
 
 /// Explains why `detection`, found with `params` in images of `size` (columns, rows), has few or no features; `None`
 /// where it has enough, or where the parameters ask for few.
@@ -67,22 +66,6 @@ pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usi
 fn widened(axis: SlopeAxis, below: bool, above: bool) -> SlopeAxis {
     let more = axis.count.saturating_sub(1).div_ceil(2).max(1);
     axis.with_more(more * usize::from(below), more * usize::from(above))
-}
-
-/// Usual share of the candidates that pass a test, in a detection that finds enough. Measured without a peak threshold
-/// on a chart, the demo, two trajectories and two real scenes, all dark: they differ by a fifth at most, by a third for
-/// slopes. `None` for the thresholds, which are judged apart, and for the maximum number of features.
-fn usual_share(test: Test) -> Option<f64> {
-    match test {
-        Test::PeakThreshold | Test::NoiseGate | Test::MaxFeatures => None,
-        Test::SpaceExtremum => Some(0.04),
-        Test::ScaleExtremum => Some(0.09),
-        Test::SlopeExtremum => Some(0.3),
-        Test::Refinement => Some(0.97),
-        Test::InterpolatedContrast | Test::Outside => Some(0.99),
-        Test::Edge => Some(0.93),
-        Test::Duplicate => Some(0.45),
-    }
 }
 
 /// Advice where there are few or no features.
@@ -123,7 +106,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
         };
     }
     let (test, reached) = to_blame(tally)?;
-    let (parameter, value) = remedy(test, params)?;
+    let (parameter, value) = (test.record().advised)(params)?;
     advice(took(test, reached), parameter, value)
 }
 
@@ -134,7 +117,7 @@ fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
     let mut worst: Option<(f64, Test, u64)> = None;
     for test in Test::ALL {
         let passed = reached.saturating_sub(tally.rejected_by(test));
-        if let Some(usual) = usual_share(test).filter(|_| reached > 0) {
+        if let Some(usual) = test.record().usual_share.filter(|_| reached > 0) {
             let over_usual = passed as f64 / reached as f64 / usual;
             if over_usual < BLAMED_BELOW && worst.is_none_or(|(min, ..)| over_usual < min) {
                 worst = Some((over_usual, test, reached));
@@ -145,35 +128,7 @@ fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
     worst.map(|(_, test, reached)| (test, reached))
 }
 
-/// Setting to change where `test` rejected too much; `None` where none would help.
-fn remedy(test: Test, params: &DetectorParams) -> Option<(Param<DetectorParams>, String)> {
-    match test {
-        Test::PeakThreshold | Test::InterpolatedContrast => {
-            (params.peak_threshold > 0.0).then(|| (doc::PEAK_THRESHOLD, "0".to_owned()))
-        }
-        Test::NoiseGate => Some((doc::NOISE_GATE, LOWEST_GATE.to_string())),
-        // More levels make neighbours more alike in scale, fewer make them differ; a candidate that moves away in the
-        // refinement lies between two levels.
-        Test::ScaleExtremum | Test::Refinement => {
-            Some((doc::LEVELS, if params.levels > 3 { "3" } else { "4" }.to_owned()))
-        }
-        Test::SlopeExtremum => {
-            let (parameter, axis) = wider_axis(&params.slopes);
-            (axis.count > 3).then(|| (parameter, SlopeAxis { count: axis.count.div_ceil(2), ..axis }.to_string()))
-        }
-        Test::Edge => Some((doc::EDGE_THRESHOLD, (1.5 * params.edge_threshold).to_string())),
-        Test::Outside => (params.first_octave > -1).then(|| (doc::FIRST_OCTAVE, (params.first_octave - 1).to_string())),
-        Test::Duplicate => Some((doc::DISTINCT, "off".to_owned())),
-        Test::SpaceExtremum | Test::MaxFeatures => None,
-    }
-}
-
-/// The axis with more slopes, and its parameter.
-fn wider_axis(grid: &SlopeGrid) -> (Param<DetectorParams>, SlopeAxis) {
-    if grid.v.count > grid.u.count { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) }
-}
-
-/// A text whose first letter is a capital.
+/// `text` with a capital at its start.
 pub fn capitalised(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())

@@ -123,7 +123,7 @@ pub fn evenness_of(answers: &[FrameResponse]) -> Evenness {
 }
 
 /// Evenness of responses.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Evenness {
     /// Mean of the responses.
     pub mean: f32,

@@ -6,7 +6,8 @@
 //! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale,
 //! slope) → `orient` and [`describe`] (on the pixels around the feature) → `limit` (motion beyond the slopes) →
 //! [`feature`], whose values [`quantity`] lists. From `distinct` on the steps read D along any motion (`along`), and so
-//! does [`coherence`], which tells how alike the single frames respond.
+//! does [`coherence`], which tells how alike the single frames respond. [`test`] has a record of each test that a
+//! candidate goes through.
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
@@ -34,6 +35,7 @@ pub mod scale_space;
 pub(crate) mod search;
 pub mod slopes;
 pub mod stack;
+pub mod test;
 pub mod view;
 
 pub use advice::{Advice, explain};

@@ -14,7 +14,7 @@ mod tests;
 mod trail;
 
 pub use crate::detector::search::FIRST_PEAK_PART;
-pub use judgement::{Judgement, Neighbourhood, Sample, strongest_around};
+pub use judgement::{Judgement, Neighbourhood, Sample, compared_slopes};
 pub use outcome::follows;
 pub use trail::Trail;
 

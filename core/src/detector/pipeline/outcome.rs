@@ -99,7 +99,6 @@ impl Outcome {
         let (params, factor) = (search.params, search.inputs.gate_factor);
         let (own_factor, own_sigma_d) = self.gate.as_ref().filter(|_| follows(params, &self.params))?;
         let (peak, first_part) = (FIRST_PEAK_PART * params.peak_threshold, first_gate_part(params));
-        let edge = edge_limit(params.edge_threshold);
         let gates = sigma_d.iter().flatten().flatten().zip(own_sigma_d.iter().flatten().flatten());
         if gates.into_iter().any(|(sigma_d, own)| factor * sigma_d < own_factor * own) {
             return None;
@@ -111,17 +110,11 @@ impl Outcome {
             let sigma_d_min = of_octave[(keypoint.level + 1) as usize][keypoint.slope_index];
             let sigma_d = sigma_d_min * place_factor;
             let sample = sample_value.abs();
-            let tests = [
-                (Test::PeakThreshold, sample >= peak),
-                (
-                    Test::NoiseGate,
-                    sample >= first_part * factor * sigma_d_min && sample >= first_part * (factor * sigma_d),
-                ),
-                (Test::NoiseGate, first_part >= 1.0 || keypoint.value.abs() >= factor * sigma_d),
-                (Test::InterpolatedContrast, keypoint.value.abs() > params.peak_threshold),
-                (Test::Edge, edge_quotient < edge),
-            ];
-            if let Some((test, _)) = tests.into_iter().find(|(_, passes)| !passes) {
+            let is_above_gate =
+                sample >= first_part * factor * sigma_d_min && sample >= first_part * (factor * sigma_d);
+            let of_sample = [(Test::PeakThreshold, sample >= peak), (Test::NoiseGate, is_above_gate)];
+            let of_fit = search.limits(sigma_d).tests(keypoint.value, edge_quotient);
+            if let Some((test, _)) = of_sample.into_iter().chain(of_fit).find(|(_, passes)| !passes) {
                 tally.reject(test, 1);
                 continue;
             }

@@ -45,6 +45,19 @@ pub struct Limits {
     pub edge_threshold: f32,
 }
 
+impl Limits {
+    /// Applies the tests of D at an extremum and of its [`Refined::edge_quotient`], each independently, in their order;
+    /// true where it passes.
+    pub(crate) fn tests(&self, value: f32, edge_quotient: f64) -> [(Test, bool); 3] {
+        [
+            (Test::NoiseGate, value.abs() >= self.gate),
+            (Test::InterpolatedContrast, value.abs() > self.peak_threshold),
+            // Below 0 where the curvatures differ in sign.
+            (Test::Edge, edge_quotient > 0.0 && edge_quotient < edge_limit(self.edge_threshold)),
+        ]
+    }
+}
+
 /// Maximum number of fits; the sample moves between them, so at most one time fewer. The tile must hold this many
 /// pixels and one more on each side.
 pub const MAX_FITS: usize = 5;
@@ -127,11 +140,12 @@ impl Fit {
         let (trace_squared, determinant) = self.trace_and_determinant();
         let inside = |at: f64, n: usize| (0.0..=(n - 1) as f64).contains(&at);
         let (x, y) = self.place();
+        let [gate, contrast, edge] = limits.tests(self.value as f32, trace_squared / determinant);
         [
             (Test::Refinement, self.largest_offset() < MAX_OFFSET),
-            (Test::NoiseGate, self.value.abs() as f32 >= limits.gate),
-            (Test::InterpolatedContrast, self.value.abs() as f32 > limits.peak_threshold),
-            (Test::Edge, determinant > 0.0 && trace_squared / determinant < edge_limit(limits.edge_threshold)),
+            gate,
+            contrast,
+            edge,
             // Scales from level −1, the outermost DoG level, to level S+1, one step beyond the other end, as in VLFeat.
             (
                 Test::Outside,

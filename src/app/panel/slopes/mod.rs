@@ -13,7 +13,6 @@ use crate::app::style;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
 use crate::inspect::spectrum::{SlopeAdvice, Spectrum, Subject};
-use crate::inspect::words::capitalised;
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
@@ -107,7 +106,7 @@ pub fn judgement_ui(ui: &mut Ui, model: &mut Model) {
 }
 
 fn sentence_of(clause: &str) -> String {
-    with_whole_numbers(&(capitalised(clause) + "."))
+    with_whole_numbers(&crate::inspect::words::sentence(clause))
 }
 
 /// Draws one piece of advice; `name` is that of its button.
