@@ -4,7 +4,7 @@
 
 use super::dialogs::Question;
 use super::session::Session;
-use crate::app::figure::{drawing_of, film_of, rasterise};
+use crate::app::figure::{drawing_of, rasterise};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
 use crate::app::pane::KindOfPicture;
@@ -21,7 +21,6 @@ use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::{curves_csv, curves_svg};
 use crate::export::case::{Case, Enclosed, write_case};
-use crate::export::film::FilmFormat;
 use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
@@ -70,7 +69,7 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
                 ExportKind::Svg | ExportKind::FigurePng => "figure",
                 ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                 ExportKind::Case => "case",
-                ExportKind::FilmGif | ExportKind::FilmApng => "film",
+                ExportKind::FilmGif => "film",
                 ExportKind::Tiff | ExportKind::Png => KindOfPicture::of_content(content, of_cursor).file_name,
             };
             format!("{stem}-{what}.{}", kind.extension())
@@ -237,11 +236,7 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         }
         Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(Kind::Drawing, curves_svg(&shown_plots(&model.lab)))),
         Purpose::Export(ExportKind::Case) => case_work(model),
-        Purpose::Export(kind @ (ExportKind::FilmGif | ExportKind::FilmApng)) => {
-            let (film, rate) = film_of(model, widgets)?;
-            let format = if kind == ExportKind::FilmGif { FilmFormat::Gif } else { FilmFormat::Apng };
-            Ok(Box::new(move |path| film.write(path, format, rate)))
-        }
+        Purpose::Export(ExportKind::FilmGif) => film_work(model),
         Purpose::Export(kind @ (ExportKind::Svg | ExportKind::FigurePng)) => figure_work(model, widgets, kind),
         Purpose::Export(kind) => picture_work(model, kind),
         _ => Err("nothing is written for this".to_owned()),
@@ -254,6 +249,14 @@ fn text_work(kind: Kind, text: String) -> Work {
 
 fn settings_work(toml: String) -> Work {
     text_work(Kind::Settings, written_by() + &toml)
+}
+
+fn film_work(model: &Model) -> Result<Work, String> {
+    let film = model.film_to_export().ok_or("there is no burst; open one first")?;
+    let rate = model.film.rate;
+    Ok(Box::new(move |path| {
+        film.write(path, rate, &rasterise, &|| Ok(()), &Monitor::default()).map_err(|e| e.to_string())
+    }))
 }
 
 /// Writes the open burst with the search, the place that is probed in it, the session, and its truth.

@@ -40,7 +40,7 @@ pub use explain::{
     ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest, ProbeQuestion, ProbeRequest,
     Probed, Traced,
 };
-pub use film::{Film, FilmError, FilmPlace, FilmStep, FilmView, Flipped, MAX_FILM_PICTURES, Rasteriser, Sweep};
+pub use film::{Film, FilmError, FilmPlace, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use map::{AboutMap, MapKind, MotionMap, RangeClass};
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;

@@ -114,7 +114,6 @@ fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
         A::ExportProfile => Purpose::Export(ExportKind::Profile),
         A::SaveCase => Purpose::Export(ExportKind::Case),
         A::ExportFilmGif => Purpose::Export(ExportKind::FilmGif),
-        A::ExportFilmApng => Purpose::Export(ExportKind::FilmApng),
         A::ExportCurvesCsv => Purpose::Export(ExportKind::CurvesCsv),
         A::ExportCurvesSvg => Purpose::Export(ExportKind::CurvesSvg),
         _ => return None,

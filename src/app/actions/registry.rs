@@ -133,9 +133,8 @@ actions! {
     ExportSvg, File 4, "Export figure as SVG…", [], "Write the panes with their overlays as vector graphics, for papers";
     ExportFigurePng, File 4, "Export figure as PNG…", [], "Write the panes with their overlays as pixels, at any scale";
     FigureOptions, File 4, "Figure options…", [], "Choose what figures show: panes, part of the picture, legend, colour bar, scale bar, lines";
-    FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames, or two panes in turn; its size and rate are said before it is written";
+    FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames; its size and rate are said before it is written";
     ExportFilmGif, File 4, "Export film as GIF…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation";
-    ExportFilmApng, File 4, "Export film as animated PNG…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation of all colours";
     ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes";
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts";
     ExportMatchPicture, File 5, "Export match picture as PNG…", [], "Write both pictures as they are shown, with the matches of the table between them";

@@ -124,8 +124,6 @@ pub enum ExportKind {
     Case,
     /// A sweep over the slopes as a GIF.
     FilmGif,
-    /// A sweep over the slopes as an animated PNG.
-    FilmApng,
 }
 
 impl ExportKind {
@@ -140,7 +138,6 @@ impl ExportKind {
             Self::Svg | Self::CurvesSvg => "svg",
             Self::Case => CASE_EXTENSION,
             Self::FilmGif => "gif",
-            Self::FilmApng => "apng",
         }
     }
 
@@ -161,7 +158,6 @@ impl ExportKind {
             Self::CurvesSvg => "Export curves as SVG",
             Self::Case => "Save case",
             Self::FilmGif => "Export film as GIF",
-            Self::FilmApng => "Export film as animated PNG",
         }
     }
 }

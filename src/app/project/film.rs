@@ -1,7 +1,7 @@
 //! The film that is exported: what changes in it, its rate and its size.
 
 use crate::app::project::Model;
-use crate::detector::{Method, SlopeAxis};
+use crate::detector::SlopeAxis;
 use crate::requests::{Film, FilmPlace, MAX_FILM_PICTURES, Sweep};
 
 /// What changes from picture to picture.
@@ -14,13 +14,11 @@ pub enum FilmContent {
     Scales,
     /// Frames, added one by one.
     Frames,
-    /// The first two panes in turn, as they are shown.
-    Panes,
 }
 
 impl FilmContent {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Slopes, Self::Scales, Self::Frames, Self::Panes];
+    pub const ALL: [Self; 3] = [Self::Slopes, Self::Scales, Self::Frames];
 
     /// Label in the window.
     pub fn label(self) -> &'static str {
@@ -28,7 +26,6 @@ impl FilmContent {
             Self::Slopes => "Slopes",
             Self::Scales => "Scales",
             Self::Frames => "Frames added",
-            Self::Panes => "Two panes in turn",
         }
     }
 
@@ -38,7 +35,6 @@ impl FilmContent {
             Self::Slopes => "The motion stack at the slopes of the search and half-way between",
             Self::Scales => "D at the slope of the cursor, from the finest octave and level to the coarsest",
             Self::Frames => "The motion stack at the slope of the cursor, of one frame to all",
-            Self::Panes => "The first two panes as they are shown: two slopes, mean and median, two methods",
         }
     }
 }
@@ -73,18 +69,17 @@ impl Model {
         let grid = params.used_slopes();
         let count = |axis: &SlopeAxis| (STEPS * (axis.count - 1) + 1).min(MAX_FILM_PICTURES);
         let sweep = match self.film.content {
-            FilmContent::Panes => return None,
             FilmContent::Scales => Sweep::Scale,
             FilmContent::Slopes if grid.u.count > 1 => Sweep::SlopeU(grid.u.min, grid.u.max, count(&grid.u)),
             FilmContent::Slopes if grid.v.count > 1 => Sweep::SlopeV(grid.v.min, grid.v.max, count(&grid.v)),
             FilmContent::Slopes | FilmContent::Frames => Sweep::Frames,
         };
-        let detections = found.map(|found| (Method::Buff, found.detection.clone())).into_iter().collect();
+        let detection = found.map(|found| found.detection.clone());
         // The place that is probed, at the scale of the cursor, as the curves of the probe follow it.
         let cursor = self.cursor();
         let probed = self.probe.place().filter(|_| self.probe.side == side);
         let place = probed.map(|at| FilmPlace { at, scale: (cursor.octave, cursor.level) });
         let max_side_px = self.film.max_side_px;
-        Some(Film { burst, params, sweep, slope: cursor.slope, detections, place, max_side_px })
+        Some(Film { burst, params, sweep, slope: cursor.slope, detection, place, max_side_px })
     }
 }

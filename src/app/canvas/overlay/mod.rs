@@ -20,6 +20,7 @@ pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_line
 
 use super::{CanvasOutput, RectTransform};
 use crate::detector::feature::Feature;
+use crate::export::motion_over;
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, pos2};
 use strokes::Strokes;
 
@@ -61,13 +62,6 @@ impl<'a> OverlayStyle<'a> {
             motion: true,
         }
     }
-}
-
-/// Places of a feature in the first and in the last of `frames` frames, in image pixels.
-pub fn motion_image(feature: &Feature, frames: usize) -> (Pos2, Pos2) {
-    let half_span = 0.5 * frames.saturating_sub(1) as f32;
-    let (du, dv) = (half_span * feature.slope.u, half_span * feature.slope.v);
-    (pos2(feature.u - du, feature.v - dv), pos2(feature.u + du, feature.v + dv))
 }
 
 /// Whether feature `i` is shown.
@@ -141,8 +135,7 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
     let centre = t.pos(pos2(feature.u, feature.v));
     let radius = (feature.circle_radius_px() * t.scale()).max(MIN_RADIUS_POINTS);
     if style.motion {
-        let (first, last) = motion_image(feature, style.frames);
-        let (first, last) = (t.pos(first), t.pos(last));
+        let [first, last] = motion_over(feature, style.frames).map(|place| t.pos(place.into()));
         if first.distance(last) > 3.0 {
             strokes.arrow(first, last, 0.8 * line.width, line.colour.gamma_multiply(0.85));
         }
@@ -157,7 +150,7 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
 
 /// Whether any part of the feature may be visible in the canvas.
 fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
-    let (first, last) = motion_image(feature, frames);
+    let [first, last] = motion_over(feature, frames).map(Pos2::from);
     let reach = feature.circle_radius_px() + 4.0 / output.ui_from_image.scale();
     let bounds = egui::Rect::from_two_pos(first, last)
         .union(egui::Rect::from_center_size(pos2(feature.u, feature.v), egui::Vec2::splat(2.0 * reach)));
@@ -346,10 +339,9 @@ mod tests {
 
     #[test]
     fn motion_spans_the_burst_about_the_middle() {
-        let (first, last) = motion_image(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), 5);
-        assert_eq!((first, last), (pos2(96.0, 52.0), pos2(104.0, 48.0)));
-        let (first, last) = motion_image(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), 1);
-        assert_eq!(first, last);
+        let over = |frames| motion_over(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), frames);
+        assert_eq!(over(5), [[96.0, 52.0], [104.0, 48.0]]);
+        assert_eq!(over(1), [[100.0, 50.0]; 2]);
     }
 
     #[test]
