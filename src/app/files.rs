@@ -7,7 +7,6 @@ use super::session::Session;
 use crate::app::figure::{drawing_of, rasterise};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
-use crate::app::pane::KindOfPicture;
 use crate::app::panel::lab::curves::shown_plots;
 use crate::app::project::effect::{ExportKind, Purpose};
 use crate::app::project::pair::MatchRow;
@@ -70,7 +69,7 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
                 ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                 ExportKind::Case => "case",
                 ExportKind::FilmGif => "film",
-                ExportKind::Tiff | ExportKind::Png => KindOfPicture::of_content(content, of_cursor).file_name,
+                ExportKind::Tiff | ExportKind::Png => content.key(of_cursor),
             };
             format!("{stem}-{what}.{}", kind.extension())
         }

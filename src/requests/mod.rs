@@ -16,6 +16,7 @@ mod detect_line;
 mod error;
 mod explain;
 mod film;
+mod kind;
 mod map;
 mod open;
 mod picture;
@@ -41,10 +42,11 @@ pub use explain::{
     Probed, Traced,
 };
 pub use film::{Film, FilmError, FilmPlace, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
-pub use map::{AboutMap, MapKind, MotionMap, RangeClass};
+pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
+pub use map::MotionMap;
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
-pub use picture::{AboutPicture, Picture, PictureKind, PictureRequest};
+pub use picture::{Picture, PictureRequest};
 pub use pictures::PicturesRequest;
 pub use request::{JobId, Kept, PictureStore, Request, Running, Urgency, Work};
 pub use source::{BurstSource, SourceError};

@@ -1,8 +1,8 @@
 //! Glossary: the terms that the window uses, each with an explanation in a sentence or two and the paper's symbol.
 
 use super::part::parameters;
-use super::state::Shown;
 use super::values::Text;
+use crate::requests::ViewKind;
 use serde::Deserialize;
 use std::sync::OnceLock;
 
@@ -10,7 +10,7 @@ const TEXT: &str = include_str!("../../assets/glossary.toml");
 
 /// Contents of a pane by their names in the glossary: the kinds of picture, and what is made of several.
 fn pictures() -> impl Iterator<Item = &'static str> {
-    Shown::ALL.into_iter().map(Shown::word).chain(["slice", "difference"])
+    ViewKind::ALL.into_iter().map(|kind| kind.about().key).chain(["slice", "difference"])
 }
 
 /// Entry in the glossary's file.

@@ -1,10 +1,11 @@
 //! Goals of a lesson's tasks: conditions that all have to hold.
 
 use super::part::{field_of, parameters};
-use super::state::{Layout, Place, Shown, Tab};
+use super::state::{Layout, Place, Tab};
 use super::values::{Between, finite};
 use crate::detector::{DetectorParams, Slope};
 use crate::matching::MatchParams;
+use crate::requests::ViewKind;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -17,7 +18,7 @@ pub struct Goal {
     /// Vertical component of the slope, px/frame.
     pub slope_v: Option<Between>,
     /// Content of the focused picture.
-    pub show: Option<Shown>,
+    pub show: Option<ViewKind>,
     /// Layout of the pictures.
     pub layout: Option<Layout>,
     /// Frame index, from 0.
@@ -121,7 +122,7 @@ pub struct Holds<'a> {
     /// Slope of the focused picture.
     pub slope: Slope,
     /// Content of the focused picture, if lessons have a word for it.
-    pub show: Option<Shown>,
+    pub show: Option<ViewKind>,
     /// Layout of the pictures, if lessons have a word for it.
     pub layout: Option<Layout>,
     /// Frame index of the focused picture, from 0.
@@ -242,7 +243,7 @@ mod tests {
         let matching = MatchParams::default();
         let mut now = Holds {
             slope: Slope::new(-2.0, 0.5),
-            show: Some(Shown::Stack),
+            show: Some(ViewKind::Stack),
             layout: None,
             frame: 3,
             octave: 1,

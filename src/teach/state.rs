@@ -8,7 +8,7 @@ use super::values::finite;
 use crate::detector::{SearchParams, Slope};
 use crate::inspect::set_up::SetUp;
 use crate::matching::MatchParams;
-use crate::requests::BurstSource;
+use crate::requests::{BurstSource, ViewKind};
 use serde::{Deserialize, Deserializer, de};
 
 /// Workspace of a step.
@@ -21,76 +21,6 @@ pub enum Place {
     Pair,
     /// Several methods on the same burst.
     Methods,
-}
-
-/// Content of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Shown {
-    /// One frame.
-    Frame,
-    /// The motion stack.
-    Stack,
-    /// The DoG response.
-    Dog,
-    /// The merged frames.
-    Merge,
-    /// The local noise.
-    Noise,
-    /// The coverage.
-    Coverage,
-    /// The winning slope.
-    Motion,
-    /// The median of the shifted frames.
-    Median,
-    /// The mean of the shifted frames without outliers.
-    ClippedMean,
-    /// The largest value of the shifted frames.
-    Max,
-    /// The smallest value of the shifted frames.
-    Min,
-    /// The standard deviation of the shifted frames.
-    Deviation,
-    /// The mean of the shifted frames minus their median.
-    MeanMinusMedian,
-}
-
-impl Shown {
-    /// All of them, in the order of menus.
-    pub const ALL: [Self; 13] = [
-        Self::Frame,
-        Self::Stack,
-        Self::Dog,
-        Self::Merge,
-        Self::Noise,
-        Self::Coverage,
-        Self::Motion,
-        Self::Median,
-        Self::ClippedMean,
-        Self::Max,
-        Self::Min,
-        Self::Deviation,
-        Self::MeanMinusMedian,
-    ];
-
-    /// Name in the glossary's file.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Frame => "frame",
-            Self::Stack => "stack",
-            Self::Dog => "dog",
-            Self::Merge => "merge",
-            Self::Noise => "noise",
-            Self::Coverage => "coverage",
-            Self::Motion => "motion",
-            Self::Median => "median",
-            Self::ClippedMean => "clipped_mean",
-            Self::Max => "max",
-            Self::Min => "min",
-            Self::Deviation => "deviation",
-            Self::MeanMinusMedian => "mean_minus_median",
-        }
-    }
 }
 
 /// Layout of the pictures.
@@ -181,7 +111,7 @@ pub struct State {
     /// The workspace.
     pub workspace: Option<Place>,
     /// Content of the picture.
-    pub show: Option<Shown>,
+    pub show: Option<ViewKind>,
     /// Layout of the pictures, beginning with that one.
     pub layout: Option<Layout>,
     /// Frame index, from 0.

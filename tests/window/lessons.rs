@@ -10,7 +10,7 @@ use burstscope::app::project::look::FeaturesShown;
 use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;
-use burstscope::teach::{Between, Goal, Layout, Lesson, Near, Place, Shown, Tab, Wanted, built_in};
+use burstscope::teach::{Between, Goal, Layout, Lesson, Near, Place, Tab, Wanted, built_in};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -57,20 +57,15 @@ fn fulfil(window: &mut Window, goal: &Goal) {
     }
     if let Some(show) = show {
         let (modifiers, letter) = match show {
-            Shown::Frame => (Modifiers::NONE, Key::Num1),
-            Shown::Stack => (Modifiers::NONE, Key::Num2),
-            Shown::Dog => (Modifiers::NONE, Key::Num3),
-            Shown::Merge => (Modifiers::NONE, Key::Num4),
-            Shown::Noise => (Modifiers::SHIFT, Key::N),
-            Shown::Coverage => (Modifiers::SHIFT, Key::C),
-            Shown::Motion => (Modifiers::SHIFT, Key::V),
-            // No lesson shows these.
-            Shown::Median
-            | Shown::ClippedMean
-            | Shown::Max
-            | Shown::Min
-            | Shown::Deviation
-            | Shown::MeanMinusMedian => panic!("{show:?} has no key"),
+            ViewKind::Frame => (Modifiers::NONE, Key::Num1),
+            ViewKind::Stack => (Modifiers::NONE, Key::Num2),
+            ViewKind::Dog => (Modifiers::NONE, Key::Num3),
+            ViewKind::Merge => (Modifiers::NONE, Key::Num4),
+            ViewKind::Noise => (Modifiers::SHIFT, Key::N),
+            ViewKind::Coverage => (Modifiers::SHIFT, Key::C),
+            ViewKind::Motion => (Modifiers::SHIFT, Key::V),
+            // No lesson shows others.
+            _ => panic!("{show:?} has no key"),
         };
         key(window, modifiers, letter);
     }

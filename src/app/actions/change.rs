@@ -324,7 +324,7 @@ fn move_cursor(model: &mut Model, id: ActionId) {
     match id {
         A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show_scale(),
-        _ => id.shown().into_iter().for_each(|shown| pane.show_kind(shown)),
+        _ => id.shown().into_iter().for_each(|shown| pane.show(shown)),
     }
     model.check_params();
 }

@@ -1,6 +1,6 @@
 //! Registry of the actions: one row each.
 
-use crate::teach::Shown;
+use crate::requests::ViewKind;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 /// The menus of the menu bar, from left to right.
@@ -314,21 +314,21 @@ actions! {
 pub const PALETTE_ALSO: KeyboardShortcut = KeyboardShortcut::new(CTRL_SHIFT, Key::P);
 
 /// Action that shows a kind of picture.
-pub fn shown_by(shown: Shown) -> ActionId {
-    match shown {
-        Shown::Frame => ActionId::ShowFrame,
-        Shown::Stack => ActionId::ShowStack,
-        Shown::Dog => ActionId::ShowDog,
-        Shown::Merge => ActionId::ShowMerge,
-        Shown::Noise => ActionId::ShowNoise,
-        Shown::Coverage => ActionId::ShowCoverage,
-        Shown::Motion => ActionId::ShowMotion,
-        Shown::Median => ActionId::ShowMedian,
-        Shown::ClippedMean => ActionId::ShowClippedMean,
-        Shown::Max => ActionId::ShowMax,
-        Shown::Min => ActionId::ShowMin,
-        Shown::Deviation => ActionId::ShowDeviation,
-        Shown::MeanMinusMedian => ActionId::ShowMeanMinusMedian,
+pub fn shown_by(kind: ViewKind) -> ActionId {
+    match kind {
+        ViewKind::Frame => ActionId::ShowFrame,
+        ViewKind::Stack => ActionId::ShowStack,
+        ViewKind::Dog => ActionId::ShowDog,
+        ViewKind::Merge => ActionId::ShowMerge,
+        ViewKind::Noise => ActionId::ShowNoise,
+        ViewKind::Coverage => ActionId::ShowCoverage,
+        ViewKind::Motion => ActionId::ShowMotion,
+        ViewKind::Median => ActionId::ShowMedian,
+        ViewKind::ClippedMean => ActionId::ShowClippedMean,
+        ViewKind::Max => ActionId::ShowMax,
+        ViewKind::Min => ActionId::ShowMin,
+        ViewKind::Deviation => ActionId::ShowDeviation,
+        ViewKind::MeanMinusMedian => ActionId::ShowMeanMinusMedian,
     }
 }
 

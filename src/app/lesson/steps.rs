@@ -9,7 +9,7 @@ use crate::app::project::set_up::SetUpState;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model, Panels, Visibility};
 use crate::detector::DetectorParams;
-use crate::teach::{Holds, InView, Layout, Part, Place, Shown, State, Step, Tab};
+use crate::teach::{Holds, InView, Layout, Part, Place, State, Step, Tab};
 
 /// Panels of the window that a step needs, by its state and the parts that it highlights.
 fn panels_of(step: &Step) -> Panels {
@@ -98,7 +98,7 @@ fn set_up_panes(model: &mut Model, state: &State) {
             Some(InView::Region([left, top, right, bottom])) => View::region([left, top], [right, bottom]),
             None => View::fit(),
         };
-        pane.show_kind(state.show.unwrap_or(Shown::Stack));
+        pane.show(state.show.unwrap_or_default());
     }
 }
 

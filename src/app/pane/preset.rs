@@ -137,9 +137,9 @@ impl Preset {
                 Laid { rows: vec![vec![stack], slices], focus: 0 }
             }
             Self::TwoByTwo => {
-                let [frame, stack, dog] = ViewKind::ALL.map(|kind| at(&|p| p.show(kind)));
+                let [frame, stack, dog] = ViewKind::OF_CURSOR.map(|kind| at(&|p| p.show(kind)));
                 let merge = at(&|p| p.content = Content::Merge);
-                let focus = ViewKind::ALL.iter().position(|kind| *kind == base.cursor.kind).unwrap_or(1);
+                let focus = ViewKind::OF_CURSOR.iter().position(|kind| *kind == base.cursor.kind).unwrap_or(1);
                 Laid { rows: vec![vec![frame, stack], vec![dog, merge]], focus }
             }
         }
@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn the_pane_in_focus_goes_on_in_every_preset() {
         for preset in Preset::ALL {
-            for kind in ViewKind::ALL {
+            for kind in ViewKind::OF_CURSOR {
                 let mut pane = base(1.0);
                 pane.show(kind);
                 let laid = preset.lay_out(&pane, &params());

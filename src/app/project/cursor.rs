@@ -3,41 +3,15 @@
 use crate::detector::scale_space::searched_octaves;
 use crate::detector::{DetectorParams, Slope, SlopeGrid};
 use crate::requests::PictureKind;
+pub use crate::requests::ViewKind;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
-
-/// The kinds of picture that the canvas switches between.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ViewKind {
-    /// One frame as it was taken.
-    Frame,
-    /// The motion-stack image at the slope.
-    #[default]
-    Stack,
-    /// The DoG response at the slope, octave and level.
-    Dog,
-}
-
-impl ViewKind {
-    /// All kinds, in the order of the switch.
-    pub const ALL: [Self; 3] = [Self::Frame, Self::Stack, Self::Dog];
-
-    /// Name in the window.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Frame => "Frame",
-            Self::Stack => "Motion stack",
-            Self::Dog => "DoG",
-        }
-    }
-}
 
 /// Position of a pane's cursor. The slope may lie between the grid's slopes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Cursor {
-    /// Kind of picture.
+    /// Kind of picture that was shown last of those of [`ViewKind::OF_CURSOR`].
     pub kind: ViewKind,
     /// Frame, counted from 0.
     pub frame: usize,
@@ -50,13 +24,15 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    /// Kind of picture at the cursor, for a request.
-    pub fn picture_kind(&self) -> PictureKind {
-        let slope = self.slope;
-        match self.kind {
+    /// A picture of this kind at the cursor.
+    pub fn picture(&self, kind: ViewKind) -> PictureKind {
+        let Self { slope, octave, level, .. } = *self;
+        match kind {
             ViewKind::Frame => PictureKind::Frame(self.frame),
             ViewKind::Stack => PictureKind::Stack { slope },
-            ViewKind::Dog => PictureKind::Dog { octave: self.octave, level: self.level, slope },
+            ViewKind::Dog => PictureKind::Dog { octave, level, slope },
+            ViewKind::Merge => PictureKind::Merge,
+            map => PictureKind::Map { map, octave, level, slope },
         }
     }
 

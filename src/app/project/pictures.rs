@@ -5,7 +5,7 @@
 //! same panes always get the same range.
 
 use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
-use crate::app::project::cursor::{Cursor, ViewKind};
+use crate::app::project::cursor::Cursor;
 use crate::app::project::look::{RangeClass, Ranges};
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
@@ -171,7 +171,7 @@ impl Model {
     /// Slope by which the frames were shifted for the picture of `id`; `None` for pictures without a single slope.
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
         let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
-        picture.request.kind.about().slope
+        picture.request.kind.slope()
     }
 
     /// Takes the pictures of panes, and that of the selected feature's patch.
@@ -276,11 +276,6 @@ impl Model {
         let params = self.cursor_params().clone();
         self.panes.lay_out(preset, &params);
         self.check_params();
-    }
-
-    /// Switches the kind of picture of the pane in focus.
-    pub fn show_kind(&mut self, kind: ViewKind) {
-        self.focused_mut().show(kind);
     }
 }
 

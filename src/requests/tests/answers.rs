@@ -19,9 +19,9 @@ use crate::monitor::Monitor;
 use crate::plane::display::Display;
 use crate::requests::{
     Against, AgainstRequest, BurstSource, CompareRequest, Compared, DetectRequest, DetectionSource, ExplainQuestion,
-    ExplainRequest, Explanation, JobError, LossesRequest, MapKind, MatchRequest, NothingKept, OpenBurst, OpenRequest,
+    ExplainRequest, Explanation, JobError, LossesRequest, MatchRequest, NothingKept, OpenBurst, OpenRequest,
     PictureKind, PictureRequest, PosesRequest, ProbeQuestion, ProbeRequest, Reference, StudyRequest, Traced,
-    TrailStore, TrajectorySource,
+    TrailStore, TrajectorySource, ViewKind,
 };
 use crate::requests::{Request, Work};
 use crate::study::Study;
@@ -159,7 +159,7 @@ fn maps_have_the_pixels_of_their_octave_and_their_own_colours() {
         let kind = PictureKind::Map { map, octave: 1, level: 1, slope: Slope::default() };
         PictureRequest::new(open(), kind, params()).compute(&Work::alone(&no_monitor())).expect("a map")
     };
-    let [noise, coverage, motion, ..] = MapKind::ALL.map(of);
+    let [noise, coverage, motion] = [ViewKind::Noise, ViewKind::Coverage, ViewKind::Motion].map(of);
     assert_eq!((noise.plane.size(), coverage.plane.size(), motion.plane.size()), ((48, 36), (96, 72), (48, 36)));
     assert!(noise.plane.data().iter().all(|&sigma| sigma > 0.0), "noise is everywhere");
     let covers = coverage.plane.data().iter().all(|&share| (share - 1.0).abs() < 1e-6);
