@@ -1,7 +1,7 @@
 //! Goals of a lesson's tasks: conditions that all have to hold.
 
 use super::part::{field_of, parameters};
-use super::state::{Layout, Place, Tab};
+use super::state::{BottomTab, Layout, Workspace};
 use super::values::{Between, finite};
 use crate::detector::{DetectorParams, Slope};
 use crate::matching::MatchParams;
@@ -42,9 +42,9 @@ pub struct Goal {
     /// Number of slopes searched.
     pub slopes: Option<Between>,
     /// The open tab.
-    pub tab: Option<Tab>,
+    pub tab: Option<BottomTab>,
     /// The workspace.
-    pub workspace: Option<Place>,
+    pub workspace: Option<Workspace>,
     /// Number of inliers of two bursts.
     pub inliers: Option<Between>,
     /// Whether a match is selected.
@@ -121,9 +121,9 @@ pub enum Wanted {
 pub struct Holds<'a> {
     /// Slope of the focused picture.
     pub slope: Slope,
-    /// Content of the focused picture, if lessons have a word for it.
+    /// Content of the focused picture; `None` where it is made of several.
     pub show: Option<ViewKind>,
-    /// Layout of the pictures, if lessons have a word for it.
+    /// Layout of the pictures, if they have one.
     pub layout: Option<Layout>,
     /// Frame index of the focused picture, from 0.
     pub frame: usize,
@@ -143,10 +143,9 @@ pub struct Holds<'a> {
     pub params: &'a DetectorParams,
     /// The parameters of matching.
     pub matching: &'a MatchParams,
-    /// Open tab, if lessons have a word for it.
-    pub tab: Option<Tab>,
-    /// Workspace, if lessons have a word for it.
-    pub workspace: Option<Place>,
+    /// Open tab.
+    pub tab: Option<BottomTab>,
+    pub workspace: Workspace,
     /// Inliers of the present matches.
     pub inliers: Option<usize>,
     /// Whether a match is selected.
@@ -186,7 +185,7 @@ impl Goal {
             && self.searches_u.is_none_or(|wanted| grid.u.min <= wanted.min && wanted.max <= grid.u.max)
             && within(self.slopes, grid.len() as f32)
             && same(self.tab, now.tab)
-            && same(self.workspace, now.workspace)
+            && same(self.workspace, Some(now.workspace))
             && counted(self.inliers, now.inliers)
             && self.selected_match.is_none_or(|wanted| wanted == now.selected_match)
             && self.reads_depths.is_none_or(|wanted| wanted == now.reads_depths)
@@ -254,8 +253,8 @@ mod tests {
             probe: Some([100.0, 50.0]),
             params: &params,
             matching: &matching,
-            tab: Some(Tab::Tally),
-            workspace: Some(Place::Inspect),
+            tab: Some(BottomTab::Tally),
+            workspace: Workspace::Inspect,
             inliers: None,
             selected_match: false,
             reads_depths: false,

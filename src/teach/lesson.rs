@@ -3,7 +3,7 @@
 
 use super::goal::Goal;
 use super::part::Part;
-use super::state::{Layout, Place, State};
+use super::state::{Layout, State, Workspace};
 use super::values::Text;
 use crate::files::read_text;
 use serde::Deserialize;
@@ -139,7 +139,7 @@ impl StepTable {
             return Err(format!("step '{title}' highlights '{part}', which needs a 'spot' to measure; set one"));
         }
         let is_hidden = |part: &&Part| match part {
-            Part::Tabs | Part::Below => state.tab.is_none() && state.workspace != Some(Place::Pair),
+            Part::Tabs | Part::Below => state.tab.is_none() && state.workspace != Some(Workspace::Pair),
             Part::Probe | Part::Response | Part::Shares => state.probe.is_none() || state.layout == Some(Layout::Slice),
             _ => false,
         };

@@ -9,54 +9,72 @@ use crate::detector::{SearchParams, Slope};
 use crate::inspect::set_up::SetUp;
 use crate::matching::MatchParams;
 use crate::requests::{BurstSource, ViewKind};
-use serde::{Deserialize, Deserializer, de};
+use serde::{Deserialize, Deserializer, Serialize, de};
 
-/// Workspace of a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+/// A task of the window: each workspace has its own arrangement of the middle of the window and of the panels around
+/// it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Place {
-    /// One burst.
+pub enum Workspace {
+    /// One burst, its pictures and features.
+    #[default]
     Inspect,
-    /// Two bursts and their matches.
+    /// Two bursts side by side, and the matches between them.
     Pair,
     /// Several methods on the same burst.
     Methods,
+    /// The matches of a dataset's pairs.
+    Matches,
+    /// An estimated and a true trajectory.
+    Trajectories,
+    /// Studies of charts whose truth is known.
+    Lab,
 }
 
-/// Layout of the pictures.
+impl Workspace {
+    /// Whether it shows a burst, and has nothing to show while none is open.
+    pub fn needs_burst(self) -> bool {
+        matches!(self, Self::Inspect | Self::Pair | Self::Methods)
+    }
+}
+
+/// Arrangement of the pictures of *Inspect*, made from the one in focus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Layout {
-    /// One picture.
     Single,
-    /// A frame beside the motion stack.
     FrameAndStack,
-    /// Two slopes, each moved on its own.
+    /// The slope beside the grid's next one, with their cursors not linked.
     TwoSlopes,
-    /// Three neighbouring slopes.
+    /// Neighbouring slopes of the grid.
     ThreeSlopes,
-    /// Five neighbouring slopes.
     FiveSlopes,
+    SevenSlopes,
+    NineSlopes,
     /// The DoG responses of all levels of the octave.
     Scales,
-    /// The motion stack above the slice through the probed place.
-    Slice,
-    /// Frame, motion stack, DoG and merged frames.
+    /// Frame, motion stack, DoG response and merged frames.
     TwoByTwo,
+    /// The motion stack above slices through the frames at the probed place.
+    Slice,
 }
 
-/// A tab below the pictures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+/// The tabs below the pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Tab {
+pub enum BottomTab {
     /// Features, one row each.
+    #[default]
     Table,
     /// Numbers of candidates that each test rejected.
     Tally,
-    /// The noise.
     Noise,
     /// Slopes that the burst needs.
     Slopes,
+    /// Values along a line.
+    Profile,
+    /// Values in a rectangle.
+    Region,
     /// Features compared with others.
     Compared,
 }
@@ -109,7 +127,7 @@ pub struct State {
     #[serde(deserialize_with = "built_in_burst")]
     pub second: Option<BurstSource>,
     /// The workspace.
-    pub workspace: Option<Place>,
+    pub workspace: Option<Workspace>,
     /// Content of the picture.
     pub show: Option<ViewKind>,
     /// Layout of the pictures, beginning with that one.
@@ -137,7 +155,7 @@ pub struct State {
     /// Whether features are drawn over the pictures.
     pub features: Option<bool>,
     /// Open tab below the pictures; the tabs are hidden without it.
-    pub tab: Option<Tab>,
+    pub tab: Option<BottomTab>,
     /// Probed place, pixels at mid-burst.
     #[serde(deserialize_with = "place")]
     pub probe: Option<[f32; 2]>,

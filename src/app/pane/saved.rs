@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn panes_come_back_as_they_were() {
         let mut panes = Panes::default();
-        panes.lay_out(Preset::Slopes(5), &DetectorParams::default());
+        panes.lay_out(Preset::FiveSlopes, &DetectorParams::default());
         panes.split_with(Direction::Down, |pane| {
             (pane.content, pane.side) = (Content::Merge, Side::B);
             pane.links.set(Link::Display, false);

@@ -28,11 +28,15 @@ pub mod set_up;
 pub mod side;
 pub mod slot;
 pub mod trajectories;
-pub mod workspace;
 
+pub use crate::teach::BottomTab;
 pub use effect::Effect;
 pub use panels::{Panels, Visibility};
 pub use slot::{FoundFeatures, SavedSelection, Stale};
+
+pub mod workspace {
+    pub use crate::teach::Workspace;
+}
 
 use crate::app::pane::{PaneId, Panes};
 use crate::app::project::history::History;
@@ -53,34 +57,12 @@ use measure::Measure;
 use messages::Messages;
 use pair::PairState;
 use probe::ProbeModel;
-use serde::{Deserialize, Serialize};
 use set_up::SetUpState;
 use side::{Side, Sides};
 use slot::Slot;
 use std::collections::HashMap;
 use trajectories::Trajectories;
 use workspace::Workspace;
-
-/// The tabs below the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum BottomTab {
-    /// Table with one row for each feature.
-    #[default]
-    Table,
-    /// Tally: number of candidates that each test rejected.
-    Tally,
-    /// The noise of the burst.
-    Noise,
-    /// Slopes that the burst needs.
-    Slopes,
-    /// The values along a line.
-    Profile,
-    /// The values in a rectangle.
-    Region,
-    /// The features compared with others.
-    Compared,
-}
 
 /// Everything that the window shows.
 #[derive(Debug, Default)]
