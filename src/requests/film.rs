@@ -35,7 +35,6 @@ pub enum Sweep {
     SlopeV(f32, f32, usize),
     /// DoG of all octaves and levels of the search, from fine to coarse.
     Scale,
-    /// Frames added one by one.
     Frames,
 }
 

@@ -8,9 +8,7 @@ use image::{Rgba, RgbaImage};
 /// Winning slope of each place, and its colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionMap {
-    /// Winning slope of each place, as an index.
     pub winning: WinningSlopes,
-    /// The slopes.
     pub grid: SlopeGrid,
     /// One opaque pixel for each place: the slope's direction and length as hue and saturation, as features have them;
     /// the brighter the more certain, dark where no response reaches the noise gate.

@@ -17,7 +17,6 @@ use std::mem::{Discriminant, discriminant};
 use std::sync::Arc;
 
 impl RangeClass {
-    /// The class of a picture.
     pub fn of(request: &PictureRequest) -> Self {
         if request.minus().is_some() { Self::Difference } else { request.kind.about().range }
     }
@@ -26,9 +25,7 @@ impl RangeClass {
 /// Request for a picture of a burst: an immutable snapshot.
 #[derive(Debug, Clone)]
 pub struct PictureRequest {
-    /// The burst.
     pub burst: OpenBurst,
-    /// Kind of the picture.
     pub kind: PictureKind,
     /// The parameters; only those that decide the picture make two requests differ.
     pub params: DetectorParams,
@@ -59,7 +56,6 @@ struct KindKey {
 }
 
 impl PictureRequest {
-    /// Picture `kind` of `burst`, made with `params`.
     pub fn new(burst: OpenBurst, kind: PictureKind, params: DetectorParams) -> Self {
         Self { burst, kind, params, smoothing_px: 0.0, minus: None }
     }
@@ -79,7 +75,6 @@ impl PictureRequest {
         Self { minus: Some(Box::new(other.alone())), ..self }
     }
 
-    /// Picture that is subtracted, if this is a difference.
     pub fn minus(&self) -> Option<&Self> {
         self.minus.as_deref()
     }
@@ -128,7 +123,6 @@ impl PictureRequest {
 /// Picture with its request. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Picture {
-    /// Request that it answers.
     pub request: PictureRequest,
     /// Its pixels; fraction of full scale.
     pub plane: Arc<Plane>,
@@ -139,7 +133,6 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Bytes of its pixels.
     pub fn bytes(&self) -> usize {
         let pixels = std::mem::size_of_val(self.plane.data());
         // Three planes and the colours, a number for each pixel.

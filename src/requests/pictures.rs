@@ -66,7 +66,6 @@ impl Request for PictureRequest {
         self.minus().map_or(own, |minus| own.max(minus.urgency()))
     }
 
-    /// Whether both have the same pixels.
     fn is_same(&self, other: &Self) -> bool {
         self.key() == other.key()
     }
@@ -99,7 +98,6 @@ impl Request for PictureRequest {
 pub struct PicturesRequest(pub Vec<PictureRequest>);
 
 impl Request for PicturesRequest {
-    /// The pictures, in the order of their requests.
     type Answer = Vec<Picture>;
     type Told = Infallible;
 

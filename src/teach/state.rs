@@ -59,7 +59,6 @@ pub enum Layout {
     Slice,
 }
 
-/// The tabs below the pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BottomTab {
@@ -86,7 +85,6 @@ pub enum BottomTab {
 pub struct Spot {
     /// Centre: column and row at mid-burst.
     pub place: [f32; 2],
-    /// Radius of the spot, pixels.
     pub inner: f32,
     /// Inner and outer radius of the background ring, pixels from the centre.
     pub ground: [f32; 2],
@@ -116,30 +114,22 @@ pub enum InView {
     Region([f32; 4]),
 }
 
-/// State that a step sets up.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct State {
     /// Burst; the demo by default.
     #[serde(deserialize_with = "built_in_burst")]
     pub burst: Option<BurstSource>,
-    /// The second burst.
     #[serde(deserialize_with = "built_in_burst")]
     pub second: Option<BurstSource>,
-    /// The workspace.
     pub workspace: Option<Workspace>,
-    /// Content of the picture.
     pub show: Option<ViewKind>,
     /// Layout of the pictures, beginning with that one.
     pub layout: Option<Layout>,
-    /// Frame index, from 0.
     pub frame: Option<usize>,
-    /// Slope, px/frame.
     #[serde(deserialize_with = "slope")]
     pub slope: Option<Slope>,
-    /// The octave.
     pub octave: Option<i32>,
-    /// Level within the octave.
     pub level: Option<i32>,
     /// Part of the picture in view; the whole picture by default.
     #[serde(deserialize_with = "view")]
@@ -150,9 +140,7 @@ pub struct State {
     /// Parameters of matching; absent ones have their defaults.
     #[serde(deserialize_with = "matching")]
     pub matching: Option<MatchParams>,
-    /// Whether features are searched.
     pub detect: Option<bool>,
-    /// Whether features are drawn over the pictures.
     pub features: Option<bool>,
     /// Open tab below the pictures; the tabs are hidden without it.
     pub tab: Option<BottomTab>,
@@ -196,7 +184,6 @@ impl State {
         }
     }
 
-    /// Burst to open.
     pub fn burst(&self) -> BurstSource {
         self.burst.clone().unwrap_or(BurstSource::Demo)
     }

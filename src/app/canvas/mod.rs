@@ -55,9 +55,7 @@ pub struct CanvasOutput {
     pub response: Response,
     /// Draws over the picture, clipped to the canvas.
     pub painter: Painter,
-    /// From image pixels to points of the window.
     pub ui_from_image: RectTransform,
-    /// From points of the window to image pixels.
     pub image_from_ui: RectTransform,
     /// Part of the image plane that the canvas shows, in image pixels; may extend beyond the image.
     pub visible_image: Rect,
@@ -98,7 +96,6 @@ impl<'a> Canvas<'a> {
         self
     }
 
-    /// Size in points; by default all available space.
     pub fn size(mut self, size: Vec2) -> Self {
         self.size = Some(size);
         self
@@ -135,13 +132,11 @@ impl<'a> Canvas<'a> {
         self
     }
 
-    /// Text shown without a picture.
     pub fn empty_text(mut self, text: &'a str) -> Self {
         self.empty_text = text;
         self
     }
 
-    /// Draws the canvas and lets the pointer change `view`.
     pub fn show(self, ui: &mut Ui, view: &mut View) -> CanvasOutput {
         let size = self.size.unwrap_or_else(|| ui.available_size()).max(Vec2::splat(16.0));
         let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -257,7 +252,6 @@ pub fn backdrop(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_gray(20) } else { Color32::from_gray(206) }
 }
 
-/// Draws a sentence in the middle of the canvas.
 pub fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
     let font = TextStyle::Body.resolve(ui.style());
     let width = (rect.width() - 32.0).clamp(40.0, 460.0);

@@ -7,7 +7,6 @@ use crate::detector::Slope;
 use crate::plane::display::Display;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2};
 
-/// Kind of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Quantity {
     /// Brightness, or a difference of brightnesses.
@@ -15,18 +14,15 @@ pub enum Quantity {
     Value,
     /// A standard deviation of the noise, as a fraction of full scale.
     Sigma,
-    /// Share of the frames that cover the place, 0 … 1.
     FramesShare,
     /// Response of the winning slope at the place, over its noise.
     Slope {
-        /// The slope, px/frame.
         slope: Slope,
         /// Relative lead over all other slopes, 0 … 1; 0 where no response reaches the gate.
         confidence: f32,
     },
 }
 
-/// Place of the image and the picture's value there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Readout {
     /// Column of the place, image pixels.
@@ -41,7 +37,6 @@ pub struct Readout {
     pub full_scale: f32,
     /// Image pixels from one pixel of the picture to the next.
     pub image_from_picture_scale: f32,
-    /// Kind of the value.
     pub quantity: Quantity,
     /// Standard deviation by which the picture is smoothed around the value, input pixels; the value itself is not.
     pub smoothing_px: f32,
@@ -64,7 +59,6 @@ pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Re
 }
 
 impl Readout {
-    /// Value in the file's unit.
     pub fn file_value(&self) -> f32 {
         self.value * self.full_scale
     }

@@ -30,7 +30,6 @@ struct Told {
 const MEASURED_PX: u32 = 320;
 
 impl FilmDialog {
-    /// Draws the dialog if it is open.
     pub fn ui(&mut self, ctx: &egui::Context, model: &mut Model, queue: &mut Queue) {
         if !self.is_open {
             return;

@@ -237,7 +237,6 @@ fn rgb(colour: egui::Color32) -> [u8; 3] {
     [colour.r(), colour.g(), colour.b()]
 }
 
-/// Draws the dialog if it is open.
 pub fn figure_dialog_ui(ctx: &egui::Context, open: &mut bool, choice: &mut FigureChoice, queue: &mut Queue) {
     if !*open {
         return;

@@ -92,7 +92,6 @@ fn set_up_panes(model: &mut Model, state: &State) {
     }
 }
 
-/// Reads the present state of the window.
 pub(super) fn seen(model: &Model) -> Holds<'_> {
     let cursor = model.cursor();
     let current = model.slots.a.found.is_some() && model.stale().is_none();

@@ -45,13 +45,11 @@ use serde::{Deserialize, Serialize};
 pub struct PaneId(pub u32);
 
 impl PaneId {
-    /// The permanent pane for the burst of `side`.
     pub fn of(side: Side) -> Self {
         Self(side as u32)
     }
 }
 
-/// Content of a pane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
@@ -64,7 +62,6 @@ pub enum Content {
     Map(ViewKind),
     /// The picture of one pane less that of another.
     Difference(PaneId, PaneId),
-    /// Slice through the frames at the probed place.
     Slice(SliceAxis),
 }
 
@@ -81,7 +78,6 @@ impl Content {
     }
 }
 
-/// Direction of a slice through the frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SliceAxis {
@@ -92,10 +88,8 @@ pub enum SliceAxis {
 }
 
 impl SliceAxis {
-    /// Both directions.
     pub const ALL: [Self; 2] = [Self::Along, Self::Across];
 
-    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Along => "Slice along the motion",
@@ -103,7 +97,6 @@ impl SliceAxis {
         }
     }
 
-    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::Along => {
@@ -119,23 +112,12 @@ impl SliceAxis {
 #[serde(rename_all = "snake_case")]
 pub enum Over {
     /// On the right of a line that can be moved.
-    Wipe {
-        /// Pane of the other picture.
-        other: PaneId,
-        /// Position of the line, 0 … 1 from the left.
-        at: f32,
-    },
+    Wipe { other: PaneId, at: f32 },
     /// In turn with the pane's own.
-    Flip {
-        /// Pane of the other picture.
-        other: PaneId,
-        /// Whether the other's picture is visible.
-        flipped: bool,
-    },
+    Flip { other: PaneId, flipped: bool },
 }
 
 impl Over {
-    /// Returns the same comparison with another pane's picture.
     #[must_use]
     pub fn with_other(self, other: PaneId) -> Self {
         match self {
@@ -144,7 +126,6 @@ impl Over {
         }
     }
 
-    /// Pane of the other picture.
     pub fn other(self) -> PaneId {
         match self {
             Self::Wipe { other, .. } | Self::Flip { other, .. } => other,
@@ -152,14 +133,11 @@ impl Over {
     }
 }
 
-/// View of one open burst.
 #[derive(Debug, Clone)]
 pub struct Pane {
-    /// Open burst that the pane shows.
     pub side: Side,
     /// Method whose input the pane shows, where methods are compared.
     pub method: Option<Contender>,
-    /// Content.
     pub content: Content,
     /// Place in the burst. A linked pane may have been moved beyond the burst's range; [`Pane::cursor_within`] limits
     /// it.
@@ -170,18 +148,14 @@ pub struct Pane {
     pub view: View,
     /// Value ranges and colour maps of its own; `None` shares those of all.
     pub own_ranges: Option<Ranges>,
-    /// Links to the other panes.
     pub links: PaneLinks,
-    /// Another pane's picture in the same place.
     pub over: Option<Over>,
-    /// The last good picture.
     pub picture: Option<Picture>,
     /// Request that failed, and why.
     pub problem: Option<(PictureRequest, String)>,
 }
 
 impl Pane {
-    /// Creates a pane on the burst of `side`.
     pub fn new(side: Side) -> Self {
         Self {
             side,
@@ -214,7 +188,6 @@ impl Pane {
         (self.content, self.over, self.picture) = (Content::Slice(axis), None, None);
     }
 
-    /// Shows the input of `method`.
     pub fn show_method(&mut self, method: Option<Contender>) {
         if self.method != method {
             (self.method, self.picture, self.problem) = (method, None, None);

@@ -6,17 +6,14 @@ use crate::detector::{DetectorParams, Slope};
 
 pub use crate::teach::Layout as Preset;
 
-/// Panes to lay out.
 #[derive(Debug, Clone)]
 pub struct Laid {
-    /// Rows of panes, from top to bottom.
     pub rows: Vec<Vec<Pane>>,
     /// Index of the pane, in reading order, that continues the focused one.
     pub focus: usize,
 }
 
 impl Preset {
-    /// All presets, in the order of the menu.
     pub const ALL: [Self; 10] = [
         Self::Single,
         Self::FrameAndStack,
@@ -30,7 +27,6 @@ impl Preset {
         Self::Slice,
     ];
 
-    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Single => "Single pane",
@@ -46,7 +42,6 @@ impl Preset {
         }
     }
 
-    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::Single => "The pane in focus alone",

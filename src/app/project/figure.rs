@@ -8,7 +8,6 @@ use crate::requests::JobError;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Contents and style of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FigureChoice {
@@ -16,7 +15,6 @@ pub struct FigureChoice {
     pub all_panes: bool,
     /// Whether the whole picture is drawn, or its visible part.
     pub whole_picture: bool,
-    /// Figure pixels for each image pixel.
     pub scale: f32,
     /// Width of strokes, figure pixels.
     pub stroke_width_px: f32,
@@ -52,7 +50,6 @@ impl Default for FigureChoice {
 }
 
 impl FigureChoice {
-    /// Style of the figure, as its writer takes it.
     pub fn options(&self) -> FigureOptions {
         FigureOptions {
             scale: self.scale,

@@ -4,23 +4,18 @@ use crate::app::project::Model;
 use crate::detector::SlopeAxis;
 use crate::requests::{Film, FilmPlace, MAX_FILM_PICTURES, Sweep};
 
-/// What changes from picture to picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FilmContent {
     /// Slopes of the grid and half-way between, along its first axis that has several.
     #[default]
     Slopes,
-    /// DoG of all octaves and levels.
     Scales,
-    /// Frames, added one by one.
     Frames,
 }
 
 impl FilmContent {
-    /// All of them.
     pub const ALL: [Self; 3] = [Self::Slopes, Self::Scales, Self::Frames];
 
-    /// Label in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Slopes => "Slopes",
@@ -29,7 +24,6 @@ impl FilmContent {
         }
     }
 
-    /// Explanation.
     pub fn help(self) -> &'static str {
         match self {
             Self::Slopes => "The motion stack at the slopes of the search and half-way between",
@@ -39,12 +33,9 @@ impl FilmContent {
     }
 }
 
-/// Choices of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FilmChoice {
-    /// What changes.
     pub content: FilmContent,
-    /// Pictures per second.
     pub rate: u16,
     /// Longest side of the burst's picture, pixels.
     pub max_side_px: usize,

@@ -13,7 +13,6 @@ use std::sync::Arc;
 /// detection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourScale {
-    /// Quantity that the colour shows.
     pub by: ColourBy,
     /// Value of the first colour, in the quantity's unit; unused (0) for the directions of a plane of slopes.
     pub min: f32,
@@ -22,7 +21,6 @@ pub struct ColourScale {
     /// For [`ColourBy::SlopeDirection`] of slopes on a line: the line's direction, degrees from +u towards +v. The
     /// colours then run along it instead of around a wheel.
     pub line_deg: Option<f32>,
-    /// 256 colours from min to max.
     table: Vec<Color32>,
     /// Coherence of each feature, where known; for [`ColourBy::Coherence`].
     coherences: Option<Arc<Vec<Judged>>>,
@@ -30,7 +28,6 @@ pub struct ColourScale {
     set_up: Option<SetUp>,
 }
 
-/// Colour of features whose quantity is not known.
 const UNKNOWN: Color32 = Color32::from_gray(150);
 
 impl ColourScale {
@@ -122,7 +119,6 @@ impl ColourScale {
         }
     }
 
-    /// Colour of `feature`, whose index is `index`.
     pub fn colour(&self, index: usize, feature: &Feature) -> Color32 {
         match self.by {
             ColourBy::SlopeDirection if self.line_deg.is_some() => {
@@ -151,12 +147,10 @@ impl ColourScale {
         }
     }
 
-    /// Colour of unknown quantities.
     pub fn unknown(&self) -> Color32 {
         UNKNOWN
     }
 
-    /// Colour of a value.
     pub fn along(&self, value: f32) -> Color32 {
         let t = if matches!(self.by, ColourBy::Scale | ColourBy::Snr | ColourBy::Depth) {
             (value.max(1e-6) / self.min).ln() / (self.max / self.min).ln()
@@ -166,7 +160,6 @@ impl ColourScale {
         self.table[(t.clamp(0.0, 1.0) * 255.0).round() as usize]
     }
 
-    /// Whether colours show directions, on a wheel.
     pub fn has_wheel(&self) -> bool {
         self.by == ColourBy::SlopeDirection && self.line_deg.is_none()
     }

@@ -24,26 +24,19 @@ use crate::export::motion_over;
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, pos2};
 use strokes::Strokes;
 
-/// Style of the features.
 #[derive(Debug, Clone, Copy)]
 pub struct OverlayStyle<'a> {
-    /// Colours of the features.
     pub scale: &'a ColourScale,
     /// Number of frames of the burst that were used, N: the arrow spans N − 1 steps.
     pub frames: usize,
     /// Flag of each feature, `false` hides it; `None` shows all.
     pub shown: Option<&'a [bool]>,
-    /// Index of the selected feature.
     pub selected: Option<usize>,
-    /// Index of the feature under the pointer.
     pub hovered: Option<usize>,
     /// Whether the features belong to older parameters or another picture, and are drawn dimmed.
     pub stale: bool,
-    /// Whether circles are drawn.
     pub circles: bool,
-    /// Whether orientation ticks are drawn.
     pub orientations: bool,
-    /// Whether arrows of motion are drawn.
     pub motion: bool,
 }
 
@@ -64,7 +57,6 @@ impl<'a> OverlayStyle<'a> {
     }
 }
 
-/// Whether feature `i` is shown.
 fn is_shown(shown: Option<&[bool]>, i: usize) -> bool {
     shown.is_none_or(|flags| flags.get(i).copied().unwrap_or(true))
 }
@@ -196,7 +188,6 @@ pub fn feature_at(
     near.map(|(_, _, i)| i).or(around.map(|(_, i)| i))
 }
 
-/// Mark of a compared feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedMark {
     /// Place, image pixels.
@@ -205,7 +196,6 @@ pub struct ComparedMark {
     pub sigma: f32,
     /// Previous place of a feature that moved, image pixels; a line is drawn from it.
     pub from_image: Option<Pos2>,
-    /// Colour of the circle.
     pub colour: Color32,
     /// Whether the feature is not one of ours.
     pub dashed: bool,
@@ -262,14 +252,12 @@ pub fn mark_at(output: &CanvasOutput, marks: &[ComparedMark], pointer: Pos2) -> 
     near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
 }
 
-/// Circle at a place of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CircleMark {
     /// Centre, image pixels.
     pub centre: Pos2,
     /// Radius, image pixels.
     pub radius: f32,
-    /// Colour of the circle.
     pub colour: Color32,
     /// Whether the circle stands out.
     pub strong: bool,
@@ -277,10 +265,8 @@ pub struct CircleMark {
 
 /// Maximum distance of the pointer from a mark's centre, points; from its line, half as much.
 const REACH: f32 = 6.0;
-/// Minimum radius of a circle, points.
 const MIN_RADIUS: f32 = 2.0;
 
-/// Draws the visible marks.
 pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>) {
     let rect = output.painter.clip_rect();
     let mut strokes = Strokes::new(output.painter.ctx().pixels_per_point());
