@@ -72,8 +72,7 @@ impl ColourScale {
         let table = (0..256)
             .map(|i| {
                 let t = first + (last - first) * i as f32 / 255.0;
-                let [r, g, b] = lut[(t * 255.0).round() as usize];
-                Color32::from_rgb(r, g, b)
+                rgb(lut[(t * 255.0).round() as usize])
             })
             .collect();
         Self { by, min, max, line_deg: None, table, coherences: None, set_up: None }
@@ -127,8 +126,7 @@ impl ColourScale {
             }
             ColourBy::SlopeDirection => {
                 let slope = feature.slope;
-                let [r, g, b] = direction_colour(slope.v.atan2(slope.u), slope.magnitude() / self.max);
-                Color32::from_rgb(r, g, b)
+                rgb(direction_colour(slope.v.atan2(slope.u), slope.magnitude() / self.max))
             }
             ColourBy::SlopeU => self.along(feature.slope.u),
             ColourBy::SlopeV => self.along(feature.slope.v),
@@ -261,7 +259,7 @@ fn line_of(grid: &SlopeGrid) -> Option<(f32, SlopeAxis)> {
     }
 }
 
-fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+pub(super) fn rgb([r, g, b]: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 

@@ -5,6 +5,7 @@
 //! a small ring.
 
 use super::super::RectTransform;
+use super::colour_by::rgb;
 use super::strokes::Strokes;
 use crate::export::{INLIER_COLOR, OUTLIER_COLOR};
 use egui::{Color32, Painter, Pos2, Rect, Shape};
@@ -148,10 +149,6 @@ pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<
     best.map(|(_, _, index)| index)
 }
 
-fn rgb([r, g, b]: [u8; 3]) -> Color32 {
-    Color32::from_rgb(r, g, b)
-}
-
 fn distance_to_segment(pos: Pos2, from: Pos2, to: Pos2) -> f32 {
     let along = to - from;
     let t = ((pos - from).dot(along) / along.length_sq().max(1e-9)).clamp(0.0, 1.0);
@@ -193,12 +190,5 @@ mod tests {
         let lines = [line(0, (10.0, 10.0), (500.0, 10.0), LineKind::Inlier)];
         assert_eq!(match_at(&lines, &panes(), pos2(12.0, 12.0)), Some(0));
         assert_eq!(match_at(&lines, &panes(), pos2(60.0, 10.0)), None);
-    }
-
-    #[test]
-    fn kinds_differ_in_colour_and_in_stroke() {
-        assert_ne!(LineKind::Inlier.colour(), LineKind::Outlier.colour());
-        assert_ne!(LineKind::Inlier.is_dashed(), LineKind::Outlier.is_dashed());
-        assert_eq!(LineKind::of(Some(false)), LineKind::Outlier);
     }
 }
