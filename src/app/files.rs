@@ -4,10 +4,9 @@
 
 use super::dialogs::Question;
 use super::session::Session;
-use crate::app::figure::{drawing_of, film_of, rasterise};
+use crate::app::figure::{drawing_of, rasterise};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
-use crate::app::pane::KindOfPicture;
 use crate::app::panel::lab::curves::shown_plots;
 use crate::app::project::effect::{ExportKind, Purpose};
 use crate::app::project::pair::MatchRow;
@@ -21,7 +20,6 @@ use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::{curves_csv, curves_svg};
 use crate::export::case::{Case, Enclosed, write_case};
-use crate::export::film::FilmFormat;
 use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
@@ -68,8 +66,8 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
                 ExportKind::Svg | ExportKind::FigurePng => "figure",
                 ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                 ExportKind::Case => "case",
-                ExportKind::FilmGif | ExportKind::FilmApng => "film",
-                ExportKind::Tiff | ExportKind::Png => KindOfPicture::of_content(content, of_cursor).file_name,
+                ExportKind::FilmGif => "film",
+                ExportKind::Tiff | ExportKind::Png => content.key(of_cursor),
             };
             format!("{stem}-{what}.{}", kind.extension())
         }
@@ -207,10 +205,10 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         }
         Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(Kind::Drawing, curves_svg(&shown_plots(&model.lab)))),
         Purpose::Export(ExportKind::Case) => case_work(model),
-        Purpose::Export(kind @ (ExportKind::FilmGif | ExportKind::FilmApng)) => {
-            let (film, rate) = film_of(model, widgets)?;
-            let format = if kind == ExportKind::FilmGif { FilmFormat::Gif } else { FilmFormat::Apng };
-            Ok(Box::new(move |path| film.write(path, format, rate)))
+        Purpose::Export(ExportKind::FilmGif) => {
+            let film = model.film_to_export().ok_or("there is no burst; open one first")?;
+            let rate = model.film.rate;
+            Ok(work(move |path| film.write(path, rate, &rasterise, &|| Ok(()), &Monitor::default())))
         }
         Purpose::Export(kind @ (ExportKind::Svg | ExportKind::FigurePng)) => figure_work(model, widgets, kind),
         Purpose::Export(kind) => picture_work(model, kind),

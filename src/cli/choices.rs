@@ -42,6 +42,6 @@ mod tests {
     fn every_kind_of_picture_is_known() {
         use crate::app::project::cursor::ViewKind;
         let kinds: Vec<ViewKind> = VIEW_KINDS.iter().map(|w| read_word(w).expect(w)).collect();
-        assert_eq!(kinds, ViewKind::ALL);
+        assert_eq!(kinds, ViewKind::OF_CURSOR);
     }
 }

@@ -14,6 +14,7 @@ mod detect_line;
 mod error;
 mod explain;
 mod film;
+mod kind;
 mod map;
 mod open;
 mod picture;
@@ -38,11 +39,12 @@ pub use explain::{
     ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest, ProbeQuestion, ProbeRequest,
     Probed, Traced,
 };
-pub use film::{Film, FilmError, FilmPlace, FilmStep, FilmView, Flipped, MAX_FILM_PICTURES, Rasteriser, Sweep};
-pub use map::{AboutMap, MapKind, MotionMap, RangeClass};
+pub use film::{Film, FilmError, FilmPlace, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
+pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
+pub use map::MotionMap;
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
-pub use picture::{AboutPicture, Picture, PictureKind, PictureRequest};
+pub use picture::{Picture, PictureRequest};
 pub use pictures::PicturesRequest;
 pub use request::{JobId, Kept, PictureStore, Request, Running, Urgency, Work};
 pub use source::{BurstSource, SourceError};

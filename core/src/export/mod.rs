@@ -39,7 +39,8 @@ pub use density::{Cells, IN_A_CELL};
 pub use error::ExportError;
 pub use figure::{
     Colour, ColourBar, Drawing, FigureCurve, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect,
-    FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, lay_out, write_drawing_svg,
+    FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, lay_out, motion_over,
+    write_drawing_svg,
 };
 pub use format::{
     ExportFormat, UnknownFormat, detection_files, make_file_names_unique, safe_file_name, write_detection,

@@ -174,7 +174,7 @@ mod tests {
     use crate::detector::SearchParams;
     use crate::export::atomic::write_text;
     use crate::export::case::{Case, Enclosed, write_case};
-    use crate::export::film::{FilmFormat, write_film};
+    use crate::export::film::write_film;
     use crate::export::{
         CURVE_COLUMNS, ColmapKeypoint, Drawing, Picture, PictureProfile, sheet, write_colmap_keypoints, write_csv,
         write_drawing_svg, write_matches_csv, write_npz, write_png, write_profiles_csv, write_tiff,
@@ -263,10 +263,8 @@ mod tests {
         let at = |name: &str| home.path().join(name);
         write_png(&at("a.png"), Picture::rgb(2, 1, &[9; 6])).expect("written");
         write_tiff(&at("a.tiff"), &Plane::from_fn(400, 300, |u, v| (u * v) as f32)).expect("written");
-        for (name, format) in [("a.gif", FilmFormat::Gif), ("a.apng", FilmFormat::Apng)] {
-            let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
-            write_film(&at(name), format, pictures, 10, &Monitor::default()).expect("written");
-        }
+        let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
+        write_film(&at("a.gif"), pictures, 10, &Monitor::default()).expect("written");
         let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], shapes: Vec::new() };
         write_drawing_svg(&at("a.svg"), &drawing).expect("written");
         let parts = vec![sheet::Sheet::new(80.0, "b").finish(40.0); 2];

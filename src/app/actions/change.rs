@@ -120,7 +120,6 @@ fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
         A::ExportProfile => Purpose::Export(ExportKind::Profile),
         A::SaveCase => Purpose::Export(ExportKind::Case),
         A::ExportFilmGif => Purpose::Export(ExportKind::FilmGif),
-        A::ExportFilmApng => Purpose::Export(ExportKind::FilmApng),
         A::ExportCurvesCsv => Purpose::Export(ExportKind::CurvesCsv),
         A::ExportCurvesSvg => Purpose::Export(ExportKind::CurvesSvg),
         _ => return None,
@@ -149,10 +148,10 @@ pub(super) fn layout(id: ActionId) -> Option<Preset> {
         A::LayoutSingle => Preset::Single,
         A::LayoutFrameAndStack => Preset::FrameAndStack,
         A::LayoutTwoSlopes => Preset::TwoSlopes,
-        A::LayoutThreeSlopes => Preset::Slopes(3),
-        A::LayoutFiveSlopes => Preset::Slopes(5),
-        A::LayoutSevenSlopes => Preset::Slopes(7),
-        A::LayoutNineSlopes => Preset::Slopes(9),
+        A::LayoutThreeSlopes => Preset::ThreeSlopes,
+        A::LayoutFiveSlopes => Preset::FiveSlopes,
+        A::LayoutSevenSlopes => Preset::SevenSlopes,
+        A::LayoutNineSlopes => Preset::NineSlopes,
         A::LayoutSlice => Preset::Slice,
         A::LayoutScales => Preset::Scales,
         A::LayoutTwoByTwo => Preset::TwoByTwo,
@@ -338,7 +337,7 @@ fn move_cursor(model: &mut Model, id: ActionId) {
     match id {
         A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show_scale(),
-        _ => id.shown().into_iter().for_each(|shown| pane.show_kind(shown)),
+        _ => id.shown().into_iter().for_each(|shown| pane.show(shown)),
     }
     model.check_params();
 }

@@ -10,10 +10,9 @@ pub use change::{change, probe_here};
 pub use registry::{ACTIONS, Action, ActionId, Menu, shown_by};
 pub use state_of::{checked, enabled};
 
-use crate::app::pane::KindOfPicture;
 use crate::app::project::Model;
 use crate::app::words::explained;
-use crate::teach::Shown;
+use crate::requests::ViewKind;
 use crate::teach::glossary::{Word, glossary};
 
 pub type Queue = Vec<ActionId>;
@@ -32,14 +31,14 @@ pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> Stri
 }
 
 impl ActionId {
-    pub fn shown(self) -> Option<Shown> {
-        Shown::ALL.into_iter().find(|shown| shown_by(*shown) == self)
+    pub fn shown(self) -> Option<ViewKind> {
+        ViewKind::ALL.into_iter().find(|kind| shown_by(*kind) == self)
     }
 
     pub fn word(self) -> Option<&'static Word> {
         match self {
             Self::LayoutSlice => glossary().of_picture("slice"),
-            _ => glossary().of_picture(KindOfPicture::of(self.shown()?).word),
+            _ => glossary().of_picture(self.shown()?.about().key),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Registry of the actions: one row each.
 
-use crate::teach::Shown;
+use crate::requests::ViewKind;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -104,9 +104,8 @@ actions! {
     ExportSvg, File 4, "Export figure as SVG…", [], "Write the panes with their overlays as vector graphics, for papers";
     ExportFigurePng, File 4, "Export figure as PNG…", [], "Write the panes with their overlays as pixels, at any scale";
     FigureOptions, File 4, "Figure options…", [], "Choose what figures show: panes, part of the picture, legend, colour bar, scale bar, lines";
-    FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames, or two panes in turn; its size and rate are said before it is written";
+    FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames; its size and rate are said before it is written";
     ExportFilmGif, File 4, "Export film as GIF…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation";
-    ExportFilmApng, File 4, "Export film as animated PNG…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation of all colours";
     ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes";
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts";
     ExportMatchPicture, File 5, "Export match picture as PNG…", [], "Write both pictures as they are shown, with the matches of the table between them";
@@ -284,21 +283,21 @@ actions! {
 
 pub const PALETTE_ALSO: KeyboardShortcut = KeyboardShortcut::new(CTRL_SHIFT, Key::P);
 
-pub fn shown_by(shown: Shown) -> ActionId {
-    match shown {
-        Shown::Frame => ActionId::ShowFrame,
-        Shown::Stack => ActionId::ShowStack,
-        Shown::Dog => ActionId::ShowDog,
-        Shown::Merge => ActionId::ShowMerge,
-        Shown::Noise => ActionId::ShowNoise,
-        Shown::Coverage => ActionId::ShowCoverage,
-        Shown::Motion => ActionId::ShowMotion,
-        Shown::Median => ActionId::ShowMedian,
-        Shown::ClippedMean => ActionId::ShowClippedMean,
-        Shown::Max => ActionId::ShowMax,
-        Shown::Min => ActionId::ShowMin,
-        Shown::Deviation => ActionId::ShowDeviation,
-        Shown::MeanMinusMedian => ActionId::ShowMeanMinusMedian,
+pub fn shown_by(kind: ViewKind) -> ActionId {
+    match kind {
+        ViewKind::Frame => ActionId::ShowFrame,
+        ViewKind::Stack => ActionId::ShowStack,
+        ViewKind::Dog => ActionId::ShowDog,
+        ViewKind::Merge => ActionId::ShowMerge,
+        ViewKind::Noise => ActionId::ShowNoise,
+        ViewKind::Coverage => ActionId::ShowCoverage,
+        ViewKind::Motion => ActionId::ShowMotion,
+        ViewKind::Median => ActionId::ShowMedian,
+        ViewKind::ClippedMean => ActionId::ShowClippedMean,
+        ViewKind::Max => ActionId::ShowMax,
+        ViewKind::Min => ActionId::ShowMin,
+        ViewKind::Deviation => ActionId::ShowDeviation,
+        ViewKind::MeanMinusMedian => ActionId::ShowMeanMinusMedian,
     }
 }
 

@@ -68,7 +68,6 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::SaveCase
         | A::FilmOptions
         | A::ExportFilmGif
-        | A::ExportFilmApng
         | A::Fit
         | A::OneToOne
         | A::ZoomIn

@@ -15,7 +15,6 @@ use std::sync::Arc;
 pub struct Picture {
     /// Id of the content: new values need a new id, unchanged values should keep theirs.
     pub id: PictureId,
-    /// The values.
     pub plane: Arc<Plane>,
     /// The values that are drawn: the same, or smoothed ones of the same size.
     pub drawn: Arc<Plane>,

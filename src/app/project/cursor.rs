@@ -3,34 +3,15 @@
 use crate::detector::scale_space::searched_octaves;
 use crate::detector::{DetectorParams, Slope, SlopeGrid};
 use crate::requests::PictureKind;
+pub use crate::requests::ViewKind;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ViewKind {
-    Frame,
-    #[default]
-    Stack,
-    Dog,
-}
-
-impl ViewKind {
-    pub const ALL: [Self; 3] = [Self::Frame, Self::Stack, Self::Dog];
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Frame => "Frame",
-            Self::Stack => "Motion stack",
-            Self::Dog => "DoG",
-        }
-    }
-}
 
 /// Position of a pane's cursor. The slope may lie between the grid's slopes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Cursor {
+    /// Kind of picture that was shown last of those of [`ViewKind::OF_CURSOR`].
     pub kind: ViewKind,
     pub frame: usize,
     /// Slope, pixels per frame.
@@ -41,12 +22,15 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    pub fn picture_kind(&self) -> PictureKind {
-        let slope = self.slope;
-        match self.kind {
+    /// A picture of this kind at the cursor.
+    pub fn picture(&self, kind: ViewKind) -> PictureKind {
+        let Self { slope, octave, level, .. } = *self;
+        match kind {
             ViewKind::Frame => PictureKind::Frame(self.frame),
             ViewKind::Stack => PictureKind::Stack { slope },
-            ViewKind::Dog => PictureKind::Dog { octave: self.octave, level: self.level, slope },
+            ViewKind::Dog => PictureKind::Dog { octave, level, slope },
+            ViewKind::Merge => PictureKind::Merge,
+            map => PictureKind::Map { map, octave, level, slope },
         }
     }
 

@@ -78,7 +78,6 @@ pub enum ExportKind {
     CurvesSvg,
     Case,
     FilmGif,
-    FilmApng,
 }
 
 impl ExportKind {
@@ -92,7 +91,6 @@ impl ExportKind {
             Self::Svg | Self::CurvesSvg => "svg",
             Self::Case => CASE_EXTENSION,
             Self::FilmGif => "gif",
-            Self::FilmApng => "apng",
         }
     }
 
@@ -112,7 +110,6 @@ impl ExportKind {
             Self::CurvesSvg => "Export curves as SVG",
             Self::Case => "Save case",
             Self::FilmGif => "Export film as GIF",
-            Self::FilmApng => "Export film as animated PNG",
         }
     }
 }

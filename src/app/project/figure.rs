@@ -13,7 +13,6 @@ use std::path::PathBuf;
 pub struct FigureChoice {
     pub all_panes: bool,
     pub whole_picture: bool,
-    /// Figure pixels for each image pixel.
     pub scale: f32,
     /// Width of strokes, figure pixels.
     pub stroke_width_px: f32,

@@ -28,11 +28,15 @@ pub mod set_up;
 pub mod side;
 pub mod slot;
 pub mod trajectories;
-pub mod workspace;
 
+pub use crate::teach::BottomTab;
 pub use effect::Effect;
 pub use panels::{Panels, Visibility};
 pub use slot::{FoundFeatures, SavedSelection, Stale};
+
+pub mod workspace {
+    pub use crate::teach::Workspace;
+}
 
 use crate::app::pane::{PaneId, Panes};
 use crate::app::project::history::History;
@@ -53,26 +57,12 @@ use measure::Measure;
 use messages::Messages;
 use pair::PairState;
 use probe::ProbeModel;
-use serde::{Deserialize, Serialize};
 use set_up::SetUpState;
 use side::{Side, Sides};
 use slot::Slot;
 use std::collections::HashMap;
 use trajectories::Trajectories;
 use workspace::Workspace;
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum BottomTab {
-    #[default]
-    Table,
-    Tally,
-    Noise,
-    Slopes,
-    Profile,
-    Region,
-    Compared,
-}
 
 #[derive(Debug, Default)]
 pub struct Model {

@@ -141,7 +141,7 @@ impl Model {
 
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
         let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
-        picture.request.kind.about().slope
+        picture.request.kind.slope()
     }
 
     pub(in crate::app) fn take_pictures(&mut self) {

@@ -198,7 +198,7 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
 #[test]
 fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range() {
     let mut model = with_features();
-    model.lay_out(Preset::Slopes(3));
+    model.lay_out(Preset::ThreeSlopes);
     let slopes = |model: &Model| -> Vec<f32> {
         let panes = model.panes.shown().into_iter().filter_map(|id| model.panes.get(id));
         panes.map(|pane| pane.cursor.slope.u).collect()

@@ -9,8 +9,8 @@ use crate::inspect::ProbeCache;
 use crate::inspect::candidates::SurveyOptions;
 use crate::monitor::Monitor;
 use crate::requests::{
-    AgainstRequest, BurstSource, DetectRequest, Detected, ExplainQuestion, ExplainRequest, MapKind, OpenBurst,
-    PictureKind, PictureRequest, Reference, TrailStore,
+    AgainstRequest, BurstSource, DetectRequest, Detected, ExplainQuestion, ExplainRequest, OpenBurst, PictureKind,
+    PictureRequest, Reference, TrailStore, ViewKind,
 };
 use crate::synth::{Example, demo_burst};
 use std::sync::Arc;
@@ -118,7 +118,7 @@ fn nobody_who_asks_after_a_detection_searches_again() {
     assert!(Arc::ptr_eq(&traced.cache, &engine.stores.trails.get(&of).expect("kept")));
     let truth = Reference::Truth { burst: burst.clone(), params: params.detector.clone() };
     answer_of(&engine, AgainstRequest { detection: found.detection.clone(), with: truth });
-    let motion = PictureKind::Map { map: MapKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
+    let motion = PictureKind::Map { map: ViewKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
     answer_of(&engine, PictureRequest::new(burst.clone(), motion, params.detector.clone()));
     assert_eq!(engine.stores.trails.repeated(), 0);
     // A repeated detection takes the kept trail.

@@ -7,8 +7,8 @@ use crate::evaluate::poses::PoseStudy;
 use crate::monitor::Monitor;
 use crate::plane::display::Display;
 use crate::requests::{
-    Against, AgainstRequest, BurstSource, JobError, MapKind, OpenRequest, PictureKind, PictureRequest, PosesRequest,
-    Reference, TrajectorySource,
+    Against, AgainstRequest, BurstSource, JobError, OpenRequest, PictureKind, PictureRequest, PosesRequest, Reference,
+    TrajectorySource, ViewKind,
 };
 use crate::synth::FeatureTruth;
 
@@ -33,7 +33,7 @@ fn maps_have_the_pixels_of_their_octave_and_their_own_colours() {
         let kind = PictureKind::Map { map, octave: 1, level: 1, slope: Slope::default() };
         answer(PictureRequest::new(open(), kind, params())).expect("a map")
     };
-    let [noise, coverage, motion, ..] = MapKind::ALL.map(of);
+    let [noise, coverage, motion] = [ViewKind::Noise, ViewKind::Coverage, ViewKind::Motion].map(of);
     assert_eq!((noise.plane.size(), coverage.plane.size(), motion.plane.size()), ((48, 36), (96, 72), (48, 36)));
     let colours = motion.motion.clone().expect("winning slopes have colours");
     assert_eq!(motion.rgba(&Display::default()), colours.colours);

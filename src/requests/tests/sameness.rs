@@ -6,8 +6,8 @@ use crate::inspect::ProbeCache;
 use crate::matching::MatchParams;
 use crate::monitor::Monitor;
 use crate::requests::{
-    AgainstRequest, MapKind, MatchRequest, NothingKept, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest,
-    Reference, Traced, TrailStore,
+    AgainstRequest, MatchRequest, NothingKept, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest, Reference,
+    Traced, TrailStore, ViewKind,
 };
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ fn picture(kind: PictureKind, params: DetectorParams) -> PictureRequest {
 fn kinds(slope: Slope) -> [PictureKind; 7] {
     let (octave, level) = (0, 1);
     let map = |map| PictureKind::Map { map, octave, level, slope };
-    let [noise, coverage, motion, ..] = MapKind::ALL.map(map);
+    let [noise, coverage, motion] = [ViewKind::Noise, ViewKind::Coverage, ViewKind::Motion].map(map);
     let dog = PictureKind::Dog { octave, level, slope };
     [PictureKind::Frame(1), PictureKind::Stack { slope }, dog, PictureKind::Merge, noise, coverage, motion]
 }

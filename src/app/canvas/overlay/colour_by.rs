@@ -28,7 +28,6 @@ pub struct ColourScale {
     set_up: Option<SetUp>,
 }
 
-/// Colour of features whose quantity is not known.
 const UNKNOWN: Color32 = Color32::from_gray(150);
 
 impl ColourScale {
@@ -150,7 +149,6 @@ impl ColourScale {
         self.table[(t.clamp(0.0, 1.0) * 255.0).round() as usize]
     }
 
-    /// Whether colours show directions, on a wheel.
     pub fn has_wheel(&self) -> bool {
         self.by == ColourBy::SlopeDirection && self.line_deg.is_none()
     }
@@ -252,7 +250,7 @@ fn line_of(grid: &SlopeGrid) -> Option<(f32, SlopeAxis)> {
     }
 }
 
-fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+pub(super) fn rgb([r, g, b]: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
