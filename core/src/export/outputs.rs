@@ -297,7 +297,7 @@ mod tests {
             }
             known += 1;
         }
-        assert_eq!(known, 14);
+        assert_eq!(known, 13);
     }
 
     const KEYPOINT: ColmapKeypoint = ColmapKeypoint { x: 10.25, y: 0.1, scale: 1.6, orientation: -3.0 };
