@@ -12,30 +12,25 @@ use crate::detector::{Feature, Quantity};
 use crate::export::feature_header;
 use crate::requests::{BurstSource, detect_line};
 
-/// The features' columns and one feature's numbers, separated by tabs: two rows for a spreadsheet.
 pub fn feature_text(feature: &Feature) -> String {
     let values = Quantity::STORED.map(|quantity| quantity.cell(feature));
     format!("{}\n{}", feature_header().replace(',', "\t"), values.join("\t"))
 }
 
-/// The table's headings and one match's values, separated by tabs: two rows for a spreadsheet.
 pub fn match_text(row: &MatchRow<'_>) -> String {
     let headings = MatchColumn::ALL.map(MatchColumn::heading).join("\t");
     let values = MatchColumn::ALL.map(|column| column.text(row)).join("\t");
     format!("{headings}\n{values}")
 }
 
-/// The value alone, as a program reads it.
 pub fn value_text(readout: &Readout) -> String {
     readout.value.to_string()
 }
 
-/// A place, (u, v) in pixels of the input image.
 pub fn place_text(readout: &Readout) -> String {
     format!("{}, {}", fixed(readout.u, 2), fixed(readout.v, 2))
 }
 
-/// The picture of a pane in its range and colours; `None` without one.
 pub fn picture_of(model: &Model, id: PaneId) -> Option<egui::ColorImage> {
     let picture = model.panes.get(id)?.picture.as_ref()?;
     let (width, height) = picture.plane.size();
@@ -43,7 +38,6 @@ pub fn picture_of(model: &Model, id: PaneId) -> Option<egui::ColorImage> {
     Some(egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw()))
 }
 
-/// Whether copying is asked for and no text is being edited or selected.
 pub fn is_asked(ctx: &egui::Context) -> bool {
     let asked = ctx.input(|i| i.events.iter().any(|event| matches!(event, egui::Event::Copy)));
     // Text that is selected in a label is copied by egui itself.
@@ -64,7 +58,6 @@ pub fn copy_row(ctx: &egui::Context, model: &mut Model, widgets: &PaneWidgets) {
     }
 }
 
-/// The selected match in *Two bursts*, elsewhere the selected feature.
 fn selected_text(model: &Model) -> Option<String> {
     match model.workspace {
         Workspace::Pair => Some(match_text(&model.pair.matches.as_ref()?.row(model.pair.selected?)?)),
@@ -72,7 +65,6 @@ fn selected_text(model: &Model) -> Option<String> {
     }
 }
 
-/// Copies the command that finds the features of the burst in focus.
 pub fn copy_command(ctx: &egui::Context, model: &mut Model) {
     let side = model.active_side();
     let Some(burst) = model.burst_of(side) else { return };
@@ -85,7 +77,6 @@ pub fn copy_command(ctx: &egui::Context, model: &mut Model) {
     }
 }
 
-/// The command that finds the features of the burst of `side`, opened from `source`, with the present parameters.
 fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<String, &'static str> {
     let inputs = source
         .arguments()

@@ -58,7 +58,6 @@ impl eframe::App for Shown {
     }
 }
 
-/// Opens the window and returns when it is closed. Stored settings replace those in `startup`.
 pub fn run(mut startup: Startup) -> anyhow::Result<()> {
     let running = eframe::storage_dir(APP_ID).map(|folder| folder.join(RUNNING_FOLDER));
     startup.kept = running.map(|folder| KeptIn { folder, every: SAVED_EVERY });

@@ -193,7 +193,6 @@ fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input
     Ok(Some(found))
 }
 
-/// The noisy camera, one for all bursts; `None` without `--snr`.
 fn exposure(
     args: &MatchesArgs,
     inputs: &[Input],

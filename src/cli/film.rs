@@ -127,7 +127,6 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     )
 }
 
-/// Checks that the place whose response is drawn lies in the picture, and its scale in the search.
 fn check_place(film: &Film) -> Result<(), Failure> {
     let Some(FilmPlace { at: [u, v], scale: (octave, level) }) = film.place else { return Ok(()) };
     let (width, height) = film.burst.burst.size();

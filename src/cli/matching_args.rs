@@ -14,9 +14,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Default)]
 pub struct MatchingArgs {
     given: Given<MatchParams>,
-    /// The camera, which may also come from a file.
     camera: Option<Camera>,
-    /// The file that it came from.
     camera_file: Option<PathBuf>,
 }
 
@@ -60,7 +58,6 @@ impl FromArgMatches for MatchingArgs {
 }
 
 impl MatchingArgs {
-    /// The file that the camera came from.
     pub fn camera_file(&self) -> Option<&PathBuf> {
         self.camera_file.as_ref()
     }
@@ -72,7 +69,6 @@ impl MatchingArgs {
     }
 }
 
-/// Reads a camera from words, or from a file whose name ends in `.toml`.
 pub fn parse_camera(text: &str) -> Result<Camera, String> {
     if text.to_lowercase().ends_with(".toml") {
         return read_camera(Path::new(text)).map_err(|e| format!("{}; {}", e.problem, e.remedy));

@@ -63,19 +63,15 @@ use std::process::ExitCode;
 /// First argument of a process that decodes one file for another process; it is no command and in no help.
 pub const DECODE_WORKER: &str = "--decode-worker";
 
-/// Runs the command that the program's arguments name, and returns its exit code.
 pub fn run() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let worker = this_program().map(|program| DecodeWorker { program, arguments: vec![DECODE_WORKER.into()] });
     ExitCode::from(run_in(&arguments, worker, Host::Program))
 }
 
-/// Process in which a command runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Host {
-    /// The program itself, which may start itself anew.
     Program,
-    /// A program that holds this one as a library.
     Other,
 }
 

@@ -17,7 +17,6 @@ pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
     (each(first) && each(second)).then_some(two)
 }
 
-/// Content that the window opens.
 #[derive(Debug)]
 pub(super) enum Opening {
     Burst(Input),

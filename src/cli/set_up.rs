@@ -65,13 +65,11 @@ impl SetUpArgs {
         })
     }
 
-    /// The slopes of a set-up for `frames` frames.
     pub(super) fn slopes(set_up: &SetUp, frames: usize, params: &DetectorParams) -> Result<SetUpSlopes, Failure> {
         set_up.slopes(frames, params).map_err(|problem| Failure::usage(format!("--{problem}")))
     }
 }
 
-/// Prints the slopes of a set-up, without a burst.
 pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes) -> Result<(), Failure> {
     console.say(&format!("{}\n  {}\n", slopes.sentence(set_up), slopes.options()))?;
     console.say_document(
@@ -84,7 +82,6 @@ pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes
     )
 }
 
-/// The depths of the slopes of a burst that have features.
 pub(super) fn depths(set_up: &SetUp, spectrum: &Spectrum) -> Vec<SlopeDepth> {
     let with_features = spectrum.bars.iter().filter(|bar| bar.features > 0);
     with_features

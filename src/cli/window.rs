@@ -50,7 +50,6 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     show(Startup { source, second, dataset, params, calibration, session, ..Startup::default() })
 }
 
-/// Shows the window until it is closed, or a signal ends the program.
 fn show(startup: Startup) -> Result<(), Failure> {
     let (asked, end) = (startup.end.clone(), startup.end.clone());
     signals::on_end(move || end.make())?;
@@ -147,7 +146,6 @@ fn session_without_display(session: PathBuf) -> Result<(), Failure> {
     draw(&RenderOptions { session: Some(session), ..RenderOptions::default() }, &file, &console)
 }
 
-/// Lists the features of `input`; the picture shows `second` beside it, if there is one.
 fn without_display(
     input: Input,
     second: Option<Input>,

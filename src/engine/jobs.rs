@@ -61,9 +61,7 @@ pub struct Jobs<Q, A, P = Infallible> {
 }
 
 impl<Q: Send + 'static, A: Send + 'static> Jobs<Q, A> {
-    /// Creates a kind of work without partial results. A superseded request is cancelled once it has run for `grace`;
-    /// if it ends before, its answer stands. With zero `grace` it is cancelled at once, and its answer is
-    /// [`JobError::Superseded`].
+    /// Superseded, a request is cancelled once it has run for `grace`; if it ends before, its answer stands.
     pub fn new(
         queue: &Arc<JobQueue>,
         urgency: Urgency,

@@ -60,7 +60,6 @@ impl Trails {
         self.lock().kept.retain(|kept| bursts.contains(&kept.key.burst));
     }
 
-    /// Number of detections that were repeated because their trail was not kept.
     #[cfg(test)]
     pub(super) fn repeated(&self) -> usize {
         self.lock().repeated
@@ -216,7 +215,6 @@ impl Kept {
     }
 }
 
-/// Guard that marks a trail as being made until it is dropped.
 struct Making<'a> {
     trails: &'a Trails,
     key: &'a Key,

@@ -4,7 +4,6 @@ use crate::detector::params::Stage;
 use crate::detector::{Combine, Slope};
 use serde::{Deserialize, Serialize};
 
-/// Classes of picture, each with a shared value range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RangeClass {
     /// Brightnesses.
@@ -22,7 +21,6 @@ pub enum RangeClass {
 }
 
 impl RangeClass {
-    /// Name of the class within a sentence.
     pub fn label(self) -> &'static str {
         match self {
             Self::Intensity => "frames and motion stacks",
@@ -55,7 +53,6 @@ pub enum ViewKind {
     MeanMinusMedian,
 }
 
-/// Record of a kind of picture.
 #[derive(Debug, Clone, Copy)]
 pub struct AboutView {
     /// Name in files, also that of the glossary's entries and at the end of exported files' names.
@@ -89,7 +86,6 @@ const FRAME: AboutView = AboutView {
     combine: None,
 };
 
-/// A map of a quantity that decides in the search.
 const MAP: AboutView = AboutView { stage: Some(Stage::Search), of_slope: true, is_slow: true, ..FRAME };
 
 const fn combined(combine: Combine, range: RangeClass, [key, label, help]: [&'static str; 3]) -> AboutView {
@@ -240,16 +236,26 @@ impl ViewKind {
 /// Kind of a picture, with its parameters: slopes in pixels per frame; octave −1 is the doubled image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PictureKind {
-    /// One frame, counted from 0.
     Frame(usize),
     /// The motion-stack image at a slope, on the grid or between.
-    Stack { slope: Slope },
+    Stack {
+        slope: Slope,
+    },
     /// The DoG response of the motion-stack image at a slope.
-    Dog { octave: i32, level: i32, slope: Slope },
+    Dog {
+        octave: i32,
+        level: i32,
+        slope: Slope,
+    },
     /// The frames that are used, aligned tile by tile and merged into one.
     Merge,
     /// Any other kind.
-    Map { map: ViewKind, octave: i32, level: i32, slope: Slope },
+    Map {
+        map: ViewKind,
+        octave: i32,
+        level: i32,
+        slope: Slope,
+    },
 }
 
 impl PictureKind {

@@ -126,7 +126,6 @@ impl PictureRequest {
     }
 }
 
-/// Picture with its request. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub request: PictureRequest,
@@ -146,8 +145,7 @@ impl Picture {
         drawn + if self.motion.is_some() { 5 * pixels } else { pixels }
     }
 
-    /// Renders the picture as it is shown: one opaque pixel for each value, in `display`'s range and colours unless it
-    /// has its own colours.
+    /// One opaque pixel for each value, in `display`'s range and colours unless the picture has its own colours.
     pub fn rgba(&self, display: &Display) -> RgbaImage {
         self.motion.as_ref().map_or_else(|| to_rgba8(&self.drawn, display), |motion| motion.colours.clone())
     }
@@ -161,7 +159,6 @@ impl Picture {
         Self { request, drawn: plane.clone(), plane, motion: None }
     }
 
-    /// This picture, smoothed for looking at it by a Gaussian of `sigma_px` input pixels.
     pub(crate) fn smoothed(self, sigma_px: f32, monitor: &Monitor) -> Result<Self, Cancelled> {
         let sigma = f64::from(sigma_px / self.request.kind.input_px_per_pixel());
         let drawn = Arc::new(smoothed(&self.plane, sigma, monitor)?);

@@ -22,7 +22,6 @@ pub trait Request: Clone + PartialEq + Send + 'static {
     fn compute(self, work: &Work<'_, Self::Told>) -> Result<Self::Answer, JobError>;
 }
 
-/// The urgency of a request. The first in this order goes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Urgency {
     /// Answers that a person is looking at: pictures, patches, a probed place.
@@ -41,7 +40,6 @@ pub struct Kept<'a> {
     pub pictures: &'a dyn PictureStore,
 }
 
-/// Pictures that were computed before.
 pub trait PictureStore {
     fn get(&self, _: &PictureRequest) -> Option<Picture> {
         None

@@ -97,7 +97,6 @@ impl PartialEq for TrajectorySource {
     }
 }
 
-/// Trajectories to read, and to compare if both are given.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosesRequest {
     pub estimate: Option<TrajectorySource>,

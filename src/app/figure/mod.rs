@@ -32,7 +32,6 @@ use crate::requests::slope_legend;
 use egui::{DragValue, Ui};
 use std::sync::Arc;
 
-/// Lines between `panes`, the figure's panels in reading order.
 pub fn links_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<FigureLink> {
     match model.workspace {
         Workspace::Pair => {
@@ -91,10 +90,6 @@ fn links(
     links
 }
 
-/// Makes the figure of the shown panes.
-///
-/// # Errors
-/// When there is no picture.
 pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
     let rows = if choice.all_panes && model.workspace.needs_burst() {
         model.panes.arrangement().in_rows()
@@ -104,10 +99,6 @@ pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -
     drawing_of_panes(model, widgets, &rows, choice)
 }
 
-/// Makes the figure of some panes, row by row.
-///
-/// # Errors
-/// When there is no picture.
 fn drawing_of_panes(
     model: &Model,
     widgets: &PaneWidgets,
@@ -181,7 +172,6 @@ fn part_in_view(state: &PictureState) -> Option<egui::Rect> {
     (seen.size().min_elem() >= SQUEEZED).then_some(visible)
 }
 
-/// Marks of the features as the window draws them: faint ones below, the selected one on top.
 fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
     let scale = layer.scale(model);
     let frames = layer.detection.frames_used.len();

@@ -27,13 +27,8 @@ pub(super) fn wait_for_card(device: &wgpu::Device, submission: Option<wgpu::Subm
     let _ = device.poll(wait);
 }
 
-/// There is no memory for a picture: neither on the card, nor for what is made of it on the way there.
 struct NoRoom;
 
-/// Runs `make`, which asks the device for memory.
-///
-/// # Errors
-/// Where the device had none.
 fn within_memory<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, NoRoom> {
     let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let made = make();
@@ -41,10 +36,7 @@ fn within_memory<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T
 }
 
 impl PictureTexture {
-    /// Uploads `plane`, and the coarser levels made from it.
-    ///
-    /// # Errors
-    /// When there is no memory left; a sentence for the user. The device goes on.
+    /// Uploads `plane` and its coarser levels. Fails, with a sentence for the user, when no memory is left.
     pub fn upload(device: &wgpu::Device, queue: &wgpu::Queue, plane: &Plane, layout: Layout) -> Result<Self, String> {
         let uploaded = memory::refusable(|| Self::filled(device, queue, plane, layout));
         uploaded.unwrap_or(Err(NoRoom)).map_err(|NoRoom| {
@@ -100,7 +92,6 @@ struct Writes<'a> {
     queue: &'a wgpu::Queue,
     texture: &'a wgpu::Texture,
     commands: Vec<wgpu::CommandBuffer>,
-    /// Size of the buffers that the commands copy.
     bytes: u64,
 }
 
@@ -127,7 +118,6 @@ impl Writes<'_> {
         Ok(())
     }
 
-    /// Writes (columns, rows) at a place of a level; `row_bytes` lie between the beginnings of two rows on the way.
     fn write_strip<'p>(
         &mut self,
         (mip_level, origin): (u32, wgpu::Origin3d),
@@ -190,10 +180,7 @@ impl Layout {
     /// Maximum number of levels: the coarsest cell is 2^7 = 128 pixels wide.
     const MAX_LEVELS: u32 = 8;
 
-    /// Computes the layout of a picture of `size` on a device with `limits`.
-    ///
-    /// # Errors
-    /// When the device cannot hold such a picture; a sentence for the user.
+    /// Fails, with a sentence for the user, when the device cannot hold such a picture.
     pub fn new(size: (usize, usize), limits: DeviceLimits) -> Result<Self, String> {
         let too_large = || {
             format!(

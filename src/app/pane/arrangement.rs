@@ -18,7 +18,6 @@ pub enum Direction {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Part {
-    /// Share of the space, relative to the other parts.
     pub share: f32,
     pub inner: Arrangement,
 }
@@ -35,16 +34,11 @@ pub enum Arrangement {
     Pane(PaneId),
     Row(Vec<Part>),
     Column(Vec<Part>),
-    /// In one place, with one of them visible.
-    Tabs {
-        parts: Vec<Arrangement>,
-        active: usize,
-    },
+    Tabs { parts: Vec<Arrangement>, active: usize },
 }
 
 impl Arrangement {
-    /// Arranges rows of panes below one another, all panes of one size where the rows have equally many. At least one
-    /// pane must be given.
+    /// Rows of panes below one another, all panes of one size where the rows have equally many; at least one pane.
     pub fn rows(rows: &[Vec<PaneId>]) -> Self {
         let row = |row: &Vec<PaneId>| match row.as_slice() {
             [one] => Self::Pane(*one),
@@ -64,7 +58,6 @@ impl Arrangement {
         }
     }
 
-    /// Panes in rows, as far as the arrangement has rows; used by figures.
     pub fn in_rows(&self) -> Vec<Vec<PaneId>> {
         match self {
             Self::Column(parts) => parts.iter().map(|part| part.inner.panes()).collect(),
@@ -165,7 +158,6 @@ impl Arrangement {
         )
     }
 
-    /// Keeps only the panes that `keep` accepts, without containers of one part; `None` if no pane is left.
     fn filtered(self, keep: &mut impl FnMut(PaneId) -> bool, depth: usize) -> Option<Self> {
         fn parts(parts: Vec<Part>, keep: &mut impl FnMut(PaneId) -> bool, depth: usize) -> Vec<Part> {
             parts

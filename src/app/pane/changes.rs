@@ -26,7 +26,6 @@ impl Panes {
         Some(new)
     }
 
-    /// Splits the focused pane, and applies `change` to the new one.
     pub fn split_with(&mut self, direction: Direction, change: impl FnOnce(&mut Pane)) -> Option<PaneId> {
         let new = self.split(self.focus(), direction)?;
         if let Some(pane) = self.get_mut(new) {
@@ -102,7 +101,6 @@ impl Panes {
         self.replace(self.open, Arrangement::rows(&ids), made, kept);
     }
 
-    /// Shows only `id` in *Inspect*; the pane must exist.
     pub fn show_alone(&mut self, id: PaneId) {
         if let Some(pane) = self.get(id).cloned() {
             self.replace(place_of(Workspace::Inspect), Arrangement::Pane(id), BTreeMap::from([(id, pane)]), id);
@@ -147,14 +145,12 @@ impl Panes {
         self.forget_missing();
     }
 
-    /// Removes panes that are in no workspace.
     fn drop_unplaced(&mut self) {
         let mut more = std::mem::take(&mut self.more);
         more.retain(|id, _| self.is_placed(*id));
         self.more = more;
     }
 
-    /// Panes stop showing pictures of panes that share no workspace with them.
     pub(super) fn forget_missing(&mut self) {
         let ids: Vec<PaneId> = self.iter().map(|(id, _)| id).collect();
         for id in ids {

@@ -15,11 +15,8 @@ use std::collections::BTreeMap;
 pub enum MethodsPreset {
     #[default]
     Panes,
-    /// Two in one place, with a line between them that can be moved.
     Wipe,
-    /// Two in one place, one after the other.
     Flip,
-    /// One row for each method, with its matches between A and B.
     Matches,
 }
 
@@ -111,7 +108,6 @@ impl Panes {
         }
     }
 
-    /// Creates a pane on the input of `method`: beside the other methods of its side, at their place.
     fn of_method(&self, method: Contender, side: Side) -> Pane {
         let shown = self.shown_in(Workspace::Methods);
         let alike = |pane: &&Pane| pane.method.is_some() && pane.method != Some(Contender::Gold) && pane.side == side;

@@ -39,7 +39,6 @@ use crate::detector::{DetectorParams, Method};
 use crate::requests::{OpenBurst, Picture, PictureKind, PictureRequest};
 use serde::{Deserialize, Serialize};
 
-/// Id of a pane, for as long as it is open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct PaneId(pub u32);
@@ -53,14 +52,10 @@ impl PaneId {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
-    /// Picture at the cursor: a frame, a motion stack or a DoG response.
     #[default]
     Cursor,
-    /// The frames of its burst, aligned and merged into one image.
     Merge,
-    /// Map of a quantity that decides in the search, at the cursor.
     Map(ViewKind),
-    /// The picture of one pane less that of another.
     Difference(PaneId, PaneId),
     Slice(SliceAxis),
 }
@@ -107,13 +102,10 @@ impl SliceAxis {
     }
 }
 
-/// Another pane's picture in the same place, for comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Over {
-    /// On the right of a line that can be moved.
     Wipe { other: PaneId, at: f32 },
-    /// In turn with the pane's own.
     Flip { other: PaneId, flipped: bool },
 }
 
@@ -144,14 +136,12 @@ pub struct Pane {
     pub cursor: Cursor,
     /// Whether the slope was chosen (by hand or by a session) since the burst was opened.
     pub slope_chosen: bool,
-    /// Pan and zoom.
     pub view: View,
     /// Value ranges and colour maps of its own; `None` shares those of all.
     pub own_ranges: Option<Ranges>,
     pub links: PaneLinks,
     pub over: Option<Over>,
     pub picture: Option<Picture>,
-    /// Request that failed, and why.
     pub problem: Option<(PictureRequest, String)>,
 }
 
@@ -226,7 +216,6 @@ impl Pane {
         }
     }
 
-    /// Cursor, limited to the ranges of the burst and the parameters.
     pub fn cursor_within(&self, burst: &OpenBurst, params: &DetectorParams) -> Cursor {
         self.cursor.within(params, burst.burst.len(), burst.burst.size())
     }
@@ -251,7 +240,6 @@ impl Pane {
         }
     }
 
-    /// Panes whose pictures this one shows besides its own.
     pub fn others(&self) -> Vec<PaneId> {
         let mut others = match self.content {
             Content::Difference(a, b) => vec![a, b],

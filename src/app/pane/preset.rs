@@ -56,7 +56,6 @@ impl Preset {
         }
     }
 
-    /// Makes the panes from the focused one, `base`, whose burst is searched with `params`.
     pub fn lay_out(self, base: &Pane, params: &DetectorParams) -> Laid {
         let base = Pane { over: None, content: Content::Cursor, ..base.clone() };
         let at = |change: &dyn Fn(&mut Pane)| {
@@ -129,7 +128,6 @@ impl Preset {
     }
 }
 
-/// Splits panes into rows: up to three in one row, more in rows as even as possible.
 pub(super) fn in_rows<T: Clone>(panes: Vec<T>) -> Vec<Vec<T>> {
     let rows = match panes.len() {
         0..=3 => 1,

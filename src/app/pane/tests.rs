@@ -72,18 +72,6 @@ fn what_is_shown_of_a_pane_goes_with_it() {
 }
 
 #[test]
-fn a_preset_keeps_the_pane_in_focus_and_forgets_the_others() {
-    let mut panes = Panes::default();
-    let params = DetectorParams::default();
-    panes.of_mut(Side::A).show(ViewKind::Dog);
-    panes.lay_out(Preset::TwoByTwo, &params);
-    assert_eq!((panes.shown().len(), panes.focus(), panes.number(A)), (4, A, Some(3)));
-    panes.lay_out(Preset::Single, &params);
-    assert_eq!((panes.shown(), panes.iter().count()), (vec![A], 2));
-    assert!(panes.of(Side::A).shows(ViewKind::Dog));
-}
-
-#[test]
 fn the_panes_that_are_always_there_stay_on_their_bursts() {
     let mut panes = Panes::default();
     let right = panes.split(A, Direction::Right).expect("there is room");
@@ -176,21 +164,4 @@ fn methods_come_and_go_and_the_rest_stays_where_it_was() {
     assert_eq!(panes.over(left), Some(Over::Wipe { other: right, at: 0.5 }));
     assert!(matches!(panes.arrangement(), Arrangement::Tabs { active: 0, .. }));
     assert_eq!(of(&panes), [(Contender::Sift, Side::A), (Contender::Buff1d, Side::A)]);
-}
-
-#[test]
-fn two_bursts_are_laid_out_in_their_own_ways() {
-    let mut panes = Panes::default();
-    panes.turn_to(Workspace::Pair);
-    for preset in SidesPreset::ALL {
-        panes.lay_out_sides(preset);
-        let shown = panes.shown();
-        assert_eq!(shown[0], A, "{preset:?}");
-        assert!(shown.contains(&PaneId(1)), "{preset:?}");
-    }
-    panes.lay_out_sides(SidesPreset::Difference);
-    let last = panes.get(panes.shown()[2]).map(|pane| pane.content);
-    assert_eq!(last, Some(Content::Difference(A, PaneId(1))));
-    panes.lay_out_sides(SidesPreset::SideBySide);
-    assert_eq!((panes.shown(), panes.iter().count()), (vec![A, PaneId(1)], 2));
 }

@@ -47,7 +47,6 @@ fn insert(tiles: &mut Tiles<PaneId>, arrangement: &Arrangement, next: &mut u64) 
     tile
 }
 
-/// Reads the arrangement of the widget's tree; `None` if it holds no pane.
 pub fn arrangement_of(tree: &Tree<PaneId>) -> Option<Arrangement> {
     read(&tree.tiles, tree.root()?)
 }

@@ -14,7 +14,6 @@ pub struct Cursor {
     /// Kind of picture that was shown last of those of [`ViewKind::OF_CURSOR`].
     pub kind: ViewKind,
     pub frame: usize,
-    /// Slope, pixels per frame.
     pub slope: Slope,
     /// Octave; −1 is the doubled image.
     pub octave: i32,
@@ -22,7 +21,6 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    /// A picture of this kind at the cursor.
     pub fn picture(&self, kind: ViewKind) -> PictureKind {
         let Self { slope, octave, level, .. } = *self;
         match kind {

@@ -32,7 +32,6 @@ pub struct Filter {
     pub sigma: Option<Interval>,
     /// |response|, fraction of full scale.
     pub response: Option<Interval>,
-    /// Whether features at the limit of the slopes are hidden.
     pub hide_slope_limit: bool,
     /// Coherence of the frames' responses, 0 … 1. Features without one (too noisy to tell) pass.
     pub coherence: Option<Interval>,
@@ -161,18 +160,15 @@ pub(crate) fn neighbour(listed: &[usize], selected: Option<usize>, forward: bool
     listed.get(next).copied().or(selected)
 }
 
-/// Sort order: a column of type `C` and a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, bound(deserialize = "C: Default + Deserialize<'de>"))]
 pub struct Order<C> {
     pub column: C,
-    /// Whether the largest value comes first.
     pub descending: bool,
 }
 
 impl<C: PartialEq> Order<C> {
-    /// Order after a click on the heading of `column`: ascending by it, or reversed if the table is sorted by it
-    /// already.
+    /// Ascending by it, or reversed if the table is sorted by it already.
     #[must_use]
     pub fn clicked(self, column: C) -> Self {
         Self { descending: self.column == column && !self.descending, column }

@@ -3,7 +3,6 @@
 use crate::app::pane::PaneId;
 use egui::{Pos2, Rect};
 
-/// Effect of dragging with the first button on a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tool {
     #[default]

@@ -3,7 +3,6 @@
 use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
 use serde::{Deserialize, Serialize};
 
-/// A method in a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Contender {
@@ -23,20 +22,16 @@ pub enum Contender {
 const USUAL: (f32, usize) = (3.0, 7);
 
 impl Contender {
-    /// All methods, in the order of the table.
     pub const ALL: [Self; 5] = [Self::Sift, Self::Merge, Self::Buff1d, Self::Buff2d, Self::Gold];
 
-    /// Index in [`Contender::ALL`].
     pub fn index(self) -> usize {
         Self::ALL.iter().position(|m| *m == self).unwrap_or(0)
     }
 
-    /// Whether it searches over slopes.
     pub fn is_buff(self) -> bool {
         matches!(self, Self::Buff1d | Self::Buff2d)
     }
 
-    /// Name in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Sift => "SIFT, one frame",
@@ -47,7 +42,6 @@ impl Contender {
         }
     }
 
-    /// Description of the method in a sentence.
     pub fn help(self) -> &'static str {
         match self {
             Self::Sift => "SIFT on the middle frame only, without the rest of the burst",

@@ -34,11 +34,8 @@ pub struct Spot {
 
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlaneScene {
-    /// True cameras, in order.
     pub truth: Vec<Spot>,
-    /// Estimated cameras once they are aligned, in order.
     pub estimate: Vec<Spot>,
-    /// Columns and rows of the plane, in plane units.
     pub size: (usize, usize),
     /// Plane units for one unit of the truth.
     pub scale: f64,
@@ -67,7 +64,6 @@ impl Trajectories {
         request
     }
 
-    /// Request to compare the trajectories that are open or being read, with the present study.
     pub fn request(&self) -> PosesRequest {
         let source = |read: &Option<(PathBuf, Arc<Trajectory>)>| {
             read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory))
@@ -105,17 +101,14 @@ impl Trajectories {
         self.compared.estimate.is_none() && self.compared.truth.is_none()
     }
 
-    /// The comparison; `None` without both trajectories, or if it failed.
     pub fn report(&self) -> Option<&Arc<PoseReport>> {
         self.compared.report.as_ref()?.as_ref().ok()
     }
 
-    /// Reason why there is no comparison although both trajectories are there.
     pub fn problem(&self) -> Option<&str> {
         self.compared.report.as_ref()?.as_ref().err().map(String::as_str)
     }
 
-    /// The plane as it is to be drawn; recomputed only after a change.
     pub fn scene(&mut self) -> Arc<PlaneScene> {
         let projection = self.projection;
         self.scene.take_if(|(of, _)| *of != projection);

@@ -33,7 +33,6 @@ pub struct OverlayStyle<'a> {
     pub shown: Option<&'a [bool]>,
     pub selected: Option<usize>,
     pub hovered: Option<usize>,
-    /// Whether the features belong to older parameters or another picture, and are drawn dimmed.
     pub stale: bool,
     pub circles: bool,
     pub orientations: bool,
@@ -41,7 +40,6 @@ pub struct OverlayStyle<'a> {
 }
 
 impl<'a> OverlayStyle<'a> {
-    /// Style that shows everything and selects nothing, for a burst of `frames` frames.
     pub fn new(scale: &'a ColourScale, frames: usize) -> Self {
         Self {
             scale,
@@ -64,13 +62,10 @@ fn is_shown(shown: Option<&[bool]>, i: usize) -> bool {
 /// Maximum number of visible features with a dark edge around their lines; a larger crowd would only get darker.
 const MAX_WITH_EDGE: usize = 1500;
 
-/// Minimum radius of a drawn circle, in points, so that a feature never vanishes.
 const MIN_RADIUS_POINTS: f32 = 1.5;
 
-/// Radius of the dot of a feature that is not drawn in full, in points.
 const DOT_RADIUS_POINTS: f32 = 0.9;
 
-/// Draws a faint dot at the centre of each of `dots`, which index `features`.
 pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>, dots: &[usize]) {
     let mut mesh = Mesh::default();
     for &i in dots {
@@ -83,8 +78,7 @@ pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlaySty
     }
 }
 
-/// Draws `features` over the canvas of `output`. Invisible features cost nothing; thousands are drawn at display rate.
-/// (One thread does it: to wake others takes longer than the few hundred features that a view bears.)
+/// One thread does it: to wake others takes longer than the few hundred features that a view bears.
 pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
     let pixels_per_point = output.painter.pixels_per_point();
     let visible: Vec<usize> = (0..features.len())
@@ -140,7 +134,6 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
     }
 }
 
-/// Whether any part of the feature may be visible in the canvas.
 fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
     let [first, last] = motion_over(feature, frames).map(Pos2::from);
     let reach = feature.circle_radius_px() + 4.0 / output.ui_from_image.scale();
@@ -149,10 +142,8 @@ fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
     bounds.is_finite() && bounds.intersects(output.visible_image)
 }
 
-/// Maximum distance of the pointer from a centre or a circle line, in points.
 const TOLERANCE_POINTS: f32 = 7.0;
 
-/// Index of the feature whose dot is nearest to `pos_ui`, within a few points; `dots` index `features`.
 pub fn dot_at(features: &[Feature], dots: &[usize], ui_from_image: RectTransform, pos_ui: Pos2) -> Option<usize> {
     let distance = |i: usize| ui_from_image.pos(pos2(features[i].u, features[i].v)).distance(pos_ui);
     let near = dots.iter().map(|&i| (distance(i), i));
@@ -190,14 +181,12 @@ pub fn feature_at(
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedMark {
-    /// Place, image pixels.
     pub pos_image: Pos2,
     /// Scale σ, image pixels.
     pub sigma: f32,
     /// Previous place of a feature that moved, image pixels; a line is drawn from it.
     pub from_image: Option<Pos2>,
     pub colour: Color32,
-    /// Whether the feature is not one of ours.
     pub dashed: bool,
 }
 
@@ -207,7 +196,6 @@ impl ComparedMark {
     }
 }
 
-/// Draws `marks` over the canvas of `output`; the `highlighted` one lies above all others.
 pub fn draw_compared(output: &CanvasOutput, marks: &[ComparedMark], highlighted: Option<usize>) {
     let mut strokes = Strokes::new(output.painter.pixels_per_point());
     let edge = Color32::from_black_alpha(110);
@@ -240,7 +228,6 @@ fn draw_compared_mark(strokes: &mut Strokes, output: &CanvasOutput, mark: &Compa
     }
 }
 
-/// Finds the mark under the pointer: that with the nearest circle or centre, within a few points.
 pub fn mark_at(output: &CanvasOutput, marks: &[ComparedMark], pointer: Pos2) -> Option<usize> {
     const REACH_POINTS: f32 = 8.0;
     let t = output.ui_from_image;
@@ -256,10 +243,8 @@ pub fn mark_at(output: &CanvasOutput, marks: &[ComparedMark], pointer: Pos2) -> 
 pub struct CircleMark {
     /// Centre, image pixels.
     pub centre: Pos2,
-    /// Radius, image pixels.
     pub radius: f32,
     pub colour: Color32,
-    /// Whether the circle stands out.
     pub strong: bool,
 }
 
@@ -284,8 +269,7 @@ pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>
     output.painter.add(Shape::mesh(strokes.into_mesh()));
 }
 
-/// Finds the circle (centre and radius, image pixels) under the pointer: of those within reach, that with the nearest
-/// centre.
+/// Of the circles (centre and radius, image pixels) within reach, that with the nearest centre.
 pub fn circle_at(
     marks: impl Iterator<Item = (Pos2, f32)>,
     ui_from_image: RectTransform,
@@ -306,7 +290,6 @@ mod tests {
     use crate::detector::params::slope_grid::Slope;
     use egui::pos2;
 
-    /// Test feature with the given values.
     pub(super) fn feature(u: f32, v: f32, sigma: f32, slope: (f32, f32), response: f32) -> Feature {
         Feature {
             u,

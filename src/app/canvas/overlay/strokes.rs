@@ -16,7 +16,6 @@ impl Strokes {
         Self { mesh: Mesh::default(), feather: 1.0 / pixels_per_point }
     }
 
-    /// As [`Self::new`], with memory for `count` features as they usually are.
     pub fn with_room_for(pixels_per_point: f32, count: usize) -> Self {
         let mut strokes = Self::new(pixels_per_point);
         strokes.mesh.reserve_vertices(100 * count);
@@ -111,7 +110,6 @@ impl Strokes {
     }
 }
 
-/// Directions around a circle, as many as a circle of `radius` points needs to look round.
 fn unit_circle(radius: f32) -> &'static [Vec2] {
     use std::sync::LazyLock;
     static TABLES: LazyLock<[Vec<Vec2>; 5]> = LazyLock::new(|| {
@@ -146,16 +144,6 @@ mod tests {
         assert!(mesh.vertices.iter().all(|v| v.pos.is_finite()));
         let bounds = mesh.calc_bounds();
         assert!((bounds.max.x - 71.0).abs() < 1.0 && (bounds.max.y - 81.0).abs() < 1.0, "{bounds:?}");
-    }
-
-    #[test]
-    fn dashes_leave_out_about_half() {
-        let triangles = |dashed| {
-            let mut strokes = Strokes::new(1.0);
-            strokes.circle(pos2(0.0, 0.0), 30.0, 1.5, Color32::RED, dashed);
-            strokes.into_mesh().indices.len()
-        };
-        assert_eq!(2 * triangles(true), triangles(false));
     }
 
     #[test]

@@ -53,7 +53,6 @@ pub struct Shown {
     /// One row for each feature of ours or theirs; the most interesting first.
     pub rows: Vec<Row>,
     pub summary: String,
-    /// Whether the truth, if it is the reference, is complete.
     pub is_whole_truth: bool,
     ours: &'static str,
 }
@@ -103,7 +102,6 @@ pub struct Against {
     truth: Option<(BurstId, bool)>,
     pub with: Option<With>,
     pub shown: Option<Arc<Shown>>,
-    /// Kinds that are not drawn and not listed.
     pub hidden: Vec<Kind>,
     pub selected: Option<usize>,
     pub hovered: Option<usize>,
@@ -112,7 +110,6 @@ pub struct Against {
 }
 
 impl Against {
-    /// Whether the reference `with` is loaded or known.
     pub fn has(&self, with: With) -> bool {
         match with {
             With::Pinned => self.pinned.is_some(),
@@ -135,7 +132,6 @@ impl Against {
         !self.hidden.contains(&kind)
     }
 
-    /// Forgets the references of another burst than the open one.
     fn check(&mut self, open: Option<&OpenBurst>) {
         let id = open.map(|open| open.id);
         self.pinned.take_if(|pinned| Some(pinned.burst) != id);
@@ -188,7 +184,6 @@ impl Against {
 }
 
 impl Model {
-    /// Pins the features of `side`: later results are compared with them.
     pub fn pin_result(&mut self, side: Side) {
         let slot = &mut self.slots[side];
         if let (Some(burst), Some(found)) = (&slot.burst, &slot.found) {
@@ -209,7 +204,6 @@ impl Model {
         }
     }
 
-    /// Forgets the pinned result or the opened features of `side`.
     pub fn forget_reference(&mut self, side: Side, with: With) {
         let against = &mut self.slots[side].against;
         match with {
@@ -261,7 +255,6 @@ impl Model {
         self.slots[side].against.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
     }
 
-    /// Comparison of `side` to save in a session; `None` where nothing is compared.
     pub fn saved_against(&self, side: Side) -> Option<SavedAgainst> {
         let against = &self.slots[side].against;
         let saved = SavedAgainst {
@@ -272,8 +265,7 @@ impl Model {
         (saved != SavedAgainst::default()).then_some(saved)
     }
 
-    /// Restores the comparison of a session for the burst of `side`, which was just opened. The reference is read or
-    /// detected when it is needed.
+    /// For the burst of `side`, which was just opened. The reference is read or detected when it is needed.
     pub fn restore_against(&mut self, side: Side, saved: Option<SavedAgainst>) {
         let SavedAgainst { with, file, pinned } = saved.unwrap_or_default();
         let slot = &mut self.slots[side];

@@ -9,12 +9,10 @@ use crate::app::project::tests::open;
 use crate::app::project::workspace::Workspace;
 use crate::requests::PictureKind;
 
-/// A model with two bursts, of which the other workspaces have found the features.
 fn methods() -> Model {
     Model { workspace: Workspace::Methods, ..pair() }
 }
 
-/// Does a job as the engine would, but answers with results that exist already.
 fn do_job(model: &mut Model, job: &CompareJob) {
     match &job.request {
         CompareRequest::Detect(request) => {
@@ -33,7 +31,6 @@ fn do_job(model: &mut Model, job: &CompareJob) {
     }
 }
 
-/// Does all missing jobs and returns their methods and sides.
 fn do_all(model: &mut Model) -> Vec<(Contender, Side)> {
     let mut done = Vec::new();
     while let Some(job) = model.next_compare_job() {
@@ -114,7 +111,6 @@ fn the_look_from_a_file_makes_sense() {
     assert_eq!(look.methods, [Contender::Sift, Contender::Gold]);
 }
 
-/// The methods of the panes on the screen, in reading order.
 fn of_panes(model: &Model) -> Vec<Option<Contender>> {
     model.panes.shown().into_iter().filter_map(|id| model.panes.get(id)).map(|pane| pane.method).collect()
 }

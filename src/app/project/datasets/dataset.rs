@@ -15,7 +15,6 @@ use std::sync::Arc;
 pub struct Dataset {
     pub opened: OpenDataset,
     pub states: Vec<BurstState>,
-    /// The bursts chosen as A and B, by their places.
     pub pair: [Option<usize>; 2],
     pub matches: PairTable,
 }
@@ -109,7 +108,6 @@ impl Dataset {
         ImageCounts::of(&keypoints, &pairs).filter(|_| !pairs.is_empty())
     }
 
-    /// Whether finding features with `params` overwrites features of other parameters.
     pub fn would_replace(&self, params: &SearchParams) -> bool {
         let others_here = self.params != *params && self.counts().done > 0;
         let others_in_folder = self.other_params.as_ref().is_some_and(|others| others != params);
@@ -189,14 +187,11 @@ pub enum BurstState {
     /// Its features were not found yet, or with other parameters.
     Waiting,
     Running,
-    /// Its features are in the dataset's folder.
     Done(FinishedBurst),
-    /// Finding its features failed, for this reason.
     Failed(String),
 }
 
 impl BurstState {
-    /// The state in a few words, for below a burst's picture.
     pub fn text(&self) -> String {
         match self {
             Self::Waiting => "waiting".to_owned(),
@@ -207,7 +202,6 @@ impl BurstState {
         }
     }
 
-    /// The state in a sentence, for tooltips and screen readers.
     pub fn sentence(&self) -> String {
         match self {
             Self::Waiting => "waiting: no features with these parameters yet".to_owned(),

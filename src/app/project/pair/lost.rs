@@ -156,7 +156,6 @@ impl<'a> MatchSides<'a> {
     }
 }
 
-/// Point of the line through `points` that is nearest to a place; a single point is returned as it is.
 fn nearest_on(points: &[[f64; 2]], [u, v]: [f64; 2]) -> Option<[f64; 2]> {
     let on_part = |part: &[[f64; 2]]| {
         let ([from_u, from_v], [to_u, to_v]) = (part[0], part[1]);
