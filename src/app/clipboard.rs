@@ -97,28 +97,6 @@ pub fn copy_picture(ctx: &egui::Context, model: &mut Model) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::Slope;
-
-    #[test]
-    fn a_row_has_as_many_numbers_as_headings() {
-        let feature = Feature {
-            u: 1.5,
-            v: 2.0,
-            sigma: 3.0,
-            orientation: 0.25,
-            slope: Slope::new(-1.0, 0.5),
-            response: -0.125,
-            snr: 8.0,
-            octave: 1,
-            level: 2,
-            at_slope_limit: true,
-            ..Feature::default()
-        };
-        let text = feature_text(&feature);
-        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split('\t').collect()).collect();
-        assert_eq!((lines.len(), lines[0].len()), (2, lines[1].len()));
-        assert_eq!(lines[1], ["1.5", "2", "3", "0.25", "-1", "0.5", "-0.125", "8", "1", "2", "1"]);
-    }
 
     #[test]
     fn the_command_has_the_calibration_with_which_files_were_opened() {
@@ -130,20 +108,5 @@ mod tests {
         assert!(built_in.contains("demo") && !built_in.contains("4095"), "{built_in}");
         let dark = BurstSource::DarkCopy { of: Box::new(BurstSource::Demo), noise: model.lab.dark_copy };
         assert!(command_text(&dark, Side::A, &model).is_err_and(|why| why.contains("synth")));
-    }
-
-    #[test]
-    fn values_and_places_can_be_read_by_a_program() {
-        let readout = Readout {
-            u: 12.345,
-            v: 6.0,
-            pixel: (12, 6),
-            value: -0.25,
-            full_scale: 255.0,
-            image_from_picture_scale: 1.0,
-            quantity: Default::default(),
-            smoothing_px: 0.0,
-        };
-        assert_eq!((value_text(&readout), place_text(&readout)), ("-0.25".to_owned(), "12.35, 6.00".to_owned()));
     }
 }

@@ -304,28 +304,6 @@ mod tests {
     use egui::{Color32, vec2};
 
     #[test]
-    fn a_lost_device_is_set_up_again_and_draws_the_same() {
-        let mut offscreen = Offscreen::new(vec2(90.0, 40.0), 1.0, AdapterChoice::Software).unwrap();
-        let icon = egui::ColorImage::filled([8, 8], Color32::GOLD);
-        let icon = offscreen.context().load_texture("icon", icon, egui::TextureOptions::NEAREST);
-        let mut draw = |ui: &mut egui::Ui| {
-            ui.label("Burstscope");
-            ui.image((icon.id(), vec2(8.0, 8.0)));
-        };
-        offscreen.frame(Vec::new(), &mut draw);
-        let before = offscreen.image().unwrap();
-        assert!(before.pixels().any(|pixel| pixel.0 == Color32::GOLD.to_array()));
-        // Between two frames, and between a frame and its picture.
-        offscreen.render_state().device.destroy();
-        assert_eq!(offscreen.image().unwrap(), before);
-        offscreen.render_state().device.destroy();
-        offscreen.frame(Vec::new(), &mut draw);
-        assert_eq!(offscreen.image().unwrap(), before);
-        offscreen.frame(Vec::new(), &mut draw);
-        assert_eq!(offscreen.image().unwrap(), before);
-    }
-
-    #[test]
     fn waits_for_idle_and_gives_up_in_time() {
         let draw = |count: &mut usize, ui: &mut egui::Ui| {
             *count += 1;

@@ -11,8 +11,7 @@
 mod state;
 mod threads;
 
-use super::OnUpdate;
-use super::fault;
+use super::{OnUpdate, fault};
 use crate::monitor::Monitor;
 use crate::requests::{JobError, JobId, Running, Urgency};
 use state::{RunningJob, State, WaitingJob};

@@ -233,19 +233,6 @@ mod tests {
         assert_eq!(two.in_rows(), [ids(&[1, 2]), ids(&[3, 4])]);
     }
 
-    #[test]
-    fn it_is_kept_in_a_file() {
-        #[derive(Debug, PartialEq, Serialize, Deserialize)]
-        struct Kept {
-            arrangement: Arrangement,
-        }
-        let tabs = Arrangement::Tabs { parts: vec![pane(3), pane(4)], active: 1 };
-        let row = Arrangement::Row(vec![Part { share: 0.75, inner: pane(1) }, Part { share: 1.25, inner: tabs }]);
-        let kept = Kept { arrangement: row };
-        let text = toml::to_string(&kept).unwrap();
-        assert_eq!(toml::from_str::<Kept>(&text).unwrap(), kept, "{text}");
-    }
-
     fn any_arrangement() -> impl Strategy<Value = Arrangement> {
         let leaf = (0u32..6).prop_map(pane);
         leaf.prop_recursive(12, 40, 4, |inner| {

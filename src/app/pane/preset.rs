@@ -200,25 +200,6 @@ mod tests {
     }
 
     #[test]
-    fn a_strip_of_scales_has_every_level_once() {
-        let laid = Preset::Scales.lay_out(&base(1.0), &params());
-        let levels: Vec<i32> = laid.rows.iter().flatten().map(|pane| pane.cursor.level).collect();
-        assert_eq!(levels, level_range(&params()).collect::<Vec<_>>());
-        assert!(laid.rows.iter().flatten().all(|pane| pane.shows(ViewKind::Dog)));
-        assert_eq!(levels[laid.focus], 0);
-    }
-
-    #[test]
-    fn two_slopes_differ_and_are_moved_on_their_own() {
-        for slope in [-3.0, 0.5, 3.0] {
-            let laid = Preset::TwoSlopes.lay_out(&base(slope), &params());
-            let two = slopes(&laid);
-            assert!(two[0] == slope && two[1] != slope, "{two:?}");
-            assert!(laid.rows.iter().flatten().all(|pane| !pane.links.cursor));
-        }
-    }
-
-    #[test]
     fn the_pane_in_focus_goes_on_in_every_preset() {
         for preset in Preset::ALL {
             for kind in ViewKind::OF_CURSOR {

@@ -133,35 +133,3 @@ fn b_follows_a_also_while_it_is_not_on_the_screen() {
     panes.follow_cursor(A, before);
     assert_eq!(panes.of(Side::B).cursor.level, 0);
 }
-
-#[test]
-fn methods_come_and_go_and_the_rest_stays_where_it_was() {
-    let mut panes = Panes::default();
-    panes.turn_to(Workspace::Methods);
-    let methods = [Contender::Sift, Contender::Merge, Contender::Buff1d];
-    let of = |panes: &Panes| -> Vec<(Contender, Side)> {
-        panes
-            .shown()
-            .iter()
-            .filter_map(|id| panes.get(*id))
-            .filter_map(|pane| Some((pane.method?, pane.side)))
-            .collect()
-    };
-    panes.lay_out_methods(MethodsPreset::Matches, &methods, true);
-    let rows = methods.into_iter().flat_map(|method| Side::BOTH.map(|side| (method, side)));
-    assert_eq!(of(&panes), rows.collect::<Vec<_>>());
-    panes.add_method(Contender::Gold, true);
-    panes.remove_method(Contender::Merge);
-    assert_eq!(
-        of(&panes).iter().map(|(method, _)| *method).collect::<Vec<_>>()[..4],
-        [Contender::Sift, Contender::Sift, Contender::Buff1d, Contender::Buff1d]
-    );
-    assert_eq!((of(&panes).len(), panes.arrangement().in_rows().len()), (6, 3));
-    panes.close_side(Side::B);
-    assert_eq!(of(&panes).len(), 3);
-    panes.lay_out_methods(MethodsPreset::Wipe, &methods, false);
-    let [left, right] = panes.shown()[..] else { panic!("two panes in one place") };
-    assert_eq!(panes.over(left), Some(Over::Wipe { other: right, at: 0.5 }));
-    assert!(matches!(panes.arrangement(), Arrangement::Tabs { active: 0, .. }));
-    assert_eq!(of(&panes), [(Contender::Sift, Side::A), (Contender::Buff1d, Side::A)]);
-}

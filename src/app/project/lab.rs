@@ -393,34 +393,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kept_curves_stay_and_can_be_forgotten() {
-        let mut lab = Lab::default();
-        lab.keep_current();
-        assert!(lab.kept.is_empty(), "there is nothing to keep");
-        let study = ChartStudy {
-            chart: ChartParams { width: 96, height: 64, discs: 1, radius: 4.0..=5.0, ..ChartParams::default() },
-            snrs: vec![4.0],
-            seeds: 1,
-            methods: vec![BurstMethod::SiftMean],
-            ..ChartStudy::default()
-        };
-        let report = StudyReport::Chart(Box::new(study.run(&crate::Monitor::default()).expect("a report")));
-        lab.current = Some(LabResult { study: Study::Chart(Box::new(study)), report, is_whole: true });
-        lab.keep_current();
-        lab.keep_current();
-        assert_eq!(lab.shown_results().len(), 3);
-        let point = StudyPoint { row_value: 4.0, method: None };
-        lab.selected = Some((LabSet::Kept(1), point));
-        lab.forget_kept(0);
-        assert_eq!(lab.selected, Some((LabSet::Kept(0), point)));
-        assert_eq!(lab.selected_chart().expect("one").seed, 1);
-        lab.forget_kept(0);
-        assert_eq!((lab.selected, lab.shown_results().len()), (None, 1));
-        lab.question = LabQuestion::Accuracy;
-        assert!(lab.shown_results().is_empty(), "these are answers to another question");
-    }
-
-    #[test]
     fn what_is_asked_is_what_the_commands_ask_by_default() {
         let lab = Lab { methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(), ..Lab::default() };
         let study = lab.study(&SearchParams::default(), None).expect("sound");

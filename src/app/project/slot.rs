@@ -6,8 +6,7 @@ use crate::app::project::against::Against;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::side::Side;
 use crate::app::project::{Effect, Model};
-use crate::app::view::View;
-use crate::app::view::fixed;
+use crate::app::view::{View, fixed};
 use crate::burst::OpenOptions;
 use crate::detector::{
     Advice, Detection, DetectorParams, Feature, Method, ParamError, SearchParams, Slope, SlopeFinding, SlopeGrid,

@@ -76,20 +76,6 @@ fn one_axis_alone_makes_the_other_zero() {
 }
 
 #[test]
-fn options_override_the_file() {
-    let file = tempfile::NamedTempFile::new().expect("a file");
-    let path = file.path().to_str().expect("plain");
-    std::fs::write(path, "octaves = 3\nlevels = 5\n[slopes]\nv = { min = -1.0, max = 1.0, count = 3 }\n")
-        .expect("written");
-    let got = params(&["--params", path, "--levels", "4", "--slopes-u", "0:2:3"]).expect("valid");
-    assert_eq!(got.slopes, SlopeChoice::Given);
-    let got = got.detector;
-    assert_eq!((got.octaves, got.levels, got.slopes.u.count, got.slopes.v.count), (3, 4, 3, 3));
-    let found = params(&["--params", path, "--slopes", "auto"]).expect("valid");
-    assert_eq!((found.slopes, found.detector.octaves), (SlopeChoice::AUTO, 3));
-}
-
-#[test]
 fn a_direction_alone_says_on_which_line_slopes_are_found() {
     let line = SlopeChoice::Auto { direction_deg: Some(30.0) };
     assert_eq!(params(&["--slope-direction", "30"]).expect("valid").slopes, line);

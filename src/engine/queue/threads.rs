@@ -2,8 +2,7 @@
 
 use super::state::{RunningJob, WaitingJob};
 use super::{Shared, Standing};
-use crate::engine::OnUpdate;
-use crate::engine::fault;
+use crate::engine::{OnUpdate, fault};
 use crate::monitor::{Monitor, Progress};
 use crate::requests::Urgency;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -9,8 +9,7 @@ use crate::plane::display::direction_colour;
 use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
 
-/// A [`ColourBy`] with the range of values that its colours span, so that a colour keeps its meaning until the next
-/// detection.
+/// The range stays until the next detection, so that a colour keeps its meaning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourScale {
     pub by: ColourBy,
@@ -18,8 +17,7 @@ pub struct ColourScale {
     pub min: f32,
     /// Value of the last colour; the magnitude of full saturation for the directions of a plane of slopes.
     pub max: f32,
-    /// For [`ColourBy::SlopeDirection`] of slopes on a line: the line's direction, degrees from +u towards +v. The
-    /// colours then run along it instead of around a wheel.
+    /// Of slopes on a line, degrees from +u towards +v: the colours then run along it, not around a wheel.
     pub line_deg: Option<f32>,
     table: Vec<Color32>,
     coherences: Option<Arc<Vec<Judged>>>,
@@ -29,8 +27,7 @@ pub struct ColourScale {
 const UNKNOWN: Color32 = Color32::from_gray(150);
 
 impl ColourScale {
-    /// Creates the scale for `features` that were found at the slopes of `grid`: over the searched range for slopes on
-    /// a line, over all features for σ and SNR, ± the largest magnitude for the response.
+    /// Over the searched range for slopes on a line, over all features for σ and SNR, ± the largest |response|.
     pub fn of(by: ColourBy, features: &[Feature], grid: &SlopeGrid) -> Self {
         if let Some((line_deg, axis)) = line_of(grid).filter(|_| by == ColourBy::SlopeDirection) {
             return Self { line_deg: Some(line_deg), ..Self::with_range(ColourBy::SlopeU, axis.min, axis.max) }
@@ -259,7 +256,8 @@ mod tests {
 
     #[test]
     fn scales_span_the_features() {
-        let features = [feature(0.0, 0.0, 2.0, (-1.0, 0.5), -0.1), feature(5.0, 5.0, 8.0, (3.0, 0.5), 0.05)];
+        let mut features = [feature(0.0, 0.0, 2.0, (-1.0, 0.5), -0.1), feature(5.0, 5.0, 8.0, (3.0, 0.5), 0.05)];
+        (features[1].snr, features[1].at_slope_limit) = (10.0 * features[0].snr, true);
         assert_eq!(ColourScale::of(ColourBy::SlopeU, &features, &PLANE).max, 3.0);
         assert_eq!(ColourScale::of(ColourBy::Scale, &features, &PLANE).min, 2.0);
         assert_eq!(ColourScale::of(ColourBy::Response, &features, &PLANE).min, -0.1);

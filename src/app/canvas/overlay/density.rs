@@ -35,9 +35,8 @@ pub enum Group {
     Faint,
 }
 
-/// Chooses among `features`, strongest first, those drawn in full where `view_image` is visible at the scale of
-/// `ui_from_image`, of those that have a `group`; features for which `always` holds are drawn whatever stands around
-/// them. Takes time in proportion to the number of features.
+/// Chooses those of `features`, strongest first, that are drawn in full; those for which `always` holds are drawn
+/// whatever stands around them. Takes time in proportion to the number of features.
 pub fn drawn(
     features: &[Feature],
     group: impl Fn(usize) -> Option<Group>,
@@ -64,8 +63,7 @@ pub fn drawn(
     out
 }
 
-/// Chooses among `lines` those that are drawn: a few for each part of A's picture, inliers before others, in their
-/// order; and those for which `always` holds. Returns a flag for each line.
+/// A flag for each line: a few are drawn for each part of A's picture, inliers first, and those that are `always`.
 pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);

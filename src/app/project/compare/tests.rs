@@ -110,31 +110,3 @@ fn the_look_from_a_file_makes_sense() {
     let look = CompareLook { methods, ..CompareLook::default() }.sanitised();
     assert_eq!(look.methods, [Contender::Sift, Contender::Gold]);
 }
-
-fn of_panes(model: &Model) -> Vec<Option<Contender>> {
-    model.panes.shown().into_iter().filter_map(|id| model.panes.get(id)).map(|pane| pane.method).collect()
-}
-
-#[test]
-fn each_method_has_a_pane_that_wants_what_the_method_looks_at() {
-    let mut model = methods();
-    model.refresh_workspace();
-    assert_eq!(of_panes(&model), [Contender::Sift, Contender::Merge, Contender::Buff1d, Contender::Buff2d].map(Some));
-    let kinds: Vec<PictureKind> =
-        model.panes.shown().into_iter().filter_map(|id| model.wanted(id)).map(|wanted| wanted.kind).collect();
-    let slope = model.cursor().slope;
-    assert_eq!(kinds[..2], [PictureKind::Frame(2), PictureKind::Merge]);
-    assert_eq!(kinds[2..], [PictureKind::Stack { slope }; 2]);
-    // One that is split shows another picture of the same method.
-    let dog = model.panes.split_with(Direction::Right, |pane| pane.show(ViewKind::Dog)).expect("there is room");
-    let wanted = model.wanted(dog).expect("open");
-    assert!(matches!(wanted.kind, PictureKind::Dog { .. }) && wanted.params.method == crate::detector::Method::Sift);
-    model.compare.look.show(Contender::Merge, false);
-    model.compare.gold[0] = Some(open((32, 24), 1));
-    model.refresh_workspace();
-    let left = [Contender::Sift, Contender::Sift, Contender::Buff1d, Contender::Buff2d, Contender::Gold].map(Some);
-    assert_eq!(of_panes(&model), left);
-    let gold = model.panes.shown()[4];
-    assert_eq!(model.wanted(gold).map(|wanted| wanted.burst.burst.size()), Some((32, 24)));
-    assert!(model.panes.get(gold).is_some_and(|pane| pane.own_ranges.is_some()), "it was taken with another light");
-}

@@ -2,8 +2,7 @@
 
 use crate::app::project::filter::Order;
 use crate::app::project::pair::Side;
-use crate::app::view::number;
-use crate::app::view::{fixed, signed};
+use crate::app::view::{fixed, number, signed};
 use crate::detector::{Detection, Feature};
 use crate::matching::{Match, MatchResult, TwoViewModel};
 use crate::requests::{MatchRequest, Matched};
