@@ -1,8 +1,6 @@
 //! Window without a display: runs frames as a window would, and draws the last one into a picture in memory.
 //!
-//! `burstscope render` uses it, and so do the tests of the graphics card's pictures. It needs a graphics adapter that
-//! Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough. A device that is lost is set up again, once
-//! for each picture.
+//! It needs a graphics adapter that Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough.
 
 use super::gpu::{self, AdapterChoice};
 use crate::monitor::Monitor;

@@ -1,8 +1,5 @@
-//! The window: its state, the steps of each pass, and its layout: menus and toolbar above, the open workspace in the
-//! middle, the status bar below.
-//!
-//! Each part of it is given what it reads and what it owns. What a part changes beyond that comes back as an
-//! [`Effect`], which `effects` applies.
+//! The window: its state, the steps of each pass, and its layout. What a part changes beyond what it owns comes back as
+//! an [`Effect`], which `effects` applies.
 
 use super::actions::{self, ActionId, Queue, menu::menu_bar_ui};
 use super::canvas::Readout;

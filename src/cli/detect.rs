@@ -41,8 +41,7 @@ impl<'a> DetectJob<'a> {
         Ok(Self { out, formats, params, camera, rules })
     }
 
-    /// Locks the folder for this process, after checking that the features of `inputs` and the files `others` may be
-    /// written there.
+    /// After checking that the features of `inputs` and the files `others` may be written there.
     pub fn take_folder(&self, inputs: &[Input], others: &[PathBuf]) -> Result<FolderLock, Failure> {
         for file in inputs.iter().flat_map(|input| self.files(&input.name)).chain(others.iter().cloned()) {
             self.rules.check(&file)?;

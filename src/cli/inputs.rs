@@ -45,8 +45,7 @@ impl Input {
         Ok(self.source.clone()?.burst(options, monitor)?)
     }
 
-    /// Opens the burst to search it with `params`. A search that needs more memory than there is, is refused before any
-    /// pixel is read.
+    /// A search that needs more memory than there is, is refused before any pixel is read.
     pub fn open_to_search(
         &self,
         options: &OpenOptions,
@@ -124,8 +123,7 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
     Ok(bursts)
 }
 
-/// Resolves files, including paths that do not exist. A missing file makes the burst of single pictures fail, whose
-/// frame it may be, but not stacks, which are bursts of their own.
+/// A missing file makes the burst of single pictures fail, whose frame it may be, but not stacks.
 fn resolve_files(files: &[PathBuf]) -> Vec<Input> {
     let (present, missing): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(|f| f.exists());
     if missing.is_empty() || present.is_empty() {

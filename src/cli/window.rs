@@ -68,8 +68,7 @@ fn lesson(name: &Path, params: SearchParams) -> Result<(), Failure> {
     draw(&RenderOptions { lesson: Some(lesson), ..RenderOptions::default() }, &file, &console)
 }
 
-/// Finds the built-in lesson of this name, or reads the first one of the file or folder, with all others of that
-/// folder.
+/// Built in, or the first one of the file or folder, with all others of that folder.
 fn lesson_named(name: &Path) -> Result<(Arc<Lesson>, Vec<Lesson>), Failure> {
     if let Some(lesson) = built_in().iter().find(|lesson| name.as_os_str() == lesson.name.as_str()) {
         return Ok((lesson.clone(), Vec::new()));

@@ -80,8 +80,7 @@ impl Shared {
     }
 }
 
-/// The queue with its threads. Dropping it cancels all requests except the writing of files, which it finishes, and
-/// returns when all threads have ended.
+/// Dropping it cancels all requests except the writing of files, and returns when all threads have ended.
 pub struct JobQueue {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,

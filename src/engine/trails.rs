@@ -87,8 +87,7 @@ impl Trails {
         Ok(None)
     }
 
-    /// Returns the trail that `find` finds, or makes it with `make`. Waits if another thread is making it. A new trail
-    /// stays at least until the next one is made, even above the budget: most askers ask again.
+    /// Waits if another thread is making it. A new trail stays at least until the next one is made: most ask again.
     fn find_or_make(
         &self,
         (open, key): (&OpenBurst, &Key),

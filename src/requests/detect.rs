@@ -78,8 +78,7 @@ pub struct Detected {
     pub burst: BurstId,
     pub asked: SearchParams,
     pub params: DetectorParams,
-    /// Parameters of the search that left what the features were judged from: `params`, or less strict ones. Those that
-    /// [follow](crate::detector::follows) from them need no other search.
+    /// `params`, or less strict ones; those that [follow](crate::detector::follows) from them need no other search.
     pub searched: DetectorParams,
     pub search_secs: f32,
     pub finding: Option<SlopeFinding>,

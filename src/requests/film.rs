@@ -162,12 +162,8 @@ impl Film {
         self.sheet().map(|side| side as u32).into()
     }
 
-    /// Makes the pictures of all steps by `draw`, and writes them. Only a few are in memory at a time: as many as the
-    /// threads, and fewer where [`memory::budget`](crate::detector::memory::budget) is small. `may_write` is asked once
-    /// more before the file is begun.
-    ///
-    /// # Errors
-    /// See [`FilmError`]; also when `monitor` was cancelled.
+    /// Only as many pictures are in memory at a time as there are threads, and fewer where memory is small. `may_write`
+    /// is asked once more before the file is begun.
     pub fn write(
         &self,
         path: &Path,
@@ -231,8 +227,7 @@ impl Film {
         Ok(Prepared { steps: steps.to_vec(), planes, responses, display, sheet: self.sheet() })
     }
 
-    /// The pictures of the prepared steps, in order, made as they are taken: as many at a time as `room` bytes hold, at
-    /// least one.
+    /// In order, made as they are taken: as many at a time as `room` bytes hold, at least one.
     fn pictures<'a>(
         &'a self,
         mut prepared: Prepared,
@@ -390,8 +385,7 @@ impl Film {
         })
     }
 
-    /// The place whose response is drawn: the given one, or that of the strongest feature at the film's slope, or at
-    /// any.
+    /// The given one, or that of the strongest feature at the film's slope, or at any.
     fn place(&self) -> Option<FilmPlace> {
         let of = |feature: &Feature| FilmPlace { at: [feature.u, feature.v], scale: (feature.octave, feature.level) };
         let stack = FilmStep { slope: self.slope, scale: None, frames: None };

@@ -59,16 +59,14 @@ pub struct AboutView {
     pub key: &'static str,
     pub label: &'static str,
     pub help: &'static str,
-    /// Stage of the processing that makes it: it depends on the parameters of this stage and of those before it. `None`
-    /// where it depends on no parameter.
+    /// It depends on the parameters of this stage and of those before it; `None` where it depends on none.
     pub stage: Option<Stage>,
     /// Whether it depends on the slope.
     pub of_slope: bool,
     /// Whether it depends on octave and level, and has the octave's pixels.
     pub of_scale: bool,
     pub range: RangeClass,
-    /// Whether it needs a search of the burst or all of its frames, which takes too long to repeat at every step of a
-    /// slider.
+    /// Needs a search or all frames, which takes too long to repeat at every step of a slider.
     pub is_slow: bool,
     /// The way to combine the shifted frames, for pictures that are made by one.
     pub combine: Option<Combine>,

@@ -7,10 +7,7 @@ use crate::plane::statistics::Region;
 use egui::{Pos2, Rect, pos2};
 use std::sync::Arc;
 
-/// Plane with its place in the input image. Cheap to clone; the pixels are shared.
-///
-/// Pixel (i, j) of the plane is centred at (i·s, j·s) of the input image, where s is `image_from_picture_scale`; with
-/// s = 2^octave this is where the detector's octaves lie.
+/// Pixel (i, j) of the plane is centred at (i·s, j·s) of the input image, where s is `image_from_picture_scale`.
 #[derive(Debug, Clone)]
 pub struct Picture {
     /// Id of the content: new values need a new id, unchanged values should keep theirs.

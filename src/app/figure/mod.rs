@@ -164,8 +164,7 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
 /// Shortest side of what is seen of a picture, in points of the window, below which its pane counts as squeezed.
 const SQUEEZED: f32 = 48.0;
 
-/// Part of a picture that its pane shows, image pixels; `None` where the pane is squeezed so much that it shows none to
-/// speak of: the whole picture is drawn instead.
+/// Image pixels; `None` where the pane is squeezed so much that the whole picture is drawn instead.
 fn part_in_view(state: &PictureState) -> Option<egui::Rect> {
     let (visible, picture) = (state.visible_image?, state.shown()?.rect_image());
     let seen = state.ui_from_image?.rect(visible.intersect(picture));
@@ -202,8 +201,7 @@ fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
     ColourBar::of(display, number(display.min, 3), high)
 }
 
-/// Legend entries: the colours of the slopes of the grid that have features (at most 12), or of five steps through the
-/// range.
+/// Of the slopes of the grid that have features (at most 12), or of five steps through the range.
 fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
     let Some(sample) = detection.features.first().copied() else { return Vec::new() };
     let entry = |feature: Feature, label: String| LegendEntry { color: rgb(scale.colour(0, &feature)), label };

@@ -47,8 +47,7 @@ pub struct PictureRenderer {
 }
 
 impl PictureRenderer {
-    /// Creates the pipeline and the table of colour maps. Failed uploads are noted in `failures`, and those that are in
-    /// it are not tried again.
+    /// Failed uploads are noted in `failures`; those that are in it are not tried again.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -81,8 +80,7 @@ impl PictureRenderer {
         self.pictures.values().map(|p| p.texture.layout.bytes()).sum()
     }
 
-    /// Uploads the picture if it is missing, and makes the pane's bind group show it. The caller fills in `uniforms`,
-    /// except for values that depend on the picture's layout in its texture.
+    /// Uploads the picture if it is missing. The caller fills in `uniforms`, except for what depends on its layout.
     pub(super) fn prepare(
         &mut self,
         device: &wgpu::Device,
@@ -382,8 +380,7 @@ impl PicturePaint {
     }
 }
 
-/// Rounds a ratio to 1 where it differs only by rounding, so that pixels are copied and not mixed with their
-/// neighbours.
+/// 1 where the ratio differs from it only by rounding, so that pixels are copied and not mixed with neighbours.
 fn screen_ratio(picture_px_per_px: f32) -> f32 {
     if (picture_px_per_px - 1.0).abs() < 1e-5 { 1.0 } else { picture_px_per_px }
 }

@@ -1,9 +1,5 @@
-//! Setup of the graphics device for the window, for drawing without a display and for tests, and copies of the
-//! toolkit's own textures (letters, icons, small pictures) in main memory.
-//!
-//! The toolkit hands each texture to the card once and forgets it. When the card's device is lost, a new one must get
-//! them all again; so they are kept here too (a whole image shares its pixels with its creator). The pictures of
-//! bursts are not among them: they come with each frame, and are uploaded where they are missing.
+//! Setup of the graphics device, and copies of the toolkit's own textures (letters, icons, small pictures): the toolkit
+//! hands each to the card once and forgets it, and a new device in place of a lost one must get them all again.
 
 use super::renderer::{Failures, PictureRenderer};
 use super::texture::DeviceLimits;
@@ -43,8 +39,7 @@ pub fn wgpu_configuration() -> WgpuConfiguration {
     WgpuConfiguration { wgpu_setup: wgpu_setup(AdapterChoice::Fastest), ..Default::default() }
 }
 
-/// Portable limits (the smaller portable set on weak adapters), raised to the adapter's where the size of pictures
-/// depends on them.
+/// Portable limits, raised to the adapter's where the size of pictures depends on them.
 fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
     let base = if wgpu::Limits::default().check_limits(adapter) {
         wgpu::Limits::default()
@@ -60,13 +55,8 @@ fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
     }
 }
 
-/// Enables `ctx` to draw float pictures with `render_state`. Call it once when the window (or the offscreen drawing) is
-/// created, before the first canvas is shown: in an eframe app with `cc.egui_ctx` and `cc.wgpu_render_state`. Call it
-/// again for a new device in place of a [lost](Gpu::lost) one: everything on the card is uploaded to the new one, but
-/// not pictures for which there was no memory.
-///
-/// The renderer of `render_state` must draw without multisampling and without a depth buffer, which are egui's
-/// defaults.
+/// Enables `ctx` to draw float pictures with `render_state`, which draws without multisampling and without a depth
+/// buffer. Called before the first canvas is shown, and again for a new device in place of a [lost](Gpu::lost) one.
 pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     let RenderState { device, queue, target_format, .. } = render_state;
     let limits = DeviceLimits::of(device);

@@ -1,9 +1,7 @@
 //! The texture of a picture on the card: its layout in tiles and coarser levels, and the upload.
 //!
-//! A texture has a largest side ([`DeviceLimits`]); a larger picture is cut into equal tiles, one array layer each,
-//! and the shader finds the layer of a pixel. Coarser levels hold means of 2×2 pixels, so that a picture shown small
-//! is averaged, not subsampled. The side of a tile is a multiple of 2^(levels − 1), hence a cell of any level lies in
-//! one tile.
+//! A picture larger than a texture may be is cut into equal tiles, one array layer each. Coarser levels hold means of
+//! 2×2 pixels. A tile's side is a multiple of 2^(levels − 1), hence a cell of any level lies in one tile.
 
 use crate::plane::{Plane, memory};
 use rayon::prelude::*;
@@ -20,8 +18,7 @@ const BYTES_ON_THE_WAY: u64 = 32 << 20;
 /// Time allowed to the card for what it is working on. A device that does not answer is not waited for any longer.
 const CARD_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Waits until the card is done with `submission`, or with all that it was given; memory that it no longer needs is
-/// then given back.
+/// Waits until the card is done with `submission`, or with everything, so that memory no longer needed is given back.
 pub(super) fn wait_for_card(device: &wgpu::Device, submission: Option<wgpu::SubmissionIndex>) {
     let wait = wgpu::PollType::Wait { submission_index: submission, timeout: Some(CARD_TIMEOUT) };
     let _ = device.poll(wait);
@@ -85,8 +82,7 @@ impl PictureTexture {
     }
 }
 
-/// Writes into a texture, on their way to the card. They go through buffers of our own: where a device has no memory
-/// for those of its queue, it is lost.
+/// Through buffers of our own: where a device has no memory for those of its queue, it is lost.
 struct Writes<'a> {
     device: &'a wgpu::Device,
     queue: &'a wgpu::Queue,
@@ -221,8 +217,7 @@ impl Layout {
         (0..self.levels).map(level).sum::<u64>() * u64::from(self.layers())
     }
 
-    /// Level for showing `picture_px_per_px` pixels of the picture in one pixel of the screen: the coarsest level whose
-    /// cells are not wider than a screen pixel.
+    /// The coarsest level whose cells are not wider than a pixel of the screen.
     pub fn level_for(&self, picture_px_per_px: f32) -> u32 {
         let level = if picture_px_per_px >= 2.0 { picture_px_per_px.log2().floor() as u32 } else { 0 };
         level.min(self.levels - 1)
@@ -242,8 +237,7 @@ impl DeviceLimits {
     }
 }
 
-/// Next coarser level of `fine`: (⌈columns/2⌉, ⌈rows/2⌉) cells, each the mean of those of its four cells that exist and
-/// are numbers; NaN when none is.
+/// (⌈columns/2⌉, ⌈rows/2⌉) cells, each the mean of those of its four that exist and are numbers; NaN when none is.
 pub fn halve(fine: &Plane) -> Plane {
     let (width, height) = (fine.width().div_ceil(2), fine.height().div_ceil(2));
     let mut coarse = Plane::zeros(width, height);

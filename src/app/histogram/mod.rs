@@ -1,7 +1,7 @@
 //! Histogram of a picture, and the settings with which its values are shown: range, colour map, gamma.
 //!
-//! The range changes only when a handle is dragged, a number typed or a button pressed. It stays when the picture
-//! changes, so that pictures can be compared. The axis stays too, as long as range and values fit on it.
+//! The range changes only by hand, so that pictures can be compared; the axis stays as long as range and values fit on
+//! it.
 
 mod plot;
 

@@ -141,8 +141,7 @@ impl Arrangement {
         }
     }
 
-    /// Removes invalid parts, as files may have: keeps each pane that `keep` accepts once, makes shares finite, and
-    /// limits number and depth. `None` if no pane is left.
+    /// Keeps each pane that `keep` accepts once, makes shares finite, limits number and depth. `None` if none is left.
     #[must_use]
     pub fn sanitised(self, mut keep: impl FnMut(PaneId) -> bool) -> Option<Self> {
         let mut seen = Vec::new();

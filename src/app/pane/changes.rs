@@ -10,8 +10,7 @@ use crate::detector::DetectorParams;
 use std::collections::BTreeMap;
 
 impl Panes {
-    /// Splits pane `id`: the new pane shows the same and gets the focus. Returns the new pane, or `None` once there are
-    /// [`MAX_PANES`].
+    /// The new pane shows the same and gets the focus; `None` once there are [`MAX_PANES`].
     pub fn split(&mut self, id: PaneId, direction: Direction) -> Option<PaneId> {
         if self.shown().len() >= MAX_PANES {
             return None;
@@ -34,8 +33,7 @@ impl Panes {
         Some(new)
     }
 
-    /// Shows the burst of `side` in pane `id`. The two permanent panes stay on their bursts: a new pane takes the place
-    /// of such a one.
+    /// The two permanent panes stay on their bursts: a new pane takes the place of such a one.
     pub fn show_side(&mut self, id: PaneId, side: Side) {
         let Some(pane) = self.get(id).filter(|pane| pane.side != side) else { return };
         let changed = Pane { side, picture: None, problem: None, ..pane.clone() };
@@ -61,8 +59,7 @@ impl Panes {
         self.forget_missing();
     }
 
-    /// Closes a pane on the screen, unless it is the only one. Panes that show its picture go back to their own
-    /// cursors.
+    /// Unless it is the only one. Panes that show its picture go back to their own cursors.
     pub fn close(&mut self, id: PaneId) {
         self.close_in(self.open, id);
     }
@@ -107,8 +104,7 @@ impl Panes {
         }
     }
 
-    /// Replaces the panes of `workspace` by those of a session: `panes` by their ids, and their arrangement. Invalid
-    /// parts are left out.
+    /// Invalid parts of what a session holds are left out.
     pub fn restore(
         &mut self,
         workspace: Workspace,
@@ -164,8 +160,7 @@ impl Panes {
         }
     }
 
-    /// Closes the panes on the burst of `side`, which was closed. A pane that is left alone goes to the other burst;
-    /// *Two bursts* goes back to one pane for each.
+    /// A pane that is left alone goes to the other burst; *Two bursts* goes back to one pane for each.
     pub fn close_side(&mut self, side: Side) {
         for (place, workspace) in PLACES.into_iter().enumerate() {
             if workspace == Workspace::Pair {
@@ -184,8 +179,7 @@ impl Panes {
         }
     }
 
-    /// Swaps A and B. The two permanent panes swap places. The others of *Inspect* stay on their bursts, those of the
-    /// workspaces that show both stay on their sides.
+    /// Panes of *Inspect* stay on their bursts, those of the workspaces that show both stay on their sides.
     pub fn swap_sides(&mut self) {
         self.sides.swap(0, 1);
         for (pane, side) in self.sides.iter_mut().zip(Side::BOTH) {

@@ -1,12 +1,8 @@
 //! Panes: each shows one picture of one open burst.
 //!
-//! A [`Pane`] is a plain value: its burst, and the method whose input it shows; its place there ([`Cursor`]: frame,
-//! slope, octave, level), kind of picture, pan and zoom, own value range if it has one, and links to other panes
-//! ([`PaneLinks`]). [`Panes`] holds all of them. *Inspect*, *Two bursts* and *Methods* have an [`Arrangement`] each,
-//! with one focused pane, which sliders and keys move. Two panes are permanent, one for each of the two bursts.
-//!
-//! The picture that a pane needs follows from its values alone ([`wanted`](Pane::wanted)). The window requests it from
-//! the engine under the pane's own number, and stores the answer in [`Pane::picture`].
+//! A [`Pane`] is a plain value, and the picture that it needs follows from its values alone ([`wanted`](Pane::wanted)).
+//! *Inspect*, *Two bursts* and *Methods* have an [`Arrangement`] each, with one focused pane, which sliders and keys
+//! move. Two panes are permanent, one for each of the two bursts.
 
 mod arrangement;
 mod changes;
@@ -131,8 +127,7 @@ pub struct Pane {
     /// Method whose input the pane shows, where methods are compared.
     pub method: Option<Contender>,
     pub content: Content,
-    /// Place in the burst. A linked pane may have been moved beyond the burst's range; [`Pane::cursor_within`] limits
-    /// it.
+    /// A linked pane may have been moved beyond the burst's range; [`Pane::cursor_within`] limits it.
     pub cursor: Cursor,
     /// Whether the slope was chosen (by hand or by a session) since the burst was opened.
     pub slope_chosen: bool,
@@ -220,16 +215,14 @@ impl Pane {
         self.cursor.within(params, burst.burst.len(), burst.burst.size())
     }
 
-    /// Picture that the pane needs of its own burst; `None` for a difference, which is made of other panes' pictures,
-    /// and for a slice.
+    /// `None` for a difference, which is made of other panes' pictures, and for a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
         let kind = self.cursor_within(burst, params).picture(self.shown()?);
         let kind = self.seen_by_method(kind, burst, params);
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
     }
 
-    /// Where methods are compared, replaces a motion stack by the method's input: one frame or the merged frames for
-    /// SIFT.
+    /// Where methods are compared, one frame or the merged frames for SIFT in place of a motion stack.
     fn seen_by_method(&self, kind: PictureKind, burst: &OpenBurst, params: &DetectorParams) -> PictureKind {
         match (kind, params.method) {
             (PictureKind::Stack { .. }, Method::Sift) if self.method.is_some() => {

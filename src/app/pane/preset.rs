@@ -146,9 +146,8 @@ fn two_slopes(slope: Slope, params: &DetectorParams) -> [Slope; 2] {
     [slope, if next == slope { stepped(grid, slope, along_v, false) } else { next }]
 }
 
-/// `count` neighbouring slopes along the grid's first axis with several, with the nearest to `slope` in the middle as
-/// far as the grid reaches; and the index of that nearest one. On a grid of one slope the neighbours are 0.25 px/frame
-/// apart.
+/// Along the grid's first axis with several, the nearest to `slope` in the middle as far as the grid reaches; and the
+/// index of that one. On a grid of one slope the neighbours are 0.25 px/frame apart.
 fn neighbouring_slopes(slope: Slope, params: &DetectorParams, count: usize) -> (Vec<Slope>, usize) {
     let grid = &params.slopes;
     let along_v = grid.u.count <= 1 && grid.v.count > 1;

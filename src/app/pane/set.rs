@@ -14,8 +14,7 @@ pub(super) struct Placed {
     pub(super) focus: PaneId,
 }
 
-/// All panes. Two are permanent, one for each burst; *Inspect* begins with A's, *Two bursts* with both. A pane that is
-/// in two workspaces shows the same in both.
+/// Two panes are permanent, one for each burst. A pane that is in two workspaces shows the same in both.
 #[derive(Debug)]
 pub struct Panes {
     pub(super) sides: [Pane; 2],
@@ -101,8 +100,7 @@ impl Panes {
         (&placed.arrangement, placed.focus)
     }
 
-    /// Takes an arrangement that the pointer changed: panes may have moved and changed size; one with other panes is
-    /// ignored.
+    /// Takes an arrangement in which the pointer moved panes; one with other panes is ignored.
     pub fn rearrange(&mut self, arrangement: Arrangement) {
         let mut panes = [arrangement.panes(), self.shown()];
         panes.iter_mut().for_each(|ids| ids.sort_unstable());

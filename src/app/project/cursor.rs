@@ -107,8 +107,7 @@ pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool
     }
 }
 
-/// The slope at `step` when playing through the grid: row by row, every other row backwards, so that the picture never
-/// jumps. `step` counts from 0 without limit; the grid is played forwards and backwards in turn.
+/// Row by row, every other row backwards, so that the picture never jumps; forwards and backwards in turn, from 0.
 pub fn played(grid: &SlopeGrid, step: usize) -> Slope {
     let count = grid.len().max(1);
     let period = (2 * count).saturating_sub(2).max(1);

@@ -49,8 +49,7 @@ impl Filter {
         self.coherence.is_some() || self.verdict.is_some()
     }
 
-    /// Whether `feature` passes, when the slope on show is `slope`; `judged` is what is known of it. Before that is
-    /// known, it passes.
+    /// When the slope on show is `slope`; before `judged` is known, the feature passes.
     pub fn passes(&self, feature: &Feature, judged: Option<&Judged>, slope: Slope) -> bool {
         let inside = |limit: Option<Interval>, x: f32| limit.is_none_or(|i| i.holds(x));
         inside(self.slope_u, feature.slope.u)
@@ -146,8 +145,7 @@ impl Model {
     }
 }
 
-/// The item of a list after (or before) the selected one: the first (or last) if none is selected; the selected one at
-/// the end of the list.
+/// The first (or last) if none is selected; the selected one at the end of the list.
 pub(crate) fn neighbour(listed: &[usize], selected: Option<usize>, forward: bool) -> Option<usize> {
     let place = selected.and_then(|s| listed.iter().position(|&i| i == s));
     let last = listed.len().saturating_sub(1);

@@ -52,8 +52,7 @@ impl Contender {
         }
     }
 
-    /// The parameters `edited` as this method takes them: everything but the method and, for BuFF, the shape of the
-    /// grid of slopes stays.
+    /// Everything but the method and, for BuFF, the shape of the grid of slopes stays.
     pub fn params(self, edited: &DetectorParams) -> DetectorParams {
         let mut params = edited.clone();
         let grid = edited.slopes;
@@ -82,8 +81,7 @@ impl Contender {
     }
 }
 
-/// Plane of slopes that keeps those of `grid`: an axis with a range keeps it; one with a single slope gets a range
-/// around that, as fine as that of the other axis and of at most the usual number of slopes.
+/// An axis with a single slope gets a range around it, as fine as the other axis, of at most the usual count.
 pub fn plane_of(grid: SlopeGrid) -> SlopeGrid {
     let usual = SlopeAxis::new(-USUAL.0..=USUAL.0, USUAL.1);
     let around = |middle: f32, other: &SlopeAxis| {

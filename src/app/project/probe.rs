@@ -1,7 +1,6 @@
 //! The probe of the window: the burst and the place that are probed, the trail from which answers come, and the answer.
 //!
-//! One place of one burst is probed at a time; the [`ProbeModel`] says of which side it is. Swapping the sides takes
-//! the probe along with its burst.
+//! One place of one burst is probed at a time. Swapping the sides takes the probe along with its burst.
 
 use crate::app::pane::Pane;
 use crate::app::project::Model;
@@ -310,9 +309,9 @@ impl Model {
         }
     }
 
-    /// Prepares the probe for a burst that was newly opened as A; `before` is the earlier one. An example gets its own
-    /// grid of slopes if none was given, and is probed at its place of interest if detections start automatically. The
-    /// next burst drops that grid again.
+    /// An example that was opened as A gets its own grid of slopes if none was given, and is probed at its place of
+    /// interest if detections start automatically. The next burst, for which `before` is that example, drops the grid
+    /// again.
     pub fn start_probe(&mut self, before: Option<&BurstSource>) {
         let grid = |example: Example| {
             let (range, count) = example.slopes_u();

@@ -119,8 +119,7 @@ impl Model {
         self.needs_detection(side) && !self.detect_request(side).as_ref().is_some_and(failed)
     }
 
-    /// Whether the features of `side` can follow a value that is dragged: they need no search, and the last ones asked
-    /// for are there. (A newer request would cancel them, and none would ever come.)
+    /// They need no search, and the last ones asked for are there: a newer request would cancel them.
     pub(in crate::app) fn features_can_follow(&self, side: Side) -> bool {
         let now = self.asked_of(side);
         self.slots[side].found.as_ref().filter(|_| !self.slots[side].detecting.is_pending()).is_some_and(|found| {

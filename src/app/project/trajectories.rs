@@ -155,8 +155,7 @@ impl Model {
 }
 
 impl PlaneScene {
-    /// Both trajectories, projected from one direction. An estimate that cannot be aligned is drawn only without a
-    /// truth, because its coordinates are different ones.
+    /// An estimate that cannot be aligned is drawn only without a truth, because its coordinates are different ones.
     pub fn of(compared: &ComparedPoses, projection: Projection) -> Self {
         let report = compared.report.as_ref().and_then(|r| r.as_ref().ok());
         let centres = |trajectory: &Trajectory, move_to: &dyn Fn(&nalgebra::Isometry3<f64>) -> [f64; 3]| {
@@ -208,8 +207,7 @@ impl PlaneScene {
     }
 }
 
-/// A length that makes a good scale bar: the largest of 1, 2 or 5 times a power of ten that is not longer than
-/// `longest`.
+/// The largest of 1, 2 or 5 times a power of ten that is not longer than `longest`.
 pub fn round_length(longest: f64) -> f64 {
     if !(longest.is_finite() && longest > 0.0) {
         return 1.0;

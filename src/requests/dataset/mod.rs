@@ -1,8 +1,5 @@
-//! Work on a whole dataset: listing its bursts, finding their features, matching pairs of them, exporting to COLMAP,
-//! small pictures.
-//!
-//! Such work takes long, and the window shows each burst and each pair as it is finished. So events are reported
-//! before the answer.
+//! Work on a whole dataset. It takes long, and the window shows each burst and each pair as it is finished, so events
+//! are reported before the answer.
 
 #[cfg(feature = "colmap")]
 mod colmap;

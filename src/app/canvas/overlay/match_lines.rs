@@ -1,8 +1,7 @@
 //! Match lines between features of two pictures: drawing, and finding the line under the pointer.
 //!
-//! Inliers are solid and yellow, outliers dashed and vermilion: two signs each, so that the colours alone need not be
-//! told apart. A line is drawn where both its ends are visible; an end whose other end is outside its pane is marked by
-//! a small ring.
+//! Inliers are solid and yellow, outliers dashed and vermilion, so that the colours alone need not be told apart. An
+//! end whose other end is outside its pane is marked by a small ring.
 
 use super::super::RectTransform;
 use super::colour_by::rgb;

@@ -1,12 +1,8 @@
 //! Features over a picture: circles of true scale, orientation, motion over the burst; and the feature under the
 //! pointer.
-//!
-//! The circle is the rim of the disc to which D responds most strongly at scale σ. The tick points along the
-//! orientation. The arrow runs from the feature's place in the first frame to that in the last. Features whose slope
-//! lies on the rim of the searched grid have a dashed circle: their true motion may lie outside.
-//!
-//! Features compared with those of others have the colour of the outcome; those that only the others have are dashed,
-//! with a line from the compared place. Candidates and other marks are plain circles.
+//! The circle is the rim of the disc to which D responds most strongly at scale σ, dashed where the slope lies on the
+//! rim of the searched grid. The arrow runs from the feature's place in the first frame to that in the last. Features
+//! that only others have are dashed, with a line from the compared place.
 
 mod colour_by;
 mod density;
@@ -150,8 +146,7 @@ pub fn dot_at(features: &[Feature], dots: &[usize], ui_from_image: RectTransform
     near.filter(|(distance, _)| *distance <= TOLERANCE_POINTS).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
 }
 
-/// Index of the feature under `pos_ui`: that with the nearest centre or circle line within a few points; otherwise the
-/// smallest circle around the pointer. `shown` is as in [`OverlayStyle`].
+/// That with the nearest centre or circle line within a few points; otherwise the smallest circle around the pointer.
 pub fn feature_at(
     features: &[Feature],
     shown: Option<&[bool]>,

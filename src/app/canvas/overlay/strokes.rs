@@ -27,9 +27,8 @@ impl Strokes {
         self.mesh
     }
 
-    /// Adds the vertices across a stroke at one place: `at(distance)` is the position at a distance from its middle.
-    /// Adds four vertices, from one soft edge over the solid part to the other, or three for a line so thin that nearly
-    /// all of it is soft edge. Returns their number.
+    /// Adds the vertices across a stroke, `at` distances from its middle, and returns their number: four, from one soft
+    /// edge over the solid part to the other, or three for a line so thin that nearly all of it is soft edge.
     fn across(&mut self, width: f32, colour: Color32, at: impl Fn(f32) -> Pos2) -> u32 {
         if width < 1.7 * self.feather {
             // Covers as much area as four vertices would.

@@ -52,8 +52,7 @@ pub struct Compare {
 }
 
 impl Compare {
-    /// Result of `method` on `side`, if it was run there. It may be of older parameters or bursts;
-    /// [`Model::method_found`] answers only what is current.
+    /// May be of older parameters or bursts; [`Model::method_found`] answers only what is current.
     fn found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
         self.found[method.index()][side as usize].as_ref()
     }
@@ -185,8 +184,7 @@ impl Model {
         Contender::ALL.into_iter().filter(|m| self.compare.look.shows(*m)).filter(usable).collect()
     }
 
-    /// The next piece of work that is missing: features of A by each method that is shown, then those of B, then their
-    /// matches.
+    /// Features of A by each method that is shown, then those of B, then their matches.
     pub fn next_compare_job(&self) -> Option<CompareJob> {
         let jobs = self.contenders().into_iter().flat_map(|method| {
             let detections = Side::BOTH.into_iter().filter_map(move |side| self.missing_detection(method, side));
@@ -278,9 +276,7 @@ impl CompareLook {
 }
 
 impl Model {
-    /// Updates the panes on the screen for the open workspace, and in *Methods* for the methods that are compared:
-    /// methods that were switched on get a pane, those that were switched off lose theirs. The rest of the arrangement
-    /// stays.
+    /// In *Methods*, methods that were switched on get a pane, others lose theirs; the rest of the arrangement stays.
     pub fn refresh_workspace(&mut self) {
         self.panes.turn_to(self.workspace);
         if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {

@@ -33,8 +33,7 @@ impl Dataset {
         Self { opened, states, pair: [None; 2], matches: PairTable::default() }
     }
 
-    /// Replaces the dataset by a newer reading of the same bursts, with another folder or other parameters. The chosen
-    /// pair stays; the matches stay if folder, parameters and options are unchanged.
+    /// The chosen pair stays; the matches stay if folder, parameters and options are unchanged.
     pub fn look_again(&mut self, open: OpenDataset) {
         let (pair, matches) = (self.pair, std::mem::take(&mut self.matches));
         let same_features = self.folder == open.folder && self.params == open.params && self.open == open.open;
@@ -50,8 +49,7 @@ impl Dataset {
         self.bursts.iter().position(|b| b.paths == *paths)
     }
 
-    /// The place of the burst that a camera's label names: its picture's name, with or without folders before it, or
-    /// its own name.
+    /// By its picture's name, with or without folders before it, or its own name.
     pub fn place_of_camera(&self, label: &str) -> Option<usize> {
         let file = label.rsplit(['/', '\\']).next().unwrap_or(label);
         let named = |b: &BurstFiles| image_name(b) == file || b.name == label;
@@ -114,8 +112,7 @@ impl Dataset {
         self.keeping().is_some() && (others_here || others_in_folder)
     }
 
-    /// Prepares for finding features with `params`: if these differ from the present ones, all bursts wait and all
-    /// matches are forgotten; otherwise finished bursts stay so.
+    /// With other parameters all bursts wait and all matches are forgotten; otherwise finished bursts stay so.
     pub fn begin_detection(&mut self, params: &SearchParams) {
         let others = self.params != *params;
         if others {
@@ -171,8 +168,7 @@ impl Dataset {
         }
     }
 
-    /// Chooses the burst at `place` as A (`side` 0) or B (1), or clears the choice if it is chosen already. A burst
-    /// that was the other of the two no longer is.
+    /// A (`side` 0) or B (1); clears the choice if it is chosen already. A burst cannot be both.
     pub fn choose(&mut self, side: usize, place: usize) {
         let chosen = self.pair[side] == Some(place);
         self.pair[side] = (!chosen && place < self.bursts.len()).then_some(place);

@@ -77,8 +77,7 @@ pub struct PairTable {
 }
 
 impl PairTable {
-    /// Sorts the list after a click on the heading of `column`: numbers begin with the largest; a second click reverses
-    /// the order.
+    /// Numbers begin with the largest; a second click reverses the order.
     pub fn sort_by(&mut self, column: PairColumn) {
         let again = self.order.column == column;
         let descending = if again { !self.order.descending } else { column != PairColumn::Pair };

@@ -31,8 +31,7 @@ impl Model {
         self.look_at_dataset(source, None, engine);
     }
 
-    /// Opens the bursts of `source` as a dataset, whose features are kept in `folder`; `None` keeps them beside the
-    /// bursts. A single long sequence is first offered for cutting.
+    /// `None` keeps the features beside the bursts. A single long sequence is first offered for cutting.
     pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>, engine: &Engine) {
         let (params, open) = (self.asked(), self.calibration.clone());
         self.datasets.begin(Work::Opening, DatasetRequest::Open { source, folder, params, open }, engine);

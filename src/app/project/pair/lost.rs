@@ -120,9 +120,8 @@ impl Model {
         self.pair.lost.why = why;
     }
 
-    /// Place in B where the geometry expects the feature that is asked about, pixels at mid-burst: of an epipolar line
-    /// the point nearest to its place in A, as features mostly move little from burst to burst. `None` where no
-    /// geometry is known, and where the place lies outside B.
+    /// Pixels at mid-burst: of an epipolar line the point nearest to its place in A, as features mostly move little
+    /// from burst to burst. `None` where no geometry is known, and where the place lies outside B.
     pub fn expected_place(&self) -> Option<[f32; 2]> {
         let (why, found) = self.pair.lost.why.as_ref().zip(self.losses())?;
         let own = MatchSides::of(found).a.features.get(why.feature)?;
