@@ -299,7 +299,7 @@ fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
 #[cfg(test)]
 mod tests {
     use super::*;
-    use egui::{Color32, vec2};
+    use egui::vec2;
 
     #[test]
     fn waits_for_idle_and_gives_up_in_time() {

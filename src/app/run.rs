@@ -1,10 +1,8 @@
 //! Opens the window on the desktop, and opens it again after the graphics device was lost.
 //!
-//! The toolkit ties the device to the window, so a lost device cannot be replaced under an open window. Instead the
-//! drawing ends, and the program continues in a new window with a new device; open data, running work and the history
-//! stay. The toolkit itself ends with a panic where it has no memory for shapes and letters; that is a lost device too.
-//! The icon is drawn here as in `assets/icon.svg`: three frames shifted over one another, and the blob on which
-//! they agree.
+//! The toolkit ties the device to the window, so the drawing ends and the program goes on in a new window with a new
+//! device; open data, running work and the history stay. The toolkit itself panics where it has no memory for shapes
+//! and letters; that is a lost device too. The icon is drawn here as in `assets/icon.svg`.
 
 use super::gpu;
 use super::recovery::{KeptIn, SAVED_EVERY};

@@ -1,10 +1,8 @@
 //! Commands: everything that the window computes, a command computes too.
 //!
-//! [`args`] and its sister modules describe raw arguments, which are turned once into checked values (see
-//! [`search_options`]); each command is in a module with its own arguments, and calls the same functions as the
-//! window. Results go to the standard output, progress and errors to the standard error.
-//!
-//! Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
+//! [`args`] and its sister modules describe raw arguments, which are turned once into checked values; each command
+//! calls the same functions as the window. Results go to the standard output, progress and errors to the standard
+//! error. Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
 pub mod args;
 pub mod case;

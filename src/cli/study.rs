@@ -59,7 +59,7 @@ pub(super) fn chart_study(
     search: &SearchArgs,
     snrs: Vec<f64>,
 ) -> Result<ChartStudy, Failure> {
-    if search.gives(&crate::detector::params::doc::METHOD) {
+    if search.gives(&doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
     let Searched { detector, slopes, direction_deg } = searched_by(search, &compared.methods)?;

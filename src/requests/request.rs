@@ -12,7 +12,9 @@ pub trait Request: Clone + PartialEq + Send + 'static {
     /// A result that is told before the answer, such as one burst of many.
     type Told: Send + 'static;
 
-    fn urgency(&self) -> Urgency;
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
 
     /// The answer, if it is kept and needs no work.
     fn kept(&self, _kept: &Kept<'_>) -> Option<Self::Answer> {

@@ -81,20 +81,13 @@ impl Panes {
         let Some(base) = self.get(self.focus()) else { return };
         let Laid { rows, focus } = preset.lay_out(base, params);
         // The focused pane keeps its id; all others are new.
-        let kept = self.focus();
-        let mut ids = Vec::new();
-        let mut place = 0;
-        let mut made = BTreeMap::new();
-        for row in rows {
-            let mut in_row = Vec::new();
-            for pane in row {
-                let id = if place == focus { kept } else { self.fresh() };
-                in_row.push(id);
-                made.insert(id, pane);
-                place += 1;
-            }
-            ids.push(in_row);
-        }
+        let (kept, mut made) = (self.focus(), BTreeMap::new());
+        let mut id_of = |pane: Pane| {
+            let id = if made.len() == focus { kept } else { self.fresh() };
+            made.insert(id, pane);
+            id
+        };
+        let ids: Vec<Vec<PaneId>> = rows.into_iter().map(|row| row.into_iter().map(&mut id_of).collect()).collect();
         self.replace(self.open, Arrangement::rows(&ids), made, kept);
     }
 

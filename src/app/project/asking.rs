@@ -119,12 +119,10 @@ pub(super) fn answers<R: Request>(wanted: &mut Wanted<R>, title: &str, messages:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::{Bench, open};
-    use crate::app::project::workspace::Workspace;
+    use crate::app::project::tests::Bench;
     use crate::detector::{NoiseGate, SlopeGrid};
     use crate::requests::BurstSource;
     use crate::synth::Example;
-    use std::sync::Arc;
 
     #[test]
     fn features_follow_a_threshold_that_is_dragged_but_not_what_needs_a_search() {

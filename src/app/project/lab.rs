@@ -303,11 +303,8 @@ impl Lab {
                 snrs.push(snr);
             }
         }
-        if snrs.is_empty() {
-            Err("no ratio is given; give one or more, such as 0.2, 0.35".to_owned())
-        } else {
-            Ok(snrs)
-        }
+        let none = "no ratio is given; give one or more, such as 0.2, 0.35";
+        if snrs.is_empty() { Err(none.to_owned()) } else { Ok(snrs) }
     }
 
     pub fn frame_counts(&self) -> Result<Vec<usize>, String> {

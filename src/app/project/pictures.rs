@@ -227,9 +227,7 @@ impl Model {
         self.panes.lay_out(preset, &params);
         self.check_params();
     }
-}
 
-impl Model {
     pub fn range_class(&self, id: PaneId) -> RangeClass {
         let picture = self.panes.get(id).and_then(|pane| pane.picture.as_ref());
         let wanted = || self.wanted(id).map_or(RangeClass::Intensity, |wanted| RangeClass::of(&wanted));

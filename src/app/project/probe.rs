@@ -354,8 +354,6 @@ mod tests {
     use crate::app::project::tests::Bench;
     use crate::detector::NoiseGate;
     use crate::detector::params::doc;
-    use crate::inspect::{ProbeOptions, probe};
-    use crate::monitor::Monitor;
 
     fn answered(model: &Model) -> (Side, crate::requests::BurstId, [f32; 2]) {
         let answer = model.probe.answer.as_ref().filter(|_| model.probe.is_current()).expect("answered");

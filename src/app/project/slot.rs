@@ -162,9 +162,7 @@ impl Model {
             error => self.messages.error(what, error.to_string()),
         }
     }
-}
 
-impl Model {
     pub fn take_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
         let slot = &mut self.slots.a;
@@ -249,18 +247,11 @@ fn checked(
     } else if let Some(open) = burst
         && usable.validate_for(open.burst.len(), open.burst.size()).is_err()
     {
-        *usable = usable_for(open.burst.len());
+        // Valid for any burst whose frames are not tiny.
+        let method = if open.burst.len() <= 1 { Method::Sift } else { Method::Buff };
+        *usable = DetectorParams { method, ..DetectorParams::default() };
     }
     error
-}
-
-/// Parameters that are valid for any burst of `frame_count` frames whose frames are not tiny.
-fn usable_for(frame_count: usize) -> DetectorParams {
-    let mut params = DetectorParams::default();
-    if frame_count <= 1 {
-        params.method = Method::Sift;
-    }
-    params
 }
 
 #[derive(Debug, Clone)]
@@ -399,9 +390,7 @@ impl Model {
             self.messages.note(format!("Most features ({count}) are at slope ({u}, {v}) px/frame"));
         }
     }
-}
 
-impl Model {
     /// Parameter and session files are not among them, because they may be saved again after changes.
     pub fn opened_files(&self) -> Vec<PathBuf> {
         let gold = self.compare.gold.iter().flatten();

@@ -1,8 +1,7 @@
 //! Records of running windows: the automatically saved session of each, and the lock that marks its owner.
 //!
-//! All windows keep theirs in one folder, two files each: `NAME.toml`, the session, and `NAME.lock`, on which the
-//! window holds a lock of the system as long as it lives. The system takes the lock back however the program ends, so a
-//! session without a lock is one whose window did not end in the ordinary way; one with a lock is another window's.
+//! All windows keep theirs in one folder: `NAME.toml`, the session, and `NAME.lock`, on which the window holds a lock
+//! of the system as long as it lives. A session without a lock is one whose window did not end in the ordinary way.
 
 use crate::export::write_whole;
 use std::fs::{File, OpenOptions, TryLockError};

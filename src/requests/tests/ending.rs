@@ -7,9 +7,9 @@ use crate::inspect::ProbeCache;
 use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Progress};
 use crate::requests::{
-    AgainstRequest, BurstId, BurstSource, CoherenceRequest, CompareRequest, DetectRequest, DetectionSource,
-    ExplainQuestion, ExplainRequest, JobError, MatchRequest, NothingKept, OpenRequest, PictureKind, PictureRequest,
-    PosesRequest, ProbeQuestion, ProbeRequest, Reference, Request, Traced, TrailStore, Work,
+    AgainstRequest, BurstId, CoherenceRequest, CompareRequest, DetectRequest, DetectionSource, ExplainQuestion,
+    ExplainRequest, JobError, MatchRequest, NothingKept, OpenRequest, PictureKind, PictureRequest, PosesRequest,
+    ProbeQuestion, ProbeRequest, Reference, Request, Traced, TrailStore, Work,
 };
 use std::sync::{Arc, Mutex, OnceLock};
 

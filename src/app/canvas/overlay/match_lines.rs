@@ -7,7 +7,7 @@ use super::super::RectTransform;
 use super::colour_by::rgb;
 use super::strokes::Strokes;
 use crate::export::{INLIER_COLOR, OUTLIER_COLOR};
-use egui::{Color32, Painter, Pos2, Rect, Shape};
+use egui::{Color32, Painter, Pos2, Rect};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineKind {
@@ -95,10 +95,7 @@ pub fn draw_match_lines(painter: &Painter, panes: &[Pane; 2], lines: &[MatchLine
             draw_one(&mut strokes, panes, line, wide + extra, colour);
         }
     }
-    let mesh = strokes.into_mesh();
-    if !mesh.is_empty() {
-        painter.add(Shape::mesh(mesh));
-    }
+    strokes.paint(painter);
 }
 
 fn draw_one(strokes: &mut Strokes, panes: &[Pane; 2], line: &MatchLine, width: f32, colour: Color32) {

@@ -101,10 +101,7 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
             draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: width + extra, colour });
         }
     }
-    let mesh = strokes.into_mesh();
-    if !mesh.is_empty() {
-        output.painter.add(Shape::mesh(mesh));
-    }
+    strokes.paint(&output.painter);
 }
 
 #[derive(Clone, Copy)]
@@ -207,10 +204,7 @@ pub fn draw_compared(output: &CanvasOutput, marks: &[ComparedMark], highlighted:
             draw_compared_mark(&mut strokes, output, mark, width, colour);
         }
     }
-    let mesh = strokes.into_mesh();
-    if !mesh.is_empty() {
-        output.painter.add(Shape::mesh(mesh));
-    }
+    strokes.paint(&output.painter);
 }
 
 fn draw_compared_mark(strokes: &mut Strokes, output: &CanvasOutput, mark: &ComparedMark, width: f32, colour: Color32) {
@@ -261,7 +255,7 @@ pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>
             strokes.circle(centre, radius, 1.3, mark.colour, false);
         }
     }
-    output.painter.add(Shape::mesh(strokes.into_mesh()));
+    strokes.paint(&output.painter);
 }
 
 /// Of the circles (centre and radius, image pixels) within reach, that with the nearest centre.

@@ -3,7 +3,7 @@
 //! egui could draw each as a shape of its own; one mesh for all avoids sorting and stroking them, and keeps a full
 //! window at display rate.
 
-use egui::{Color32, Mesh, Pos2, Vec2};
+use egui::{Color32, Mesh, Painter, Pos2, Shape, Vec2};
 
 pub struct Strokes {
     mesh: Mesh,
@@ -23,8 +23,10 @@ impl Strokes {
         strokes
     }
 
-    pub fn into_mesh(self) -> Mesh {
-        self.mesh
+    pub fn paint(self, painter: &Painter) {
+        if !self.mesh.is_empty() {
+            painter.add(Shape::mesh(self.mesh));
+        }
     }
 
     /// Adds the vertices across a stroke, `at` distances from its middle, and returns their number: four, from one soft
@@ -138,7 +140,7 @@ mod tests {
         strokes.circle(pos2(50.0, 60.0), 0.5, 1.5, Color32::RED, true);
         strokes.arrow(pos2(0.0, 0.0), pos2(30.0, 0.0), 1.0, Color32::GREEN);
         strokes.line(pos2(1.0, 1.0), pos2(1.0, 1.0), 1.0, Color32::GREEN);
-        let mesh = strokes.into_mesh();
+        let mesh = strokes.mesh;
         assert!(mesh.is_valid());
         assert!(mesh.vertices.iter().all(|v| v.pos.is_finite()));
         let bounds = mesh.calc_bounds();
@@ -149,13 +151,13 @@ mod tests {
     fn a_dashed_line_begins_and_ends_with_a_dash_and_has_gaps() {
         let mut strokes = Strokes::new(1.0);
         strokes.dashed(pos2(10.0, 5.0), pos2(110.0, 5.0), 2.0, Color32::RED, (6.0, 4.0));
-        let mesh = strokes.into_mesh();
+        let mesh = strokes.mesh;
         let bounds = mesh.calc_bounds();
         assert!((bounds.min.x - 10.0).abs() < 1e-3 && (bounds.max.x - 110.0).abs() < 1e-3, "{bounds:?}");
         let covered: f32 = mesh.vertices.chunks(8).map(|dash| dash[7].pos.x - dash[0].pos.x).sum();
         assert!((0.5..0.7).contains(&(covered / 100.0)), "{covered}");
         let mut point = Strokes::new(1.0);
         point.dashed(pos2(1.0, 1.0), pos2(1.0, 1.0), 2.0, Color32::RED, (6.0, 4.0));
-        assert!(point.into_mesh().vertices.iter().all(|v| v.pos.is_finite()));
+        assert!(point.mesh.vertices.iter().all(|v| v.pos.is_finite()));
     }
 }

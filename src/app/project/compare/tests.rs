@@ -1,13 +1,10 @@
 //! Tests of the comparison: missing steps are done in order and once, only current results count, and failed steps are
 //! not repeated with the same input.
 
-use crate::app::pane::Direction;
 use crate::app::project::compare::*;
-use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::tests::pair;
 use crate::app::project::tests::open;
 use crate::app::project::workspace::Workspace;
-use crate::requests::PictureKind;
 
 fn methods() -> Model {
     Model { workspace: Workspace::Methods, ..pair() }
