@@ -1,5 +1,6 @@
 //! `slopes --speed …`: slopes from the set-up of camera and scene, and the depths that slopes then mean.
 
+use super::args::two;
 use super::console::Console;
 use super::evaluate_tables::{or_dash, table};
 use super::failure::Failure;
@@ -40,10 +41,7 @@ pub struct SetUpArgs {
 }
 
 fn parse_depth(text: &str) -> Result<[f64; 2], String> {
-    let bad = || format!("'{text}' is not NEAR:FAR in metres, such as 1:8");
-    let (near, far) = text.split_once(':').ok_or_else(bad)?;
-    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
-    Ok([number(near)?, number(far)?])
+    two(text, ':', f64::is_finite).ok_or_else(|| format!("'{text}' is not NEAR:FAR in metres, such as 1:8"))
 }
 
 #[derive(Debug, Serialize)]

@@ -26,8 +26,7 @@ pub struct Picture {
 impl Picture {
     pub fn new(plane: Arc<Plane>, label: impl Into<String>) -> Self {
         let image_size = plane.size();
-        let (drawn, label) = (plane.clone(), label.into());
-        Self { id: PictureId::fresh(), plane, drawn, image_from_picture_scale: 1.0, image_size, label }
+        Self::of_octave(plane, 0, image_size, label)
     }
 
     /// On the pixels of `octave` (−1: the doubled image) of an input image of `image_size`.
