@@ -47,7 +47,6 @@ pub fn is_asked(ctx: &egui::Context) -> bool {
     asked && !ctx.egui_wants_keyboard_input() && !text_is_selected
 }
 
-/// Copies the selected feature or match, or else the value under the pointer.
 pub fn copy_row(ctx: &egui::Context, model: &mut Model, widgets: &PaneWidgets) {
     let readouts = model.panes.shown().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
     let value = readouts.into_iter().next().map(|readout| value_text(&readout));

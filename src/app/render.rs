@@ -42,13 +42,10 @@ pub struct RenderOptions {
     pub octave: Option<i32>,
     pub level: i32,
     pub detect: bool,
-    /// Whether the strongest feature, or of two bursts its match, is selected.
     pub select_strongest: bool,
-    /// Time limit for opening the burst and detecting.
     pub max_duration: Duration,
     /// Rules for replacing a file by the picture. Files that the window opens are never replaced.
     pub rules: OutputRules,
-    /// Cancels the drawing; no picture is written then.
     pub monitor: Monitor,
 }
 
@@ -87,17 +84,14 @@ pub enum RenderError {
     Export(#[from] ExportError),
     #[error("{0}")]
     Window(String),
-    /// The burst has no such frame, octave or level, or the slope leads out of it.
     #[error(transparent)]
     Param(#[from] ParamError),
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// The window was not ready within the time limit, here in seconds.
     #[error("the window was not ready after {0} seconds; allow more time, or search fewer slopes")]
     Timeout(u64),
 }
 
-/// Draws the window with `options` into the PNG file `path`.
 pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderError> {
     options.rules.check(path)?;
     let settings = Settings {

@@ -129,7 +129,6 @@ fn draw_until_closed(
     }
 }
 
-/// Side of the drawing's own unit square, in which all places are given.
 const UNITS: f32 = 64.0;
 
 /// Distance to the outline of a square with rounded corners, from `from` to `from + side`; negative inside.

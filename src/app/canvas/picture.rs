@@ -19,7 +19,6 @@ pub struct Picture {
     pub image_from_picture_scale: f32,
     /// (columns, rows) of the input image, which a fitted view shows whole.
     pub image_size: (usize, usize),
-    /// Description in a few words, for example "Frame 3".
     pub label: String,
 }
 

@@ -22,7 +22,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct PictureId(u64);
 
 impl PictureId {
-    /// Creates an id that no other picture of this process has.
     pub fn fresh() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         Self(NEXT.fetch_add(1, Ordering::Relaxed))

@@ -124,7 +124,6 @@ impl Over {
 #[derive(Debug, Clone)]
 pub struct Pane {
     pub side: Side,
-    /// Method whose input the pane shows, where methods are compared.
     pub method: Option<Contender>,
     pub content: Content,
     /// A linked pane may have been moved beyond the burst's range; [`Pane::cursor_within`] limits it.

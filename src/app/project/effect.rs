@@ -164,7 +164,6 @@ impl Purpose {
         }
     }
 
-    /// The extensions that the dialog offers; empty for all files.
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
             Self::OpenFiles | Self::OpenFilesB => [crate::burst::supported_extensions(), vec![CASE_EXTENSION]].concat(),

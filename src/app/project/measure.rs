@@ -29,7 +29,6 @@ pub struct Measure {
     pub tool: Tool,
     pub line: Option<MeasuredLine>,
     pub region: Option<MeasuredRegion>,
-    /// Start of the drag in progress: the pane, and the place in image pixels.
     pub drag: Option<(PaneId, Pos2)>,
 }
 

@@ -6,15 +6,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Contender {
-    /// SIFT on the middle frame.
     Sift,
-    /// SIFT on the frames merged into one.
     Merge,
-    /// Burst features over one line of slopes.
     Buff1d,
-    /// Burst features over a plane of slopes.
     Buff2d,
-    /// SIFT on an image of the same view that was taken with enough light.
     Gold,
 }
 

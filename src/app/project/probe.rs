@@ -226,7 +226,6 @@ impl Model {
         if self.probe.traced.as_ref().is_some_and(is_of) { None } else { self.found_source(side) }
     }
 
-    /// Asks about a place of the burst of `side`, pixels at mid-burst.
     pub fn probe_place(&mut self, side: Side, place: [f32; 2]) {
         self.ask_probe(side, ProbeQuestion::At { place, wanted: Subject::Best });
     }

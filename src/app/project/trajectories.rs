@@ -28,7 +28,6 @@ pub struct Spot {
     /// Position in plane units, positive downwards.
     pub pos: egui::Pos2,
     pub index: usize,
-    /// The pair of the report that it belongs to.
     pub pair: Option<usize>,
 }
 
@@ -56,7 +55,6 @@ pub struct Trajectories {
 }
 
 impl Trajectories {
-    /// Request to read `path` as `which`; the other trajectory stays, even while it is being read.
     pub fn request_with(&self, which: Which, path: PathBuf) -> PosesRequest {
         let mut request = self.request();
         let slot = if which == Which::Estimate { &mut request.estimate } else { &mut request.truth };

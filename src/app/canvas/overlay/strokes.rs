@@ -49,7 +49,6 @@ impl Strokes {
         4
     }
 
-    /// Joins two rows of `count` vertices by bands of two triangles.
     fn join(&mut self, a: u32, b: u32, count: u32) {
         for band in 0..count - 1 {
             self.mesh.add_triangle(a + band, a + band + 1, b + band);

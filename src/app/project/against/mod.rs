@@ -98,7 +98,6 @@ pub struct SavedAgainst {
 pub struct Against {
     pub pinned: Option<Pinned>,
     pub file: Option<ForeignFile>,
-    /// Burst that was checked for a truth, and whether it has one.
     truth: Option<(BurstId, bool)>,
     pub with: Option<With>,
     pub shown: Option<Arc<Shown>>,
@@ -159,7 +158,6 @@ impl Against {
         Some(AgainstRequest { detection: found.detection.clone(), with })
     }
 
-    /// Takes a comparison, unless `wanted` is another one by now.
     fn take(&mut self, compared: ComparedWith, wanted: Option<&AgainstRequest>) {
         let ComparedWith { request, against: answered } = compared;
         let is_wanted = wanted.is_some_and(|wanted| *wanted == request);

@@ -79,7 +79,6 @@ impl Compare {
         self.matches[method.index()] = Some(matches);
     }
 
-    /// Records a failed step, so that it is not repeated with the same input.
     pub fn take_failure(&mut self, job: CompareJob, why: String) {
         self.failed.push((job, why));
     }

@@ -92,12 +92,10 @@ impl PairTable {
         }
     }
 
-    /// Forgets all matches: the features changed.
     pub fn forget(&mut self) {
         self.counts.clear();
     }
 
-    /// Forgets the matches of one burst: its features changed.
     pub fn forget_burst(&mut self, place: usize) {
         self.counts.retain(|pair, _| pair.0 != place && pair.1 != place);
     }
