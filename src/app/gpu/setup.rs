@@ -127,13 +127,6 @@ pub(super) struct TextureMirror {
     wanted: bool,
 }
 
-fn managed(id: TextureId) -> Option<u64> {
-    match id {
-        TextureId::Managed(number) => Some(number),
-        TextureId::User(_) => None,
-    }
-}
-
 impl TextureMirror {
     /// Keeps the textures of `ctx` from now on; if they are kept already, the next frame uploads all of them again.
     pub(super) fn install(ctx: &Context) {
@@ -143,7 +136,7 @@ impl TextureMirror {
     }
 
     fn take(&mut self, id: TextureId, delta: &ImageDelta) {
-        let Some(number) = managed(id) else { return };
+        let TextureId::Managed(number) = id else { return };
         let ImageData::Color(image) = &delta.image;
         match (delta.pos, self.textures.get_mut(&number)) {
             (None, _) => {

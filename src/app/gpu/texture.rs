@@ -316,10 +316,7 @@ mod tests {
         assert_eq!(half.at(2, 0), (4.0 + 14.0) / 2.0);
         assert_eq!(half.at(2, 1), 24.0);
         assert_eq!(halve(&Plane::zeros(0, 0)).size(), (0, 0));
-    }
-
-    #[test]
-    fn a_nan_counts_only_where_there_is_nothing_else() {
+        // A NaN counts only where there is nothing else.
         let nan = f32::NAN;
         let plane = Plane::from_vec(4, 2, vec![nan, 2.0, nan, nan, 4.0, nan, nan, nan]);
         let half = halve(&plane);

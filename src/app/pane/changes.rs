@@ -135,9 +135,8 @@ impl Panes {
     }
 
     fn drop_unplaced(&mut self) {
-        let mut more = std::mem::take(&mut self.more);
-        more.retain(|id, _| self.is_placed(*id));
-        self.more = more;
+        let Self { more, placed, .. } = self;
+        more.retain(|id, _| placed.iter().any(|placed| placed.arrangement.panes().contains(id)));
     }
 
     pub(super) fn forget_missing(&mut self) {

@@ -122,10 +122,6 @@ impl Panes {
         self.shown().into_iter().filter(is_of).collect()
     }
 
-    pub(super) fn is_placed(&self, id: PaneId) -> bool {
-        self.placed.iter().any(|placed| placed.arrangement.panes().contains(&id))
-    }
-
     pub(super) fn beside(&self, id: PaneId) -> Vec<PaneId> {
         let panes = self.placed.iter().map(|placed| placed.arrangement.panes());
         let mut beside: Vec<PaneId> = panes.filter(|panes| panes.contains(&id)).flatten().collect();

@@ -70,18 +70,15 @@ fn every_option_reaches_its_parameter() {
 }
 
 #[test]
-fn one_axis_alone_makes_the_other_zero() {
-    let got = params(&["--slopes-v", "-2:2:5"]).expect("valid").detector;
-    assert_eq!((got.slopes.u, got.slopes.v.count), (SlopeAxis::ZERO, 5));
-}
-
-#[test]
 fn a_direction_alone_says_on_which_line_slopes_are_found() {
     let line = SlopeChoice::Auto { direction_deg: Some(30.0) };
     assert_eq!(params(&["--slope-direction", "30"]).expect("valid").slopes, line);
     assert_eq!(params(&["--slopes", "auto", "--slope-direction", "30"]).expect("valid").slopes, line);
     let given = params(&["--slopes-u", "0:2:3", "--slope-direction", "30"]).expect("valid");
     assert_eq!((given.slopes, given.detector.slopes.direction_deg), (SlopeChoice::Given, 30.0));
+    // One axis alone makes the other zero.
+    let slopes = params(&["--slopes-v", "-2:2:5"]).expect("valid").detector.slopes;
+    assert_eq!((slopes.u, slopes.v.count), (SlopeAxis::ZERO, 5));
 }
 
 #[test]
