@@ -1,11 +1,10 @@
 //! Actions of the user and effects of the window's parts: applied here, and only here, to the part that they concern.
 
 use super::actions::{self, ActionId};
-use super::clipboard;
 use super::dataset::CutDialog;
 use super::dialogs::Question;
-use super::files;
 use super::window::BurstscopeApp;
+use super::{clipboard, files};
 use crate::app::project::Effect;
 use crate::app::project::effect::Purpose;
 use crate::app::project::side::Side;

@@ -166,7 +166,7 @@ pub(super) fn may_replace(path: &Path, model: &Model) -> OutputRules {
     OutputRules::new(OpenedFiles::of(opened), Overwrite::Force)
 }
 
-/// Writes a file. The user has agreed to overwriting.
+/// The user has agreed to overwriting.
 pub(super) fn write(purpose: Purpose, path: PathBuf, model: &mut Model, widgets: &PaneWidgets, engine: &Engine) {
     let rules = may_replace(&path, model);
     let prepared = prepare(purpose, model, widgets);

@@ -4,11 +4,7 @@
 //! of [`crate::engine`] have published, draws, runs the [`actions`] that were asked for, and lets it request what is
 //! missing. What a part changes beyond what it owns is a value, a [`project::Effect`]; `effects` applies all of them.
 //!
-//! Between toolbar and status bar lies a [`workspace`]: one burst, two, several methods, or many bursts ([`dataset`]);
-//! each arranges panes and panels. Pictures are shown in [panes](pane), each with its own cursor; the [`inspector`]
-//! draws any arrangement of them, [`canvas`] is the picture's widget and [`view`] its pan, zoom and colouring, [`gpu`]
-//! draws its pixels, [`histogram`] sets their range. [`measure`] draws lines and rectangles on the pictures, [`figure`]
-//! makes figures of them. A [`panel`] is about one subject.
+//! A [`workspace`] arranges panes and panels; the [`inspector`] draws [panes](pane), [`canvas`] is a picture's widget.
 
 pub mod actions;
 pub mod canvas;

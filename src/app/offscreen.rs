@@ -1,8 +1,6 @@
 //! Window without a display: runs frames as a window would, and draws the last one into a picture in memory.
 //!
-//! `burstscope render` uses it, and so do the tests of the graphics card's pictures. It needs a graphics adapter that
-//! Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough. A device that is lost is set up again, once
-//! for each picture.
+//! It needs a graphics adapter that Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough.
 
 use super::gpu::{self, AdapterChoice};
 use crate::monitor::Monitor;
@@ -28,22 +26,16 @@ pub struct Offscreen {
 #[derive(Debug)]
 pub struct Rendered {
     pub image: RgbaImage,
-    /// Whether the window had settled; `false` when the time ran out first, and the picture shows the state at that
-    /// moment.
+    /// `false` when the time ran out first: the picture shows the state at that moment.
     pub settled: bool,
 }
 
-/// Bytes of a drawn pixel: RGBA of 8 bits.
 const BYTES_PER_PIXEL: u64 = 4;
 
 /// Longest side of a drawn window, pixels: a software adapter takes minutes for one that is twice as large.
 pub const MAX_SIDE_PX: u32 = 8192;
 
 impl Offscreen {
-    /// Creates a window of `size_points` at `pixels_per_point`, with canvases installed.
-    ///
-    /// # Errors
-    /// When there is no adapter, it cannot be used, or the size exceeds its limits.
     pub fn new(size_points: egui::Vec2, pixels_per_point: f32, choice: AdapterChoice) -> Result<Self, OffscreenError> {
         Self::with_setup(size_points, pixels_per_point, gpu::wgpu_setup(choice))
     }
@@ -81,7 +73,6 @@ impl Offscreen {
         &self.context
     }
 
-    /// Render state of the card, as an app gets it from its `eframe::CreationContext`.
     pub fn render_state(&self) -> &RenderState {
         &self.render_state
     }
@@ -92,7 +83,6 @@ impl Offscreen {
         gpu::Gpu::of(&self.context).is_some_and(|gpu| gpu.lost().is_some())
     }
 
-    /// Creates a device in place of the lost one, and uploads the toolkit's textures to it.
     fn set_up_again(&mut self) -> Result<(), OffscreenError> {
         self.render_state = new_render_state(&self.setup)?;
         gpu::install(&self.context, &self.render_state);
@@ -130,10 +120,6 @@ impl Offscreen {
     }
 
     /// Draws the last frame. A lost device is set up again, once.
-    ///
-    /// # Errors
-    /// When there is no memory for one of its pictures, and when the card fails, does not answer, or loses the second
-    /// device too.
     pub fn image(&mut self) -> Result<RgbaImage, OffscreenError> {
         let failure = |context: &egui::Context| gpu::Gpu::of(context).and_then(|gpu| gpu.newest_failure());
         let before = failure(&self.context);
@@ -198,7 +184,6 @@ impl Offscreen {
     }
 }
 
-/// Creates instance, adapter and device, without a display.
 fn new_render_state(setup: &WgpuSetup) -> Result<RenderState, OffscreenError> {
     let instance = pollster::block_on(setup.new_instance());
     let configuration = WgpuConfiguration { wgpu_setup: setup.clone(), ..Default::default() };
@@ -211,13 +196,7 @@ fn new_render_state(setup: &WgpuSetup) -> Result<RenderState, OffscreenError> {
     })
 }
 
-/// Draws a whole app to a picture: makes it with `make`, runs frames of `draw` until `is_idle` says that it has
-/// settled, `max_duration` is over or `monitor` is cancelled, and draws the last frame.
-///
-/// `make` gets the context and render state of an eframe app; canvases are already installed (see [`gpu::install`]).
-///
-/// # Errors
-/// As [`Offscreen::new`] and [`Offscreen::image`].
+/// Runs frames of `draw` until `is_idle`, `max_duration` is over or `monitor` is cancelled, and draws the last one.
 pub fn render_offscreen<App>(
     size_points: egui::Vec2,
     pixels_per_point: f32,
@@ -261,18 +240,9 @@ pub enum OffscreenError {
         "a window of {width} × {height} pixels cannot be drawn; this graphics adapter draws 1 to {limit} pixels a side \
          and {max_megapixels} megapixels in all; name a smaller size or scale"
     )]
-    Size {
-        width: f32,
-        height: f32,
-        /// The adapter's limit of a side, pixels.
-        limit: u32,
-        /// The adapter's limit of the picture, megapixels.
-        max_megapixels: u64,
-    },
-    /// There is no memory for a picture; a sentence about it.
+    Size { width: f32, height: f32, limit: u32, max_megapixels: u64 },
     #[error("{0}")]
     NoRoom(String),
-    /// The card failed while drawing or answering.
     #[error("the graphics adapter failed while drawing: {0}")]
     Card(String),
 }
@@ -281,7 +251,6 @@ pub enum OffscreenError {
 const CARD_TIMEOUT: Duration = Duration::from_secs(30);
 const TIMED_PIXELS: u32 = 1 << 23;
 
-/// Reads the pixels of an 8-bit RGBA texture back.
 fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<RgbaImage, OffscreenError> {
     let (width, height) = (texture.width(), texture.height());
     let row_bytes = 4 * width as usize;
@@ -330,43 +299,7 @@ fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
 #[cfg(test)]
 mod tests {
     use super::*;
-    use egui::{Color32, Rect, pos2, vec2};
-
-    #[test]
-    fn a_frame_comes_back_as_it_was_drawn() {
-        let mut offscreen = Offscreen::new(vec2(60.0, 40.0), 1.5, AdapterChoice::Software).unwrap();
-        offscreen.frame(Vec::new(), |ui| {
-            let left = Rect::from_min_max(pos2(0.0, 0.0), pos2(20.0, 40.0));
-            ui.painter().rect_filled(ui.max_rect(), 0.0, Color32::from_rgb(1, 2, 3));
-            ui.painter().rect_filled(left, 0.0, Color32::from_rgb(200, 100, 50));
-        });
-        let image = offscreen.image().unwrap();
-        assert_eq!(image.dimensions(), (90, 60));
-        assert_eq!(image.get_pixel(10, 30).0, [200, 100, 50, 255]);
-        assert_eq!(image.get_pixel(60, 30).0, [1, 2, 3, 255]);
-    }
-
-    #[test]
-    fn a_lost_device_is_set_up_again_and_draws_the_same() {
-        let mut offscreen = Offscreen::new(vec2(90.0, 40.0), 1.0, AdapterChoice::Software).unwrap();
-        let icon = egui::ColorImage::filled([8, 8], Color32::GOLD);
-        let icon = offscreen.context().load_texture("icon", icon, egui::TextureOptions::NEAREST);
-        let mut draw = |ui: &mut egui::Ui| {
-            ui.label("Burstscope");
-            ui.image((icon.id(), vec2(8.0, 8.0)));
-        };
-        offscreen.frame(Vec::new(), &mut draw);
-        let before = offscreen.image().unwrap();
-        assert!(before.pixels().any(|pixel| pixel.0 == Color32::GOLD.to_array()));
-        // Between two frames, and between a frame and its picture.
-        offscreen.render_state().device.destroy();
-        assert_eq!(offscreen.image().unwrap(), before);
-        offscreen.render_state().device.destroy();
-        offscreen.frame(Vec::new(), &mut draw);
-        assert_eq!(offscreen.image().unwrap(), before);
-        offscreen.frame(Vec::new(), &mut draw);
-        assert_eq!(offscreen.image().unwrap(), before);
-    }
+    use egui::vec2;
 
     #[test]
     fn waits_for_idle_and_gives_up_in_time() {
@@ -374,27 +307,11 @@ mod tests {
             *count += 1;
             ui.label("hello");
         };
-        let settled = render_offscreen(
-            vec2(80.0, 30.0),
-            1.0,
-            Duration::from_secs(20),
-            &Monitor::default(),
-            |_, _| 0,
-            draw,
-            |n| *n > 5,
-        )
-        .unwrap();
-        assert!(settled.settled);
-        let busy = render_offscreen(
-            vec2(80.0, 30.0),
-            1.0,
-            Duration::from_millis(50),
-            &Monitor::default(),
-            |_, _| 0,
-            draw,
-            |_| false,
-        );
-        assert!(!busy.unwrap().settled);
+        for (millis, frames, settles) in [(20_000, 5, true), (50, usize::MAX, false)] {
+            let (size, time) = (vec2(80.0, 30.0), Duration::from_millis(millis));
+            let drawn = render_offscreen(size, 1.0, time, &Monitor::default(), |_, _| 0, draw, |n| *n > frames);
+            assert_eq!(drawn.unwrap().settled, settles);
+        }
     }
 
     #[test]

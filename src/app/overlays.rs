@@ -41,7 +41,6 @@ impl Overlays {
         self.calibration.get_or_insert_with(|| now.clone())
     }
 
-    /// Opens the overlay that the action opens. Returns whether there is one.
     pub fn open(&mut self, id: ActionId, model: &Model) -> bool {
         match id {
             ActionId::Palette => self.palette.open(),
@@ -149,7 +148,6 @@ impl Overlays {
         may_replace.then_some(Effect::Write(purpose, path))
     }
 
-    /// Writes a file to a path that was typed; where there is a file, it asks first.
     fn write_or_ask(&mut self, purpose: Purpose, path: PathBuf, model: &Model) -> Option<Effect> {
         let is_there = std::fs::symlink_metadata(&path).is_ok();
         if is_there && files::may_replace(&path, model).check(&path).is_ok() {

@@ -8,8 +8,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Default)]
 struct Parts {
     wanted: Vec<Part>,
-    /// Size of the area in which a wanted part was last scrolled to. It is scrolled to once, and again when that area
-    /// changed: what opens below it must not hide it.
+    /// A wanted part is scrolled to once, and again when this area changed: what opens below it must not hide it.
     scrolled_in: BTreeMap<Part, Vec2>,
     pass: u64,
     drawn: BTreeMap<Part, Rect>,

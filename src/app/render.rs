@@ -31,27 +31,21 @@ pub struct RenderOptions {
     pub lesson: Option<Arc<Lesson>>,
     pub params: SearchParams,
     pub calibration: OpenOptions,
-    /// Columns and rows of the window, in points.
     pub size_points: (f32, f32),
     /// Pixels for each point: 2 for a HiDPI screen.
     pub scale: f32,
     pub light: bool,
     pub kind: ViewKind,
-    /// The slope; `None` takes the one with the most features, or (0, 0) when nothing is detected.
     pub slope: Option<Slope>,
-    /// The frame; `None` takes the middle one.
     pub frame: Option<usize>,
     /// Octave of the DoG response; `None` takes the finest.
     pub octave: Option<i32>,
     pub level: i32,
     pub detect: bool,
-    /// Whether the strongest feature, or of two bursts its match, is selected.
     pub select_strongest: bool,
-    /// Time limit for opening the burst and detecting.
     pub max_duration: Duration,
     /// Rules for replacing a file by the picture. Files that the window opens are never replaced.
     pub rules: OutputRules,
-    /// Cancels the drawing; no picture is written then.
     pub monitor: Monitor,
 }
 
@@ -88,24 +82,16 @@ pub enum RenderError {
     Offscreen(#[from] OffscreenError),
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// The window shows an error.
     #[error("{0}")]
     Window(String),
-    /// The burst has no such frame, octave or level, or the slope leads out of it.
     #[error(transparent)]
     Param(#[from] ParamError),
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// The window was not ready within the time limit, here in seconds.
     #[error("the window was not ready after {0} seconds; allow more time, or search fewer slopes")]
     Timeout(u64),
 }
 
-/// Draws the window with `options` into the PNG file `path`.
-///
-/// # Errors
-/// When the burst cannot be opened, the parameters are invalid for it, nothing can be drawn, the time limit is
-/// exceeded, the drawing is cancelled, or the file cannot be written.
 pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderError> {
     options.rules.check(path)?;
     let settings = Settings {
@@ -185,10 +171,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     Ok(())
 }
 
-/// Checks that the burst has the frame, octave and level of the options, and that the slope stays within it.
-///
-/// # Errors
-/// When one of them is missing or invalid: the first, worded as by the commands that compute such a picture.
+/// The burst has the frame, octave and level, and the slope stays within it; worded as by `stack`.
 fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), ParamError> {
     if let Some(frame) = options.frame.filter(|frame| *frame >= burst.len()) {
         return Err(ParamError {

@@ -1,10 +1,8 @@
 //! Opens the window on the desktop, and opens it again after the graphics device was lost.
 //!
-//! The toolkit ties the device to the window, so a lost device cannot be replaced under an open window. Instead the
-//! drawing ends, and the program continues in a new window with a new device; open data, running work and the history
-//! stay. The toolkit itself ends with a panic where it has no memory for shapes and letters; that is a lost device too.
-//! The icon is drawn here as in `assets/icon.svg`: three frames shifted over one another, and the blob on which
-//! they agree.
+//! The toolkit ties the device to the window, so the drawing ends and the program goes on in a new window with a new
+//! device; open data, running work and the history stay. The toolkit itself panics where it has no memory for shapes
+//! and letters; that is a lost device too. The icon is drawn here as in `assets/icon.svg`.
 
 use super::gpu;
 use super::recovery::{KeptIn, SAVED_EVERY};
@@ -58,7 +56,6 @@ impl eframe::App for Shown {
     }
 }
 
-/// Opens the window and returns when it is closed. Stored settings replace those in `startup`.
 pub fn run(mut startup: Startup) -> anyhow::Result<()> {
     let running = eframe::storage_dir(APP_ID).map(|folder| folder.join(RUNNING_FOLDER));
     startup.kept = running.map(|folder| KeptIn { folder, every: SAVED_EVERY });
@@ -132,7 +129,6 @@ fn draw_until_closed(
     }
 }
 
-/// Side of the drawing's own unit square, in which all places are given.
 const UNITS: f32 = 64.0;
 
 /// Distance to the outline of a square with rounded corners, from `from` to `from + side`; negative inside.

@@ -51,10 +51,8 @@ impl Default for Startup {
     }
 }
 
-/// Request to end a window. All clones refer to the same window.
-///
 /// The user was not asked, so nothing may be lost: the window saves its session, closes, finishes the files that it is
-/// writing, and leaves the session to be offered at the next start.
+/// writing, and leaves the session to be offered at the next start. All clones refer to the same window.
 #[derive(Debug, Clone, Default)]
 pub struct EndRequest(Arc<Shared>);
 

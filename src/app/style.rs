@@ -10,7 +10,6 @@ pub const ACCENT: Color32 = Color32::from_rgb(0x2f, 0x7f, 0xd6);
 /// Longest press that counts as a click.
 const SLOWEST_CLICK_SECS: f64 = 10.0;
 
-/// Applies the style to a context, in light and dark.
 pub fn apply(ctx: &egui::Context) {
     ctx.all_styles_mut(common);
     // A long press is a click too: some users press for more than a second.
@@ -19,12 +18,10 @@ pub fn apply(ctx: &egui::Context) {
     ctx.style_mut_of(Theme::Light, light);
 }
 
-/// Colour of warnings, readable on the theme's background.
 pub fn warning(ui: &egui::Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_rgb(0xf2, 0xb1, 0x4b) } else { Color32::from_rgb(0x9a, 0x5b, 0x00) }
 }
 
-/// Colour of finished items, readable on the theme's background.
 pub fn good(ui: &egui::Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_rgb(0x5c, 0xc8, 0x8a) } else { Color32::from_rgb(0x1b, 0x7f, 0x4b) }
 }
@@ -58,7 +55,6 @@ fn common(style: &mut Style) {
     style.visuals.window_corner_radius = CornerRadius::same(8);
 }
 
-/// Sets how sliders and fields write numbers.
 pub(in crate::app) fn numbers(style: &mut Style) {
     style.number_formatter = NumberFormatter::new(|value, decimals| {
         without_minus_zero(egui::emath::format_with_decimals_in_range(value, decimals))

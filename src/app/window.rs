@@ -1,12 +1,8 @@
-//! The window: its state, the steps of each pass, and its layout: menus and toolbar above, the open workspace in the
-//! middle, the status bar below.
-//!
-//! Each part of it is given what it reads and what it owns. What a part changes beyond that comes back as an
-//! [`Effect`], which `effects` applies.
+//! The window: its state, the steps of each pass, and its layout. What a part changes beyond what it owns comes back as
+//! an [`Effect`], which `effects` applies.
 
 use super::actions::{self, ActionId, Queue, menu::menu_bar_ui};
 use super::canvas::Readout;
-use super::clipboard;
 use super::dataset::filmstrip::Thumbnails;
 use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
 use super::dialogs::{Desk, FileAnswer, Question};
@@ -16,10 +12,8 @@ use super::lesson::{Captions, Lessons, Wish, lesson_ui};
 use super::measure::RegionCache;
 use super::overlays::Overlays;
 use super::pane::PaneId;
-use super::panel;
 use super::panel::probe::{PlaneTexture, ProbePanel};
 use super::panel::selection::SelectionState;
-use super::parts;
 use super::project::panes::CursorBefore;
 use super::project::side::Side;
 use super::project::{Effect, Model, history};
@@ -29,6 +23,7 @@ use super::settings::{Recent, Settings};
 use super::startup::{EndRequest, Startup};
 use super::workspace::pair::PairPanels;
 use super::workspace::{WorkspaceParts, switch_ui, workspace_ui};
+use super::{clipboard, panel, parts};
 use crate::app::view::fixed;
 use crate::engine::{Engine, OnUpdate};
 use crate::requests::BurstSource;

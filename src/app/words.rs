@@ -13,7 +13,6 @@ pub fn explained(response: Response, text: impl Into<WidgetText>, word: Option<&
     })
 }
 
-/// Draws a link to a glossary entry, for a tooltip.
 pub fn word_link_ui(ui: &mut Ui, word: &Word) {
     if ui.link(format!("Glossary: {}", word.word)).clicked() {
         ui.ctx().data_mut(|data| data.insert_temp(asked_id(), word.name.clone()));
@@ -25,7 +24,6 @@ pub fn asked_for(ctx: &Context) -> Option<String> {
     ctx.data_mut(|data| data.remove_temp(asked_id()))
 }
 
-/// The glossary entry of this name.
 pub fn word(name: &str) -> Option<&'static Word> {
     glossary().find(name)
 }

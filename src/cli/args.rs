@@ -127,10 +127,16 @@ pub struct MergeArgs {
 }
 
 pub(super) fn parse_slope(text: &str) -> Result<Slope, String> {
-    let bad = || format!("'{text}' is not U,V in pixels per frame, such as -2.1,0");
-    let (u, v) = text.split_once(',').ok_or_else(bad)?;
-    let number = |s: &str| s.trim().parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
-    Ok(Slope::new(number(u)?, number(v)?))
+    let [u, v] = two(text, ',', f32::is_finite)
+        .ok_or_else(|| format!("'{text}' is not U,V in pixels per frame, such as -2.1,0"))?;
+    Ok(Slope::new(u, v))
+}
+
+/// Two values beside `separator` that are `valid`.
+pub(super) fn two<T: FromStr + Copy>(text: &str, separator: char, valid: fn(T) -> bool) -> Option<[T; 2]> {
+    let (first, second) = text.split_once(separator)?;
+    let value = |text: &str| text.trim().parse().ok().filter(|value| valid(*value));
+    Some([value(first)?, value(second)?])
 }
 
 /// Options of the search, of opening bursts, and of the output.

@@ -3,7 +3,7 @@
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
 use super::failure::Failure;
 use super::inputs::{OneBurst, check_ending};
-use super::probe::parse_place;
+use super::probe::{check_inside, parse_place};
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::files::path_text;
 use crate::inspect::truth::truth_of;
@@ -53,12 +53,7 @@ pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
     let OneBurst { console, input, options, rules } =
         args.run.begin("case", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor.part(0.0, 0.5))?;
-    let (width, height) = burst.size();
-    if let Some([u, v]) = args.at
-        && !(u >= 0.0 && v >= 0.0 && u <= (width - 1) as f32 && v <= (height - 1) as f32)
-    {
-        return Err(crate::inspect::ProbeError::Outside { u, v, width, height }.into());
-    }
+    args.at.map_or(Ok(()), |at| check_inside(at, burst.size()))?;
     let (case, part) =
         Case::of(&burst, &search, (args.at, args.around.map(|px| px as usize)), &args.note, &console.monitor)?;
     rules.check(&args.out)?;
@@ -76,12 +71,5 @@ pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
         bytes as f64 * 1e-6,
         args.out.display()
     ))?;
-    console.say_document(
-        "case",
-        &json!({
-            "file": path_text(&args.out),
-            "case": case,
-            "bytes": bytes,
-        }),
-    )
+    console.say_document("case", &json!({ "file": path_text(&args.out), "case": case, "bytes": bytes }))
 }

@@ -32,7 +32,6 @@ pub struct DiscsArgs {
 }
 
 impl DiscsArgs {
-    /// Returns `chart` with this size and these discs.
     pub fn put_on(&self, chart: ChartParams) -> ChartParams {
         let Self { width, height, discs, radius, radius_law } = self.clone();
         ChartParams { width, height, discs, radius, radius_law, ..chart }

@@ -2,17 +2,12 @@
 
 pub(super) use crate::synth::options::words;
 
-/// The words of [`crate::dataset::ImageKind`].
 pub(super) const IMAGE_KINDS: &[&str] = &["middle", "merged"];
-/// The words of [`crate::burst::RawColour`].
 pub(super) const RAW_COLOURS: &[&str] = &["luma", "green", "red", "blue"];
-/// The words of [`crate::matching::CameraModel`].
 #[cfg(feature = "colmap")]
 pub(super) const CAMERA_MODELS: &[&str] = &["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "OPENCV"];
-/// The words of [`crate::detector::Combine`].
 pub(super) const COMBINES: &[&str] =
     &["mean", "median", "clipped-mean", "max", "min", "deviation", "mean-minus-median"];
-/// The words of [`crate::app::project::cursor::ViewKind`].
 #[cfg(feature = "app")]
 pub(super) const VIEW_KINDS: &[&str] = &["frame", "stack", "dog"];
 

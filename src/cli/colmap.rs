@@ -38,7 +38,6 @@ fn defaults() -> SearchParams {
     SearchParams { detector: DetectorParams { noise_gate: NoiseGate::Matching, ..search.detector }, ..search }
 }
 
-/// Says the default of this command's gate.
 fn gate_help(arg: Arg) -> Arg {
     let text = |help: String| help.replace("[default: auto]", "[default of this command: matching]");
     arg.help(text(NOISE_GATE.short_help())).long_help(text(NOISE_GATE.long_help()))
@@ -126,7 +125,6 @@ fn tell_what_was_left(report: &GatherReport) -> Vec<String> {
     left.chain(strange.map(|folder| format!("--gather {}: it holds none of these bursts", folder.display()))).collect()
 }
 
-/// Commands that continue the reconstruction, as typed in a shell.
 fn next_commands(out: &Path) -> [String; 2] {
     let at = |name: &str| {
         let path = out.join(name).display().to_string();

@@ -23,8 +23,7 @@ pub(super) struct Console {
 const STEPS: u64 = 1000;
 
 impl Console {
-    /// Sets up threads, the memory budget, the progress bar (only where the standard error is a terminal), and the
-    /// signals that ask the program to end: the first cancels the work, the second ends the program at once.
+    /// The first signal that asks the program to end cancels the work, the second ends the program at once.
     pub fn new(output: &OutputArgs) -> Result<Self, Failure> {
         if let Some(threads) = output.threads {
             rayon::ThreadPoolBuilder::new()
@@ -49,13 +48,11 @@ impl Console {
         Ok(Self { monitor, bar, output: *output })
     }
 
-    /// Names the present piece of work in front of the bar, and sets the bar to 0.
     pub fn begin(&self, prefix: String) {
         self.bar.set_prefix(printable(&prefix).into_owned());
         self.bar.set_position(0);
     }
 
-    /// Shows the remaining time beside the bar, counted over all pieces of work.
     pub fn show_time_left(&self) {
         let style = ProgressStyle::with_template("{prefix}{msg:22} {bar:30} {percent:>3} %, {eta} left")
             .expect("the template is a constant that parses");

@@ -29,7 +29,6 @@ pub(super) struct DetectJob<'a> {
 }
 
 impl<'a> DetectJob<'a> {
-    /// Creates the job of finding features with `params` and writing them into the folder `out` in `formats`.
     pub fn new(out: &'a Path, formats: &[ExportFormat], params: &'a SearchParams) -> Result<Self, Failure> {
         if out.exists() && !out.is_dir() {
             let problem = "--out: this is not a folder; name a folder for the features";
@@ -42,8 +41,7 @@ impl<'a> DetectJob<'a> {
         Ok(Self { out, formats, params, camera, rules })
     }
 
-    /// Locks the folder for this process, after checking that the features of `inputs` and the files `others` may be
-    /// written there.
+    /// After checking that the features of `inputs` and the files `others` may be written there.
     pub fn take_folder(&self, inputs: &[Input], others: &[PathBuf]) -> Result<FolderLock, Failure> {
         for file in inputs.iter().flat_map(|input| self.files(&input.name)).chain(others.iter().cloned()) {
             self.rules.check(&file)?;
@@ -55,7 +53,7 @@ impl<'a> DetectJob<'a> {
         detection_files(self.out, name, &self.formats)
     }
 
-    /// Restricts the job to bursts of this camera, where known.
+    /// Bursts of another size are refused.
     pub fn of_camera(self, camera: Option<Camera>) -> Self {
         Self { camera: camera.map_or(self.camera, CameraChoice::Known), ..self }
     }
@@ -96,7 +94,6 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     if report.failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
 }
 
-/// Opens a burst, finds its features, writes them and prints the summary.
 pub(super) fn detect_burst(
     input: Input,
     options: &OpenOptions,
@@ -142,7 +139,6 @@ mod tests {
     use crate::requests::detect_line;
     use clap::Parser;
 
-    /// Splits a line into words as a shell does.
     fn split(line: &str) -> Vec<String> {
         let (mut words, mut word, mut inside, mut any) = (Vec::new(), String::new(), false, false);
         let mut letters = line.chars();
@@ -163,14 +159,17 @@ mod tests {
         words
     }
 
-    /// Inputs and parameters that the command parses from the line.
-    fn understood(inputs: &[&str], params: &SearchParams) -> (Vec<PathBuf>, SearchParams) {
+    fn understood(
+        inputs: &[&str],
+        params: &SearchParams,
+        calibration: &OpenOptions,
+    ) -> (Vec<PathBuf>, SearchParams, OpenOptions) {
         let inputs: Vec<String> = inputs.iter().map(|input| (*input).to_owned()).collect();
-        let line = detect_line(&inputs, params, &OpenOptions::default());
+        let line = detect_line(&inputs, params, calibration);
         let cli = Cli::try_parse_from(split(&line)).unwrap_or_else(|e| panic!("{line}: {e}"));
         let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
         let params = args.run.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
-        (args.inputs, params)
+        (args.inputs, params, args.run.calibration.options())
     }
 
     #[test]
@@ -190,13 +189,6 @@ mod tests {
         let still = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..DetectorParams::default() };
         let cases: [SearchParams; 6] =
             [plain, everything.into(), line(-12.5), strict.into(), apart.into(), still.into()];
-        for params in cases {
-            assert_eq!(understood(&["demo"], &params), (vec![PathBuf::from("demo")], params));
-        }
-    }
-
-    #[test]
-    fn the_calibration_is_said_too() {
         let calibration = OpenOptions {
             bias: Some("dark frames/b.tiff".into()),
             full_scale: Some(4095.0),
@@ -205,16 +197,16 @@ mod tests {
             raw_colour: RawColour::Green,
             ..OpenOptions::default()
         };
-        let line = detect_line(&["night".to_owned()], &SearchParams::default(), &calibration);
-        let cli = Cli::try_parse_from(split(&line)).unwrap_or_else(|e| panic!("{line}: {e}"));
-        let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
-        assert_eq!(args.run.calibration.options(), calibration, "{line}");
+        for params in cases {
+            let (inputs, read, options) = understood(&["demo"], &params, &calibration);
+            assert_eq!((inputs, read, &options), (vec![PathBuf::from("demo")], params, &calibration));
+        }
     }
 
     #[test]
     fn paths_are_quoted_as_a_shell_takes_them() {
         let paths = ["/data/night 1/it's dark", "/data/$HOME;x", "-odd", "plain/0001.png", "Über/ü.tiff"];
-        let (inputs, _) = understood(&paths, &SearchParams::default());
+        let (inputs, ..) = understood(&paths, &SearchParams::default(), &OpenOptions::default());
         let read: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
         assert_eq!(read, ["/data/night 1/it's dark", "/data/$HOME;x", "./-odd", "plain/0001.png", "Über/ü.tiff"]);
     }

@@ -2,12 +2,10 @@
 
 use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
-use super::evaluate_frames;
-use super::evaluate_matches;
-use super::evaluate_poses;
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
 use super::study::{Searched, chart_study, check_plot, searched, write_plot};
+use super::{evaluate_frames, evaluate_matches, evaluate_poses};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};

@@ -7,12 +7,13 @@ use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_bursts};
 use super::matching_args::MatchingArgs;
 use super::study::{Searched, once_each, searched_by};
+use super::synth::levels_of;
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;
 use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Shot, slopes_of};
 use crate::matching::PairSelection;
-use crate::synth::{FrameLevels, NoisyExposure, NoisyParams};
+use crate::synth::{NoisyExposure, NoisyParams};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -103,10 +104,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     let has_gold = args.gold.is_some() || args.snr.is_some();
     let methods = methods(args, has_gold)?;
     let Searched { detector, slopes, direction_deg } = searched_by(&args.run.search, &methods)?;
-    let (slopes_1d, slopes_2d) = match slopes {
-        Some(slopes) => slopes_of(slopes),
-        None => slopes_of(detector.slopes),
-    };
+    let (slopes_1d, slopes_2d) = slopes_of(slopes.unwrap_or(detector.slopes));
     let study = MatchStudy {
         methods,
         has_gold,
@@ -193,7 +191,6 @@ fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input
     Ok(Some(found))
 }
 
-/// The noisy camera, one for all bursts; `None` without `--snr`.
 fn exposure(
     args: &MatchesArgs,
     inputs: &[Input],
@@ -201,12 +198,7 @@ fn exposure(
     console: &Console,
 ) -> Result<Option<NoisyExposure>, Failure> {
     let Some(snr) = args.snr else { return Ok(None) };
-    let mut levels = FrameLevels::default();
-    for input in inputs {
-        console.begin(format!("{}: ", input.name));
-        levels.add(&input.open(options, &console.monitor)?, &console.monitor)?;
-    }
-    console.begin(String::new());
+    let levels = levels_of(inputs, options, console)?;
     let params = NoisyParams { snr, read_noise: args.read_noise, bits: args.bits, seed: args.noise_seed };
     Ok(Some(params.exposure(&levels)?))
 }

@@ -24,7 +24,6 @@ pub(super) fn table(heads: &[impl AsRef<str>], rows: impl IntoIterator<Item = Ve
     text
 }
 
-/// A number as text, and a dash where there is none.
 pub(super) fn or_dash<T>(value: Option<T>, text: impl Fn(T) -> String) -> String {
     value.map_or_else(|| "–".to_owned(), text)
 }
@@ -72,7 +71,6 @@ pub(super) fn frames_table(report: &FramesReport) -> String {
         + &found_tables(report.chart.discs, &report.setup, "frames", &rows)
 }
 
-/// Label of a row, and the methods in it.
 type Row<'a> = (String, &'a [MethodReport]);
 
 /// The tables of discs found, of `discs` on a chart; `first` is the head of the rows' labels.
@@ -131,7 +129,6 @@ pub(super) fn burst_frames_table(report: &BurstFramesReport) -> String {
     text + "\n" + &table(&heads, report.rows.iter().map(cells))
 }
 
-/// Tables of the crowded charts, then of those with discs apart.
 pub(super) fn accuracy_tables(crowded: &AccuracyReport, apart: Option<&AccuracyReport>) -> String {
     let grid = crowded.detector.used_slopes();
     let mut text = format!("searched at slopes u {} and v {} (min:max:count, px/frame)\n", grid.u, grid.v);

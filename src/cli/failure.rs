@@ -33,12 +33,10 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Creates the failure of wrong use, with a message that says what would be right.
     pub fn usage(message: impl Into<String>) -> Self {
         Self::Usage(anyhow::Error::msg(message.into()))
     }
 
-    /// Creates the failure of a standard output that cannot be written.
     pub(super) fn output(error: std::io::Error) -> Self {
         Self::Failed(anyhow::Error::new(error).context("cannot write to the standard output"))
     }
@@ -199,7 +197,6 @@ fn is_command(c: char) -> bool {
     c.is_control() && c != '\n' && c != '\t'
 }
 
-/// Replaces each control character except line feeds and tabs by an escape.
 pub(super) fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(is_command) {
         return Cow::Borrowed(text);
@@ -216,7 +213,6 @@ pub(super) fn print(text: &str) -> Result<()> {
     print_bytes(&printable(text))
 }
 
-/// Prints a JSON document. Control characters occur only inside its strings, where they are written as `\u` escapes.
 pub(super) fn print_json(text: &str) -> Result<()> {
     let mut clean = String::with_capacity(text.len());
     for c in text.chars() {
@@ -233,7 +229,6 @@ fn print_bytes(text: &str) -> Result<()> {
     }
 }
 
-/// Prints a line on the standard error; a failed write is ignored.
 pub(super) fn complain(text: &str) {
     // A standard error that cannot be written is no reason to fail.
     let _ = writeln!(std::io::stderr().lock(), "{}", printable(text));

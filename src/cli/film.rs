@@ -1,9 +1,9 @@
 //! `film` writes a sweep over slope, scale or frames as an animation.
 
-use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, parse_slope};
+use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, parse_slope, two};
 use super::failure::Failure;
 use super::inputs::OneBurst;
-use super::probe::parse_place;
+use super::probe::{check_inside, parse_place};
 use crate::app::figure::rasterise;
 use crate::detect::search;
 use crate::detector::scale_space::searched_octaves;
@@ -127,14 +127,11 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     )
 }
 
-/// Checks that the place whose response is drawn lies in the picture, and its scale in the search.
 fn check_place(film: &Film) -> Result<(), Failure> {
     let Some(FilmPlace { at: [u, v], scale: (octave, level) }) = film.place else { return Ok(()) };
-    let (width, height) = film.burst.burst.size();
-    if !(u >= 0.0 && v >= 0.0 && u <= (width - 1) as f32 && v <= (height - 1) as f32) {
-        return Err(crate::inspect::ProbeError::Outside { u, v, width, height }.into());
-    }
-    let octaves = searched_octaves(&film.params, (width, height));
+    let size = film.burst.burst.size();
+    check_inside([u, v], size)?;
+    let octaves = searched_octaves(&film.params, size);
     if !octaves.contains(&octave) || !(0..film.params.levels as i32).contains(&level) {
         return Err(Failure::usage(format!(
             "--scale: the search has no octave {octave} with a level {level}; give an octave of {} to {} and a level of 0 to {}",
@@ -148,6 +145,5 @@ fn check_place(film: &Film) -> Result<(), Failure> {
 
 fn parse_scale(text: &str) -> Result<(i32, i32), String> {
     let bad = || format!("'{text}' is no octave and level; give two whole numbers, such as 0,1");
-    let (octave, level) = text.split_once(',').ok_or_else(bad)?;
-    Ok((octave.trim().parse().map_err(|_| bad())?, level.trim().parse().map_err(|_| bad())?))
+    two(text, ',', |_| true).map(<(i32, i32)>::from).ok_or_else(bad)
 }

@@ -23,7 +23,6 @@ use std::path::{Path, PathBuf};
 #[cfg(any(test, feature = "app"))]
 pub(super) const DEMO: &str = "demo";
 
-/// One burst named by the arguments.
 #[derive(Debug)]
 pub(super) struct Input {
     /// Name of the burst, after which its files are named; unique among the inputs.
@@ -33,7 +32,6 @@ pub(super) struct Input {
 }
 
 impl Input {
-    /// The built-in burst of the name `word`, if there is one.
     fn built_in(word: &Path) -> Option<Self> {
         let source = BurstSource::named(word.to_str()?)?;
         Some(Self { name: word.display().to_string(), source: Ok(source) })
@@ -47,8 +45,7 @@ impl Input {
         Ok(self.source.clone()?.burst(options, monitor)?)
     }
 
-    /// Opens the burst to search it with `params`. A search that needs more memory than there is, is refused before any
-    /// pixel is read.
+    /// A search that needs more memory than there is, is refused before any pixel is read.
     pub fn open_to_search(
         &self,
         options: &OpenOptions,
@@ -61,7 +58,6 @@ impl Input {
         self.open(options, monitor)
     }
 
-    /// Paths that the burst is read from; none for a built-in burst.
     pub fn paths(&self) -> &[PathBuf] {
         self.source.as_ref().map_or(&[], BurstSource::paths)
     }
@@ -127,8 +123,7 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
     Ok(bursts)
 }
 
-/// Resolves files, including paths that do not exist. A missing file makes the burst of single pictures fail, whose
-/// frame it may be, but not stacks, which are bursts of their own.
+/// A missing file makes the burst of single pictures fail, whose frame it may be, but not stacks.
 fn resolve_files(files: &[PathBuf]) -> Vec<Input> {
     let (present, missing): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(|f| f.exists());
     if missing.is_empty() || present.is_empty() {
@@ -164,7 +159,6 @@ fn name_of(path: &Path) -> String {
     path_text(Path::new(path.file_name().unwrap_or(path.as_os_str())))
 }
 
-/// Resolves `arguments` to one burst.
 pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input, Failure> {
     let mut inputs = resolve(arguments);
     match (inputs.pop(), inputs.is_empty()) {
@@ -179,7 +173,6 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
     }
 }
 
-/// Resolves A and B to one burst each, with different names.
 pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
     let one = |path: &Path| resolve_one(&[path.to_owned()], "each side of a match");
     let mut inputs = vec![one(a)?, one(b)?];
@@ -206,8 +199,7 @@ pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> R
 }
 
 impl OverwriteArgs {
-    /// Rules of a command that opens `inputs` with this calibration and reads these `settings` (a parameter file, a
-    /// session).
+    /// `settings` are files that the command reads: a parameter file, a session.
     pub(super) fn rules(
         &self,
         inputs: &[Input],

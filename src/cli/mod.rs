@@ -1,10 +1,8 @@
 //! Commands: everything that the window computes, a command computes too.
 //!
-//! [`args`] and its sister modules describe raw arguments, which are turned once into checked values (see
-//! [`search_options`]); each command is in a module with its own arguments, and calls the same functions as the
-//! window. Results go to the standard output, progress and errors to the standard error.
-//!
-//! Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
+//! [`args`] and its sister modules describe raw arguments, which are turned once into checked values; each command
+//! calls the same functions as the window. Results go to the standard output, progress and errors to the standard
+//! error. Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
 pub mod args;
 pub mod case;
@@ -63,24 +61,19 @@ use std::process::ExitCode;
 /// First argument of a process that decodes one file for another process; it is no command and in no help.
 pub const DECODE_WORKER: &str = "--decode-worker";
 
-/// Runs the command that the program's arguments name, and returns its exit code.
 pub fn run() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let worker = this_program().map(|program| DecodeWorker { program, arguments: vec![DECODE_WORKER.into()] });
     ExitCode::from(run_in(&arguments, worker, Host::Program))
 }
 
-/// Process in which a command runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Host {
-    /// The program itself, which may start itself anew.
     Program,
-    /// A program that holds this one as a library.
     Other,
 }
 
-/// Runs the command that `arguments` name, after the program's own name, in the process `host`; files are decoded by
-/// `worker`. Returns the exit code.
+/// In the process `host`; files are decoded by `worker`. Returns the exit code.
 pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) -> u8 {
     if arguments.get(1).is_some_and(|first| first == DECODE_WORKER) {
         return arguments.get(2).map_or(2, |path| serve_decoding(Path::new(path)));

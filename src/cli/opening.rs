@@ -7,8 +7,7 @@ use crate::burst::{OpenErrorKind, SequenceCut};
 use crate::dataset::DatasetSource;
 use std::path::PathBuf;
 
-/// The two bursts that two arguments name, one each. `None` otherwise: two files may be frames of one burst, and a
-/// folder of bursts is a dataset.
+/// `None` where they are not two bursts: two files may be frames of one, and a folder of bursts is a dataset.
 pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
     let [first, second] = arguments else { return None };
     let inputs = resolve(arguments);
@@ -17,7 +16,6 @@ pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
     (each(first) && each(second)).then_some(two)
 }
 
-/// Content that the window opens.
 #[derive(Debug)]
 pub(super) enum Opening {
     Burst(Input),
@@ -26,8 +24,7 @@ pub(super) enum Opening {
     Session(PathBuf),
 }
 
-/// Resolves `arguments`: a session file, one burst, two bursts if each argument is one, or a dataset if there are more
-/// or a sequence is cut.
+/// A session file, one burst, two bursts if each argument is one, or a dataset if there are more or it is cut.
 pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Opening, Failure> {
     let SequenceArgs { burst_length, burst_step } = sequence;
     if let [one] = arguments

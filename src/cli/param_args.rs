@@ -15,7 +15,6 @@ impl<P> Default for Given<P> {
 }
 
 impl<P: Default + 'static> Given<P> {
-    /// Values of `records` in the parsed command line.
     pub(super) fn among(records: &[Param<P>], matches: &ArgMatches) -> Self {
         let value = |record: &Param<P>| Some((*record, matches.get_one::<String>(record.name)?.clone()));
         Self(records.iter().filter_map(value).collect())
@@ -25,13 +24,11 @@ impl<P: Default + 'static> Given<P> {
         self.0.iter().any(|(given, _)| given == record)
     }
 
-    /// The records and their values, in the order of the records.
     pub(super) fn iter(&self) -> impl Iterator<Item = &(Param<P>, String)> {
         self.0.iter()
     }
 }
 
-/// Option of the command line for one parameter.
 pub(super) fn option<P: Default + 'static>(record: Param<P>) -> Arg {
     let arg = Arg::new(record.name)
         .long(record.name)

@@ -1,6 +1,6 @@
 //! `probe` reports why a place has a feature, or why not; `slopes` reports the slopes that a burst needs.
 
-use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
+use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, two};
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{OneBurst, check_ending};
@@ -241,11 +241,13 @@ JSON (--json), beside version, params, name, inputs and what was searched:
     \"suspicions\": [{\"kind\", \"evidence\", \"number\", \"other\", \"change\"}]}
   \"price\": {\"now\", \"then\", \"own\": [now, then]} or null, with --price";
 
+pub(super) fn check_inside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Result<(), ProbeError> {
+    let inside = u >= 0.0 && v >= 0.0 && u <= (width - 1) as f32 && v <= (height - 1) as f32;
+    if inside { Ok(()) } else { Err(ProbeError::Outside { u, v, width, height }) }
+}
+
 pub(super) fn parse_place(text: &str) -> Result<[f32; 2], String> {
-    let bad = || format!("'{text}' is not U,V in pixels, such as 412,230.5");
-    let (u, v) = text.split_once(',').ok_or_else(bad)?;
-    let number = |s: &str| s.trim().parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
-    Ok([number(u)?, number(v)?])
+    two(text, ',', f32::is_finite).ok_or_else(|| format!("'{text}' is not U,V in pixels, such as 412,230.5"))
 }
 
 #[cfg(test)]

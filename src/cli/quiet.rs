@@ -15,8 +15,7 @@ const NO_CHOICE: &str = "NODEVICE_SELECT";
 /// Variables by which the user has chosen an adapter, or none.
 const CHOICES: [&str; 3] = [NO_CHOICE, "MESA_VK_DEVICE_SELECT", "DRI_PRIME"];
 
-/// Starts this program anew, in this process, with the question turned off, if `cli` draws a window and there is no
-/// folder of displays. Returns where that is not so, or where it fails.
+/// Starts this program anew, in this process, if `cli` draws a window and there is no folder of displays.
 pub(super) fn without_display(cli: &Cli) {
     let draws = match &cli.command {
         None => !window::has_display(),

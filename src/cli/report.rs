@@ -70,11 +70,7 @@ pub(super) struct BurstReport {
     advice: Option<AdviceReport>,
 }
 
-/// The part of the document of `detect` about one burst (JSON), for features that are not written to files: without
-/// `files` and the judgement of the slopes, and with 0 for the times of opening and writing.
-///
-/// # Errors
-/// When a number cannot be put into JSON.
+/// For features that are not written: without `files` and slopes judged, and with 0 s for opening and writing.
 pub fn burst_document(burst: &Burst, searched: &Searched) -> serde_json::Result<String> {
     let Searched { detection, params, finding, slopes_secs } = searched;
     let inputs = burst.sources.iter().map(|path| path_text(path)).collect();
@@ -180,7 +176,6 @@ impl BurstReport {
     }
 }
 
-/// Counts the features at each slope of the grid, in the grid's order.
 pub(super) fn slope_counts(detection: &Detection) -> Vec<SlopeCount> {
     let mut counts = vec![0; detection.slopes.len()];
     for feature in &detection.features {
@@ -192,7 +187,6 @@ pub(super) fn slope_counts(detection: &Detection) -> Vec<SlopeCount> {
 }
 
 const SLOPES_SHOWN: usize = 25;
-/// Width of the longest bar of the histogram, characters.
 const BAR_WIDTH: usize = 30;
 
 /// Summary for people; ends with an empty line.

@@ -62,12 +62,10 @@ impl FromArgMatches for SearchArgs {
 }
 
 impl ParamsFileArg {
-    /// Parameters in the file, or the defaults without a file.
     pub fn read(&self) -> Result<SearchParams, Failure> {
         self.read_or(SearchParams::default())
     }
 
-    /// Parameters in the file, or `defaults` without a file.
     fn read_or(&self, defaults: SearchParams) -> Result<SearchParams, Failure> {
         self.params.as_deref().map_or(Ok(defaults), read_params)
     }
@@ -88,8 +86,6 @@ pub fn read_params(path: &Path) -> Result<SearchParams, Failure> {
 }
 
 impl SearchArgs {
-    /// Parameters, checked, with the choice of slopes.
-    ///
     /// The given options replace the values of the file: see [`SearchParams::with_texts`].
     pub fn params(&self) -> Result<SearchParams, Failure> {
         self.params_over(SearchParams::default())

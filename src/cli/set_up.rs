@@ -1,5 +1,6 @@
 //! `slopes --speed …`: slopes from the set-up of camera and scene, and the depths that slopes then mean.
 
+use super::args::two;
 use super::console::Console;
 use super::evaluate_tables::{or_dash, table};
 use super::failure::Failure;
@@ -40,10 +41,7 @@ pub struct SetUpArgs {
 }
 
 fn parse_depth(text: &str) -> Result<[f64; 2], String> {
-    let bad = || format!("'{text}' is not NEAR:FAR in metres, such as 1:8");
-    let (near, far) = text.split_once(':').ok_or_else(bad)?;
-    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
-    Ok([number(near)?, number(far)?])
+    two(text, ':', f64::is_finite).ok_or_else(|| format!("'{text}' is not NEAR:FAR in metres, such as 1:8"))
 }
 
 #[derive(Debug, Serialize)]
@@ -65,13 +63,11 @@ impl SetUpArgs {
         })
     }
 
-    /// The slopes of a set-up for `frames` frames.
     pub(super) fn slopes(set_up: &SetUp, frames: usize, params: &DetectorParams) -> Result<SetUpSlopes, Failure> {
         set_up.slopes(frames, params).map_err(|problem| Failure::usage(format!("--{problem}")))
     }
 }
 
-/// Prints the slopes of a set-up, without a burst.
 pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes) -> Result<(), Failure> {
     console.say(&format!("{}\n  {}\n", slopes.sentence(set_up), slopes.options()))?;
     console.say_document(
@@ -84,7 +80,6 @@ pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes
     )
 }
 
-/// The depths of the slopes of a burst that have features.
 pub(super) fn depths(set_up: &SetUp, spectrum: &Spectrum) -> Vec<SlopeDepth> {
     let with_features = spectrum.bars.iter().filter(|bar| bar.features > 0);
     with_features

@@ -18,8 +18,7 @@ struct Requests {
 }
 
 impl Requests {
-    /// Takes a signal that came `at` this time: asks to end with `end`, or ends the program `at_once` if it was asked
-    /// before.
+    /// Asks to end with `end`, or ends the program `at_once` if it was asked before.
     fn take(&mut self, at: Instant, end: impl FnOnce(), at_once: impl FnOnce()) {
         match self.first {
             None => {
@@ -36,8 +35,7 @@ fn exit() {
     std::process::exit(INTERRUPTED.into());
 }
 
-/// Calls `end` at the first signal that asks the program to end, so that it finishes in order. A second request ends
-/// the program at once.
+/// Calls `end` at the first signal, so that the program finishes in order; a second request ends it at once.
 pub(super) fn on_end(end: impl Fn() + Send + 'static) -> Result<(), Failure> {
     listen(end).context("cannot listen for Ctrl-C and other requests to end").map_err(Failure::Failed)
 }
@@ -56,8 +54,7 @@ fn listen(end: impl Fn() + Send + 'static) -> std::io::Result<()> {
     std::thread::Builder::new().name("burstscope-signals".to_owned()).spawn(listener).map(drop)
 }
 
-/// Whether to handle SIGHUP. False where the parent process has it ignored, and where the system does not say: SIGHUP
-/// then keeps its default action.
+/// Not where the parent process has it ignored, or where the system does not say: SIGHUP keeps its default action.
 #[cfg(unix)]
 fn hang_up_is_heard() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -72,8 +69,7 @@ fn listen(end: impl Fn() + Send + 'static) -> Result<(), ctrlc::Error> {
     ctrlc::set_handler(move || requests.take(Instant::now(), &end, exit))
 }
 
-/// Turns writing past the process's file size limit (`ulimit -f`) into a write error instead of the end of the program.
-/// Where that is impossible, the program still ends.
+/// Writing past the file size limit (`ulimit -f`) becomes an error, where that is possible.
 pub(super) fn survive_file_size_limit() {
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());

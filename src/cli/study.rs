@@ -25,7 +25,6 @@ pub(super) fn searched(search: &SearchArgs) -> Result<Searched, Failure> {
     checked_slopes(search, false, remedy)
 }
 
-/// Search parameters of a study of `methods`, of which `buff-auto` finds slopes by itself.
 pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Result<Searched, Failure> {
     let remedy = "of the methods only buff-auto finds slopes; add it to --methods, or give a range with --slopes-u and --slopes-v";
     checked_slopes(search, methods.contains(&BurstMethod::BuffAuto), remedy)
@@ -44,7 +43,6 @@ fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<S
     Ok(Searched { detector, slopes, direction_deg })
 }
 
-/// Removes repetitions from `list`; keeps its order.
 pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
     let mut once = Vec::with_capacity(list.len());
     for item in list {
@@ -55,14 +53,13 @@ pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
     once
 }
 
-/// Makes a study of charts at the signal-to-noise ratios `snrs`.
 pub(super) fn chart_study(
     charts: &ChartsArgs,
     compared: &ComparedArgs,
     search: &SearchArgs,
     snrs: Vec<f64>,
 ) -> Result<ChartStudy, Failure> {
-    if search.gives(&crate::detector::params::doc::METHOD) {
+    if search.gives(&doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
     let Searched { detector, slopes, direction_deg } = searched_by(search, &compared.methods)?;

@@ -3,8 +3,8 @@
 use super::args::{CalibrationArgs, INPUT_HELP, OutputArgs};
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{open_options, opened, resolve};
-use crate::burst::Burst;
+use super::inputs::{Input, open_options, opened, resolve};
+use crate::burst::{Burst, OpenOptions};
 use crate::export::{OutputRules, Overwrite, safe_file_name};
 use crate::files::path_text;
 use crate::synth::{
@@ -12,6 +12,7 @@ use crate::synth::{
     synth_scene, write_burst, write_noisy, write_trajectory,
 };
 use clap::{Args, Subcommand};
+use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -39,34 +40,27 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     let inputs = resolve(&args.inputs);
     let options = open_options(&inputs, &args.calibration)?;
     OutputRules::new(opened(&inputs, &options, &[]), Overwrite::Refuse).check_folder(&args.out)?;
-    let mut levels = FrameLevels::default();
-    for input in &inputs {
-        console.begin(format!("{}: ", input.name));
-        levels.add(&input.open(&options, &console.monitor)?, &console.monitor)?;
-    }
-    let exposure = params.exposure(&levels)?;
+    let exposure = params.exposure(&levels_of(&inputs, &options, &console)?)?;
     let names: Vec<String> = inputs.iter().map(|i| safe_file_name(&i.name)).collect();
     let open = |k: usize| -> Result<Burst, Failure> { inputs[k].open(&options, &console.monitor.silent()) };
-    console.begin(String::new());
     let truth = write_noisy(&args.out, &names, names.len() > 1, &params, &exposure, open, &console.monitor)?;
     let noise = truth.noise.map_or_else(
         || "no noise".to_owned(),
         |n| format!("noise {:.5} of full scale in a frame at the mean", n.sigma_background),
     );
-    console.say(&format!(
-        "{} frames of {} bursts, values times {:.4}, {noise}\nwrote {}\n",
-        truth.frames.len(),
-        names.len(),
-        truth.gain,
-        args.out.display()
-    ))?;
-    console.say_document(
-        "synth",
-        &json!({
-            "folder": path_text(&args.out),
-            "truth": truth,
-        }),
-    )
+    let (frames, bursts) = (truth.frames.len(), names.len());
+    let made = format!("{frames} frames of {bursts} bursts, values times {:.4}, {noise}", truth.gain);
+    say_made(&args.out, &made, &truth, &console)
+}
+
+pub(super) fn levels_of(inputs: &[Input], options: &OpenOptions, console: &Console) -> Result<FrameLevels, Failure> {
+    let mut levels = FrameLevels::default();
+    for input in inputs {
+        console.begin(format!("{}: ", input.name));
+        levels.add(&input.open(options, &console.monitor)?, &console.monitor)?;
+    }
+    console.begin(String::new());
+    Ok(levels)
 }
 
 /// Writes bursts along a camera's trajectory, with its poses.
@@ -87,22 +81,15 @@ fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
         ),
         None => "no noise".to_owned(),
     };
-    console.say(&format!(
-        "{} bursts of {} frames of {}×{}, {} planes, {light}\nwrote {}\n",
+    let made = format!(
+        "{} bursts of {} frames of {}×{}, {} planes, {light}",
         truth.bursts.len(),
         truth.frames,
         truth.width,
         truth.height,
-        truth.planes.len(),
-        args.out.display()
-    ))?;
-    console.say_document(
-        "synth",
-        &json!({
-            "folder": path_text(&args.out),
-            "truth": truth,
-        }),
-    )
+        truth.planes.len()
+    );
+    say_made(&args.out, &made, &truth, &console)
 }
 
 fn finish(out: &Path, burst: &Burst, truth: &Truth, console: &Console) -> Result<(), Failure> {
@@ -110,21 +97,19 @@ fn finish(out: &Path, burst: &Burst, truth: &Truth, console: &Console) -> Result
     let noise = truth
         .noise
         .map_or_else(|| "no noise".to_owned(), |n| format!("noise {:.5} of full scale in a frame", n.sigma_background));
-    console.say(&format!(
-        "{} frames of {}×{}, {} features with known place and slope, {noise}\nwrote {}\n",
+    let made = format!(
+        "{} frames of {}×{}, {} features with known place and slope, {noise}",
         truth.frames,
         truth.width,
         truth.height,
-        truth.features.len(),
-        out.display()
-    ))?;
-    console.say_document(
-        "synth",
-        &json!({
-            "folder": path_text(out),
-            "truth": truth,
-        }),
-    )
+        truth.features.len()
+    );
+    say_made(out, &made, truth, console)
+}
+
+fn say_made(out: &Path, made: &str, truth: &impl Serialize, console: &Console) -> Result<(), Failure> {
+    console.say(&format!("{made}\nwrote {}\n", out.display()))?;
+    console.say_document("synth", &json!({ "folder": path_text(out), "truth": truth }))
 }
 
 /// Make a burst with exactly known truth, or noisy copies of real frames.

@@ -8,11 +8,7 @@ use crate::monitor::Monitor;
 use crate::synth::{Truth, synth_chart, synth_scene};
 use clap::Parser;
 
-/// Makes the burst that `synth` with these `arguments`, the kind and its options, writes into a folder, and its truth.
-///
-/// # Errors
-/// When the arguments make no sense, when they name another kind than a chart or a scene, and when `monitor` was
-/// cancelled.
+/// The burst that `synth` with these `arguments`, a chart or a scene and its options, writes into a folder.
 pub fn synthetic_burst(arguments: &[String], monitor: &Monitor) -> Result<(Burst, Truth), Failure> {
     // The folder is not used.
     let line = ["burstscope", "synth"].into_iter().chain(arguments.iter().map(String::as_str)).chain(["--out", "."]);
@@ -23,7 +19,6 @@ pub fn synthetic_burst(arguments: &[String], monitor: &Monitor) -> Result<(Burst
     }
 }
 
-/// Parses `arguments`, the program's name and what follows it.
 fn parsed<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<Cli, Failure> {
     Cli::try_parse_from(arguments).map_err(|error| {
         let text = error.to_string();

@@ -50,7 +50,6 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     show(Startup { source, second, dataset, params, calibration, session, ..Startup::default() })
 }
 
-/// Shows the window until it is closed, or a signal ends the program.
 fn show(startup: Startup) -> Result<(), Failure> {
     let (asked, end) = (startup.end.clone(), startup.end.clone());
     signals::on_end(move || end.make())?;
@@ -69,8 +68,7 @@ fn lesson(name: &Path, params: SearchParams) -> Result<(), Failure> {
     draw(&RenderOptions { lesson: Some(lesson), ..RenderOptions::default() }, &file, &console)
 }
 
-/// Finds the built-in lesson of this name, or reads the first one of the file or folder, with all others of that
-/// folder.
+/// Built in, or the first one of the file or folder, with all others of that folder.
 fn lesson_named(name: &Path) -> Result<(Arc<Lesson>, Vec<Lesson>), Failure> {
     if let Some(lesson) = built_in().iter().find(|lesson| name.as_os_str() == lesson.name.as_str()) {
         return Ok((lesson.clone(), Vec::new()));
@@ -147,7 +145,6 @@ fn session_without_display(session: PathBuf) -> Result<(), Failure> {
     draw(&RenderOptions { session: Some(session), ..RenderOptions::default() }, &file, &console)
 }
 
-/// Lists the features of `input`; the picture shows `second` beside it, if there is one.
 fn without_display(
     input: Input,
     second: Option<Input>,

@@ -3,7 +3,6 @@
 use crate::requests::{Picture, PictureKey, PictureRequest};
 use std::collections::HashMap;
 
-/// A least-recently-used store of pictures with a byte budget.
 #[derive(Debug)]
 pub struct PictureCache {
     budget_bytes: usize,

@@ -1,8 +1,7 @@
 //! Conversion of a panic into a message with its place in the source.
 //!
-//! A panic's payload does not hold the place; only the panic hook is told it. So a hook, installed once and in front of
-//! the existing one, records the place under the thread's name. The threads of the queue and their pools have distinct
-//! names.
+//! Only the panic hook is told the place. So a hook, in front of the existing one, records it under the thread's name;
+//! the threads of the queue and their pools have distinct names.
 
 use crate::plane::memory;
 use crate::requests::JobError;

@@ -1,9 +1,8 @@
 //! Kinds of background work: each with its urgency, a function from requests to answers, and a place where these are
 //! polled. Before the one answer, work may tell partial results.
 
-use super::OnUpdate;
-use super::fault;
 use super::queue::{JobKey, JobQueue, Lane, Manner, Publish, QueuedJob, Standing};
+use super::{OnUpdate, fault};
 use crate::monitor::Monitor;
 use crate::requests::{JobError, JobId, Running, Urgency};
 use std::convert::Infallible;
@@ -61,9 +60,7 @@ pub struct Jobs<Q, A, P = Infallible> {
 }
 
 impl<Q: Send + 'static, A: Send + 'static> Jobs<Q, A> {
-    /// Creates a kind of work without partial results. A superseded request is cancelled once it has run for `grace`;
-    /// if it ends before, its answer stands. With zero `grace` it is cancelled at once, and its answer is
-    /// [`JobError::Superseded`].
+    /// Superseded, a request is cancelled once it has run for `grace`; if it ends before, its answer stands.
     pub fn new(
         queue: &Arc<JobQueue>,
         urgency: Urgency,

@@ -30,8 +30,7 @@ pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
 
 pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
 
-/// The background work of one window. Dropping it cancels what runs, finishes the files that are being written, and
-/// returns when all threads have ended.
+/// Dropping it cancels what runs, finishes the files that are being written, and returns when all threads have ended.
 pub struct Engine {
     tasks: task::Tasks,
     stores: Stores,

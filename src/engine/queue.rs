@@ -1,18 +1,14 @@
 //! Queue for all background work of a window, and the threads that take from it.
 //!
 //! Every request has a [`JobKey`]: its kind of work, and a slot, such as a pane. Of one key the latest request wins: it
-//! replaces the one that waits, and supersedes the one that runs, which is cancelled once its grace has ended. Keys do
-//! not affect one another; of one lane one request runs at a time, in the order in which their keys asked. Urgent work
-//! goes first, and some threads take only urgent work, so that a picture never waits for a dataset.
-//!
-//! Every request ends in exactly one answer, also one that was superseded or cancelled before it began. An answer is
-//! published before its work counts as done, and `on_update` is called after that, so the callback finds the answer.
+//! replaces the one that waits, and supersedes the one that runs, which is cancelled once its grace has ended. Some
+//! threads take only urgent work, so that a picture never waits for a dataset. Every request ends in exactly one
+//! answer, which is published before its work counts as done; `on_update` is called after that.
 
 mod state;
 mod threads;
 
-use super::OnUpdate;
-use super::fault;
+use super::{OnUpdate, fault};
 use crate::monitor::Monitor;
 use crate::requests::{JobError, JobId, Running, Urgency};
 use state::{RunningJob, State, WaitingJob};
@@ -81,8 +77,7 @@ impl Shared {
     }
 }
 
-/// The queue with its threads. Dropping it cancels all requests except the writing of files, which it finishes, and
-/// returns when all threads have ended.
+/// Dropping it cancels all requests except the writing of files, and returns when all threads have ended.
 pub struct JobQueue {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,

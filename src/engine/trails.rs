@@ -60,7 +60,6 @@ impl Trails {
         self.lock().kept.retain(|kept| bursts.contains(&kept.key.burst));
     }
 
-    /// Number of detections that were repeated because their trail was not kept.
     #[cfg(test)]
     pub(super) fn repeated(&self) -> usize {
         self.lock().repeated
@@ -88,8 +87,7 @@ impl Trails {
         Ok(None)
     }
 
-    /// Returns the trail that `find` finds, or makes it with `make`. Waits if another thread is making it. A new trail
-    /// stays at least until the next one is made, even above the budget: most askers ask again.
+    /// Waits if another thread is making it. A new trail stays at least until the next one is made: most ask again.
     fn find_or_make(
         &self,
         (open, key): (&OpenBurst, &Key),
@@ -216,7 +214,6 @@ impl Kept {
     }
 }
 
-/// Guard that marks a trail as being made until it is dropped.
 struct Making<'a> {
     trails: &'a Trails,
     key: &'a Key,

@@ -14,11 +14,9 @@ const PICTURE_GRACE: Duration = Duration::from_millis(250);
 
 type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Told>;
 
-/// Client of the engine that wants one answer at a time.
-///
-/// In each pass [`Self::want`] is told what is missing now. It submits a request that is not running already, which
-/// supersedes the running one. One that failed or was cancelled is not repeated until something else was wanted,
-/// [`Self::ask`] asked for it, or [`Self::forget`] was called. Dropping it cancels the request.
+/// In each pass [`Self::want`] is told what is missing now. A request that failed or was cancelled is not repeated
+/// until something else was wanted, [`Self::ask`] asked for it, or [`Self::forget`] was called. Dropping it cancels the
+/// request.
 pub struct Wanted<R: Request> {
     /// `None` before the first request.
     jobs: Option<JobsOf<R>>,

@@ -2,7 +2,7 @@
 
 use super::error::JobError;
 use super::open::OpenBurst;
-use super::request::{Request, Urgency, Work};
+use super::request::{Request, Work};
 use crate::detect::search;
 use crate::detector::{Detection, DetectorParams, SearchParams};
 use crate::inspect::changes::{Changes, ForeignFeature, Spot, compare, read_features};
@@ -56,10 +56,6 @@ impl PartialEq for AgainstRequest {
 impl Request for AgainstRequest {
     type Answer = ComparedWith;
     type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedWith, JobError> {
         let (trails, monitor) = (work.kept.trails, work.monitor);

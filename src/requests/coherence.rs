@@ -1,7 +1,7 @@
 //! Coherence of each feature of a detection (how evenly the frames contribute to it), and the verdict that follows.
 
 use super::error::JobError;
-use super::request::{Request, Urgency, Work};
+use super::request::{Request, Work};
 use super::trail::{DetectionSource, trail_and_rest};
 use crate::detector::Detection;
 use crate::inspect::verdict::{Judged, judged};
@@ -29,10 +29,6 @@ impl PartialEq for CoherenceRequest {
 impl Request for CoherenceRequest {
     type Answer = Coherences;
     type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Coherences, JobError> {
         let (cache, rest) = trail_and_rest(work.kept.trails, &self.of, work.monitor)?;

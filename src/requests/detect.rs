@@ -3,7 +3,7 @@
 
 use super::error::JobError;
 use super::open::{BurstId, OpenBurst};
-use super::request::{Request, Urgency, Work};
+use super::request::{Request, Work};
 use super::source::BurstSource;
 use crate::burst::OpenOptions;
 use crate::detect::{self, Searched};
@@ -23,10 +23,6 @@ impl Request for OpenRequest {
     type Answer = OpenBurst;
     type Told = Infallible;
 
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<OpenBurst, JobError> {
         self.source.open(&self.options, work.monitor)
     }
@@ -41,10 +37,6 @@ pub struct DetectRequest {
 impl Request for DetectRequest {
     type Answer = Detected;
     type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Detected, JobError> {
         let Self { burst, params: asked } = self;
@@ -78,8 +70,7 @@ pub struct Detected {
     pub burst: BurstId,
     pub asked: SearchParams,
     pub params: DetectorParams,
-    /// Parameters of the search that left what the features were judged from: `params`, or less strict ones. Those that
-    /// [follow](crate::detector::follows) from them need no other search.
+    /// `params`, or less strict ones; those that [follow](crate::detector::follows) from them need no other search.
     pub searched: DetectorParams,
     pub search_secs: f32,
     pub finding: Option<SlopeFinding>,
@@ -101,10 +92,6 @@ pub enum Compared {
 impl Request for CompareRequest {
     type Answer = Compared;
     type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Compared, JobError> {
         match self {
@@ -136,10 +123,6 @@ impl PartialEq for MatchRequest {
 impl Request for MatchRequest {
     type Answer = Matched;
     type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Matched, JobError> {
         let result = Arc::new(match_detections(&self.a, &self.b, &self.params, work.monitor)?);

@@ -8,8 +8,7 @@ use std::path::PathBuf;
 
 const OUT: &str = "features";
 
-/// Writes the `burstscope detect …` line, quoted for a shell, that finds features in `inputs` (paths, or the names of
-/// built-in bursts) with `params`, with files opened by `calibration`. Values that are the default are left out.
+/// `inputs` are paths, or names of built-in bursts. Quoted for a shell; values that are the default are left out.
 pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenOptions) -> String {
     let mut words = vec!["burstscope".to_owned(), "detect".to_owned()];
     // A path that begins with a dash would be read as an option.

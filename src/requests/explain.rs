@@ -34,10 +34,6 @@ impl Request for ExplainRequest {
     type Answer = Explained;
     type Told = Infallible;
 
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Explained, JobError> {
         let (cache, monitor) = trail_and_rest(work.kept.trails, &self.of, work.monitor)?;
         let explanation = match self.question {
@@ -87,10 +83,6 @@ impl Request for LossesRequest {
     type Answer = FoundLosses;
     type Told = Infallible;
 
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<FoundLosses, JobError> {
         let losses = Losses::new(self.pair(), work.monitor)?;
         let counts = losses.counts(work.monitor)?;
@@ -124,10 +116,6 @@ impl Request for DetectionSource {
     /// The detection with its trail; the search is repeated if the trail is not kept.
     type Answer = Traced;
     type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
 
     fn kept(&self, kept: &Kept<'_>) -> Option<Traced> {
         Some(Traced { burst: self.burst.id, cache: kept.trails.get(self)? })

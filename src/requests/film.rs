@@ -88,7 +88,6 @@ pub struct Film {
     pub sweep: Sweep,
     /// Slope of the steps, where that is not swept.
     pub slope: Slope,
-    /// Features to draw.
     pub detection: Option<Arc<Detection>>,
     /// The place whose response is drawn; `None` for that of the strongest feature.
     pub place: Option<FilmPlace>,
@@ -112,7 +111,6 @@ pub enum FilmError {
 
 /// Percentiles of all pictures that are black and white.
 const RANGE: [f32; 2] = [0.1, 99.9];
-/// Height of letters, pixels.
 const FONT_PX: f32 = 12.0;
 /// Colour of the mark at the place of the curve.
 const MARK: [u8; 3] = [240, 228, 66];
@@ -160,17 +158,12 @@ impl Film {
         self.params.used_frames(self.burst.burst.len()).len()
     }
 
-    /// Columns and rows of a picture with its texts.
     pub fn size(&self) -> (u32, u32) {
         self.sheet().map(|side| side as u32).into()
     }
 
-    /// Makes the pictures of all steps by `draw`, and writes them. Only a few are in memory at a time: as many as the
-    /// threads, and fewer where [`memory::budget`](crate::detector::memory::budget) is small. `may_write` is asked once
-    /// more before the file is begun.
-    ///
-    /// # Errors
-    /// See [`FilmError`]; also when `monitor` was cancelled.
+    /// Only as many pictures are in memory at a time as there are threads, and fewer where memory is small. `may_write`
+    /// is asked once more before the file is begun.
     pub fn write(
         &self,
         path: &Path,
@@ -197,9 +190,6 @@ impl Film {
     }
 
     /// The first and the middle picture, from which the size of the file can be estimated.
-    ///
-    /// # Errors
-    /// As [`Self::write`].
     pub fn samples(&self, draw: &Rasteriser<'_>, monitor: &Monitor) -> Result<[RgbaImage; 2], FilmError> {
         let steps = self.steps();
         let room = part_of_memory();
@@ -237,8 +227,7 @@ impl Film {
         Ok(Prepared { steps: steps.to_vec(), planes, responses, display, sheet: self.sheet() })
     }
 
-    /// The pictures of the prepared steps, in order, made as they are taken: as many at a time as `room` bytes hold, at
-    /// least one.
+    /// In order, made as they are taken: as many at a time as `room` bytes hold, at least one.
     fn pictures<'a>(
         &'a self,
         mut prepared: Prepared,
@@ -291,7 +280,6 @@ impl Film {
         group.zip(&planes).collect::<Vec<_>>().into_par_iter().map(picture).collect()
     }
 
-    /// Width and height of all pictures: with room for the longest of their texts.
     fn sheet(&self) -> [f32; 2] {
         let size = |step: &FilmStep| lay_out(&[vec![self.panel(step, None)]], &self.options()).size;
         let largest = self.steps().iter().map(size).fold([1f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
@@ -309,7 +297,6 @@ impl Film {
         width.max(height).div_ceil(self.max_side_px.max(16)).max(1)
     }
 
-    /// The values of a step, one for each pixel of the picture.
     fn plane(&self, step: &FilmStep, monitor: &Monitor) -> Result<Plane, DetectError> {
         let burst = &self.burst.burst;
         let params = self.params_of(step);
@@ -398,8 +385,7 @@ impl Film {
         })
     }
 
-    /// The place whose response is drawn: the given one, or that of the strongest feature at the film's slope, or at
-    /// any.
+    /// The given one, or that of the strongest feature at the film's slope, or at any.
     fn place(&self) -> Option<FilmPlace> {
         let of = |feature: &Feature| FilmPlace { at: [feature.u, feature.v], scale: (feature.octave, feature.level) };
         let stack = FilmStep { slope: self.slope, scale: None, frames: None };
@@ -489,7 +475,6 @@ mod tests {
         Film { burst, params, sweep, slope: Slope::default(), detection: None, place, max_side_px: 48 }
     }
 
-    /// A drawing as pixels of its size, whose colours are a sum of all that is drawn.
     fn digest(drawing: &Drawing) -> Result<RgbaImage, String> {
         let text = format!("{:?}", drawing.shapes);
         let sum = text.bytes().fold(0u32, |sum, byte| sum.wrapping_mul(31).wrapping_add(u32::from(byte)));

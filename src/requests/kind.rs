@@ -4,7 +4,6 @@ use crate::detector::params::Stage;
 use crate::detector::{Combine, Slope};
 use serde::{Deserialize, Serialize};
 
-/// Classes of picture, each with a shared value range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RangeClass {
     /// Brightnesses.
@@ -22,7 +21,6 @@ pub enum RangeClass {
 }
 
 impl RangeClass {
-    /// Name of the class within a sentence.
     pub fn label(self) -> &'static str {
         match self {
             Self::Intensity => "frames and motion stacks",
@@ -55,23 +53,20 @@ pub enum ViewKind {
     MeanMinusMedian,
 }
 
-/// Record of a kind of picture.
 #[derive(Debug, Clone, Copy)]
 pub struct AboutView {
     /// Name in files, also that of the glossary's entries and at the end of exported files' names.
     pub key: &'static str,
     pub label: &'static str,
     pub help: &'static str,
-    /// Stage of the processing that makes it: it depends on the parameters of this stage and of those before it. `None`
-    /// where it depends on no parameter.
+    /// It depends on the parameters of this stage and of those before it; `None` where it depends on none.
     pub stage: Option<Stage>,
     /// Whether it depends on the slope.
     pub of_slope: bool,
     /// Whether it depends on octave and level, and has the octave's pixels.
     pub of_scale: bool,
     pub range: RangeClass,
-    /// Whether it needs a search of the burst or all of its frames, which takes too long to repeat at every step of a
-    /// slider.
+    /// Needs a search or all frames, which takes too long to repeat at every step of a slider.
     pub is_slow: bool,
     /// The way to combine the shifted frames, for pictures that are made by one.
     pub combine: Option<Combine>,
@@ -89,10 +84,15 @@ const FRAME: AboutView = AboutView {
     combine: None,
 };
 
-/// A map of a quantity that decides in the search.
 const MAP: AboutView = AboutView { stage: Some(Stage::Search), of_slope: true, is_slow: true, ..FRAME };
 
-const fn combined(combine: Combine, range: RangeClass, [key, label, help]: [&'static str; 3]) -> AboutView {
+const fn combined(
+    combine: Combine,
+    range: RangeClass,
+    key: &'static str,
+    label: &'static str,
+    help: &'static str,
+) -> AboutView {
     let stage = Some(Stage::Stack);
     AboutView { key, label, help, stage, of_slope: true, range, combine: Some(combine), ..FRAME }
 }
@@ -178,56 +178,44 @@ impl ViewKind {
             Self::Median => combined(
                 Combine::Median,
                 Intensity,
-                [
-                    "median",
-                    "Median of the frames",
-                    "The median of the frames, shifted by the slope: what is in fewer than half of them is gone",
-                ],
+                "median",
+                "Median of the frames",
+                "The median of the frames, shifted by the slope: what is in fewer than half of them is gone",
             ),
             Self::ClippedMean => combined(
                 Combine::ClippedMean,
                 Intensity,
-                [
-                    "clipped_mean",
-                    "Clipped mean",
-                    "The mean of the frames, shifted by the slope, without values far from the median",
-                ],
+                "clipped_mean",
+                "Clipped mean",
+                "The mean of the frames, shifted by the slope, without values far from the median",
             ),
             Self::Max => combined(
                 Combine::Max,
                 Intensity,
-                [
-                    "max",
-                    "Maximum",
-                    "The largest value of the frames, shifted by the slope: what is bright in any of them",
-                ],
+                "max",
+                "Maximum",
+                "The largest value of the frames, shifted by the slope: what is bright in any of them",
             ),
             Self::Min => combined(
                 Combine::Min,
                 Intensity,
-                [
-                    "min",
-                    "Minimum",
-                    "The smallest value of the frames, shifted by the slope: what is bright in all of them",
-                ],
+                "min",
+                "Minimum",
+                "The smallest value of the frames, shifted by the slope: what is bright in all of them",
             ),
             Self::Deviation => combined(
                 Combine::Deviation,
                 Noise,
-                [
-                    "deviation",
-                    "Deviation",
-                    "The standard deviation of the frames, shifted by the slope: noise, and what changes",
-                ],
+                "deviation",
+                "Deviation",
+                "The standard deviation of the frames, shifted by the slope: noise, and what changes",
             ),
             Self::MeanMinusMedian => combined(
                 Combine::MeanMinusMedian,
                 Difference,
-                [
-                    "mean_minus_median",
-                    "Mean minus median",
-                    "What is in some frames only stands out: satellites, cars, lamps that switch, hot pixels",
-                ],
+                "mean_minus_median",
+                "Mean minus median",
+                "What is in some frames only stands out: satellites, cars, lamps that switch, hot pixels",
             ),
         }
     }
@@ -240,16 +228,26 @@ impl ViewKind {
 /// Kind of a picture, with its parameters: slopes in pixels per frame; octave −1 is the doubled image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PictureKind {
-    /// One frame, counted from 0.
     Frame(usize),
     /// The motion-stack image at a slope, on the grid or between.
-    Stack { slope: Slope },
+    Stack {
+        slope: Slope,
+    },
     /// The DoG response of the motion-stack image at a slope.
-    Dog { octave: i32, level: i32, slope: Slope },
+    Dog {
+        octave: i32,
+        level: i32,
+        slope: Slope,
+    },
     /// The frames that are used, aligned tile by tile and merged into one.
     Merge,
     /// Any other kind.
-    Map { map: ViewKind, octave: i32, level: i32, slope: Slope },
+    Map {
+        map: ViewKind,
+        octave: i32,
+        level: i32,
+        slope: Slope,
+    },
 }
 
 impl PictureKind {

@@ -10,8 +10,7 @@ use image::{Rgba, RgbaImage};
 pub struct MotionMap {
     pub winning: WinningSlopes,
     pub grid: SlopeGrid,
-    /// One opaque pixel for each place: the slope's direction and length as hue and saturation, as features have them;
-    /// the brighter the more certain, dark where no response reaches the noise gate.
+    /// Direction and length of the slope as hue and saturation; the brighter the more certain, dark below the gate.
     pub colours: RgbaImage,
 }
 

@@ -1,10 +1,6 @@
 //! Requests for background work and their answers. A request is an immutable snapshot of all that decides its answer;
 //! `compute` makes it on the calling thread and its pool, and stops with [`JobError::Cancelled`] once its
-//! [`Monitor`](crate::monitor::Monitor) is cancelled. Some answers need the trail of a detection, from a
-//! [`TrailStore`].
-//!
-//! Nothing here runs by itself: when, on which thread, and which of several requests wins is decided by
-//! [`crate::engine`].
+//! [`Monitor`](crate::monitor::Monitor) is cancelled. [`crate::engine`] decides when, where, and which of several wins.
 
 mod against;
 mod coherence;

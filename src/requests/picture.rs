@@ -29,8 +29,7 @@ pub struct PictureRequest {
     pub kind: PictureKind,
     /// The parameters; only those that decide the picture make two requests differ.
     pub params: DetectorParams,
-    /// Standard deviation of the Gaussian by which the picture is smoothed for looking at it, in input pixels; 0 for
-    /// none.
+    /// Standard deviation of the Gaussian by which it is smoothed for looking at it, input pixels; 0 for none.
     pub smoothing_px: f32,
     minus: Option<Box<PictureRequest>>,
 }
@@ -66,16 +65,14 @@ impl PictureRequest {
         Self { burst, kind, params, smoothing_px: 0.0, minus: None }
     }
 
-    /// The picture smoothed for looking at it, by a Gaussian of `sigma_px` input pixels; unchanged where the values are
-    /// no brightnesses or responses.
+    /// By a Gaussian of `sigma_px` input pixels; unchanged where the values are no brightnesses or responses.
     #[must_use]
     pub fn smoothed(self, sigma_px: f32) -> Self {
         let is_smooth = matches!(RangeClass::of(&self), RangeClass::Noise | RangeClass::Share | RangeClass::Motion);
         Self { smoothing_px: if is_smooth { 0.0 } else { sigma_px }, ..self }
     }
 
-    /// The difference: this picture minus `other`, on this picture's pixels. Differences of differences are not made:
-    /// of each request its first picture counts.
+    /// On this picture's pixels. Of a difference that is subtracted, or subtracted from, the first picture counts.
     #[must_use]
     pub fn less(self, other: &Self) -> Self {
         Self { minus: Some(Box::new(other.alone())), ..self }
@@ -109,8 +106,7 @@ impl PictureRequest {
         }
     }
 
-    /// Hash of the parameters that decide the result of `stage`, different for different parameters for all practical
-    /// purposes. Before the search, methods differ only in their frames and in whether these are merged.
+    /// Before the search, methods differ only in their frames and in whether these are merged.
     fn hash_of_params(&self, stage: Stage) -> u64 {
         let mut params = self.params.clone();
         if stage < Stage::Search {
@@ -126,7 +122,6 @@ impl PictureRequest {
     }
 }
 
-/// Picture with its request. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub request: PictureRequest,
@@ -146,14 +141,12 @@ impl Picture {
         drawn + if self.motion.is_some() { 5 * pixels } else { pixels }
     }
 
-    /// Renders the picture as it is shown: one opaque pixel for each value, in `display`'s range and colours unless it
-    /// has its own colours.
+    /// One opaque pixel for each value, in `display`'s range and colours unless the picture has its own colours.
     pub fn rgba(&self, display: &Display) -> RgbaImage {
         self.motion.as_ref().map_or_else(|| to_rgba8(&self.drawn, display), |motion| motion.colours.clone())
     }
 
-    /// This picture minus `other`, on this picture's pixels: between its pixels `other` is taken linearly; beside it
-    /// the difference is NaN.
+    /// Between the pixels `other` is taken linearly; beside it the difference is NaN.
     pub(crate) fn minus(&self, other: &Self) -> Self {
         let (step, step_other) = (self.request.kind.input_px_per_pixel(), other.request.kind.input_px_per_pixel());
         let plane = Arc::new(difference(&self.plane, &other.plane, step / step_other));
@@ -161,7 +154,6 @@ impl Picture {
         Self { request, drawn: plane.clone(), plane, motion: None }
     }
 
-    /// This picture, smoothed for looking at it by a Gaussian of `sigma_px` input pixels.
     pub(crate) fn smoothed(self, sigma_px: f32, monitor: &Monitor) -> Result<Self, Cancelled> {
         let sigma = f64::from(sigma_px / self.request.kind.input_px_per_pixel());
         let drawn = Arc::new(smoothed(&self.plane, sigma, monitor)?);

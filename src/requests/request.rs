@@ -12,7 +12,9 @@ pub trait Request: Clone + PartialEq + Send + 'static {
     /// A result that is told before the answer, such as one burst of many.
     type Told: Send + 'static;
 
-    fn urgency(&self) -> Urgency;
+    fn urgency(&self) -> Urgency {
+        Urgency::Search
+    }
 
     /// The answer, if it is kept and needs no work.
     fn kept(&self, _kept: &Kept<'_>) -> Option<Self::Answer> {
@@ -22,7 +24,6 @@ pub trait Request: Clone + PartialEq + Send + 'static {
     fn compute(self, work: &Work<'_, Self::Told>) -> Result<Self::Answer, JobError>;
 }
 
-/// The urgency of a request. The first in this order goes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Urgency {
     /// Answers that a person is looking at: pictures, patches, a probed place.
@@ -41,7 +42,6 @@ pub struct Kept<'a> {
     pub pictures: &'a dyn PictureStore,
 }
 
-/// Pictures that were computed before.
 pub trait PictureStore {
     fn get(&self, _: &PictureRequest) -> Option<Picture> {
         None

@@ -39,9 +39,8 @@ impl SourceError {
     pub fn is_cancelled(&self) -> bool {
         match self {
             Self::Open(error) => error.is_cancelled(),
-            Self::Synth(error) => matches!(error, SynthError::Cancelled(_)),
-            Self::Case(_) => false,
-            Self::Plant(error) => matches!(error, EvaluateError::Cancelled(_)),
+            Self::Synth(SynthError::Cancelled(_)) | Self::Plant(EvaluateError::Cancelled(_)) => true,
+            _ => false,
         }
     }
 }

@@ -42,10 +42,6 @@ impl Request for ChartOfStudy {
     type Answer = ShownChart;
     type Told = Infallible;
 
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ShownChart, JobError> {
         Ok(self.show(work.monitor)?)
     }
@@ -97,7 +93,6 @@ impl PartialEq for TrajectorySource {
     }
 }
 
-/// Trajectories to read, and to compare if both are given.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosesRequest {
     pub estimate: Option<TrajectorySource>,
@@ -108,10 +103,6 @@ pub struct PosesRequest {
 impl Request for PosesRequest {
     type Answer = ComparedPoses;
     type Told = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedPoses, JobError> {
         let monitor = work.monitor;

@@ -33,8 +33,7 @@ pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
 
-/// Without any of its functions it keeps nothing, and every trail is made anew. The answers are the same with every
-/// store, but for the tally of a detection that is judged from an earlier one.
+/// By default it keeps nothing. Answers are the same with every store, but for the tally of a rejudged detection.
 pub trait TrailStore {
     fn put(&self, _: &OpenBurst, _: &Arc<ProbeCache>) {}
 

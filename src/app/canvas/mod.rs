@@ -4,23 +4,7 @@
 //! 0.5) or in points of the window (`pos_ui`). `ui_from_image` maps the former to the latter. A picture of another
 //! octave is laid over the image where its pixels belong, so that switching the kind of picture does not move the view.
 //!
-//! The wheel (with or without Ctrl) and pinching zoom at the pointer, dragging with the primary or the middle button
-//! pans, a double click fits.
-//!
-//! ```no_run
-//! # use burstscope::app::canvas::{Canvas, Picture, View, overlay};
-//! # fn example(ui: &mut egui::Ui, picture: &Picture, view: &mut View, features: &[burstscope::Feature]) {
-//! # let display = burstscope::plane::display::Display::default();
-//! let canvas = Canvas { picture: Some(picture), display, full_scale: 255.0, ..Canvas::new("Motion-stack image") };
-//! let output = canvas.show(ui, view);
-//! let grid = burstscope::detector::SlopeGrid::default();
-//! let scale = overlay::ColourScale::of(overlay::ColourBy::SlopeDirection, features, &grid);
-//! overlay::draw_features(&output, features, &overlay::OverlayStyle::new(&scale, 10));
-//! if output.response.clicked() {
-//!     let clicked = output.pointer_ui.and_then(|pos| overlay::feature_at(features, None, output.ui_from_image, pos));
-//! }
-//! # }
-//! ```
+//! The wheel (with or without Ctrl) and pinching zoom at the pointer, dragging pans, a double click fits.
 
 pub mod overlay;
 mod picture;
@@ -34,36 +18,28 @@ use crate::app::gpu::{Gpu, PicturePaint};
 use crate::plane::display::Display;
 use egui::{Align2, Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui, Vec2};
 
-/// Picture that can be panned and zoomed; see the module's example.
 pub struct Canvas<'a> {
     /// For screen readers and tests; no two on screen may share a name.
     pub name: &'a str,
     /// Without one the canvas shows `empty_text`.
     pub picture: Option<&'a Picture>,
-    /// Range, gamma and colours. Changing them uploads nothing.
     pub display: Display,
-    /// Whether the picture is dimmed and less saturated, while it is stale and a newer one is being made.
     pub dim: bool,
     /// Value in the file that became 1.0, in whose unit values are drawn into large pixels.
     pub full_scale: f32,
-    /// Whether values are drawn into pixels that are large enough.
     pub values: bool,
     pub empty_text: &'a str,
     /// Whether dragging with the primary button pans. Where that button draws instead, the middle button still pans.
     pub primary_pans: bool,
 }
 
-/// Result of drawing a canvas in this frame, with which overlays draw.
 pub struct CanvasOutput {
-    /// Clicks, hovering and drags. Its rectangle is the canvas.
     pub response: Response,
-    /// Draws over the picture, clipped to the canvas.
     pub painter: Painter,
     pub ui_from_image: RectTransform,
     pub image_from_ui: RectTransform,
     /// Part of the image plane that the canvas shows, in image pixels; may extend beyond the image.
     pub visible_image: Rect,
-    /// The pointer, in points, while it is over the canvas.
     pub pointer_ui: Option<Pos2>,
     /// The pointer, in image pixels, while it is over the canvas and over the picture.
     pub hover_image: Option<Pos2>,
@@ -133,8 +109,7 @@ impl<'a> Canvas<'a> {
         CanvasOutput { response, ..output }
     }
 
-    /// Draws the picture over the canvas of `below`, at the same places of the image, but only within `clip_ui`. The
-    /// pointer belongs to the canvas below. Returns the output for overlays of this picture.
+    /// Draws over the canvas of `below`, at the same places of the image, but only within `clip_ui`.
     pub fn show_over(self, ui: &Ui, below: &CanvasOutput, clip_ui: Rect) -> CanvasOutput {
         let output = CanvasOutput {
             response: below.response.clone(),
@@ -207,7 +182,6 @@ pub fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
     painter.galley(pos, galley, ui.visuals().weak_text_color());
 }
 
-/// Lets the pointer change the view; with the primary button only if `primary_pans`.
 pub fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View, primary_pans: bool) {
     if response.double_clicked() {
         view.set_fit();

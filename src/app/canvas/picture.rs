@@ -7,10 +7,7 @@ use crate::plane::statistics::Region;
 use egui::{Pos2, Rect, pos2};
 use std::sync::Arc;
 
-/// Plane with its place in the input image. Cheap to clone; the pixels are shared.
-///
-/// Pixel (i, j) of the plane is centred at (i·s, j·s) of the input image, where s is `image_from_picture_scale`; with
-/// s = 2^octave this is where the detector's octaves lie.
+/// Pixel (i, j) of the plane is centred at (i·s, j·s) of the input image, where s is `image_from_picture_scale`.
 #[derive(Debug, Clone)]
 pub struct Picture {
     /// Id of the content: new values need a new id, unchanged values should keep theirs.
@@ -18,44 +15,36 @@ pub struct Picture {
     pub plane: Arc<Plane>,
     /// The values that are drawn: the same, or smoothed ones of the same size.
     pub drawn: Arc<Plane>,
-    /// Image pixels from one pixel of the plane to the next: 1 for frames and motion-stack images, 2^octave for DoG
-    /// responses.
+    /// 1 for frames and motion-stack images, 2^octave for DoG responses.
     pub image_from_picture_scale: f32,
     /// (columns, rows) of the input image, which a fitted view shows whole.
     pub image_size: (usize, usize),
-    /// Description in a few words, for example "Frame 3".
     pub label: String,
 }
 
 impl Picture {
-    /// Creates a picture with a fresh id whose pixels are the input image's.
     pub fn new(plane: Arc<Plane>, label: impl Into<String>) -> Self {
         let image_size = plane.size();
-        let (drawn, label) = (plane.clone(), label.into());
-        Self { id: PictureId::fresh(), plane, drawn, image_from_picture_scale: 1.0, image_size, label }
+        Self::of_octave(plane, 0, image_size, label)
     }
 
-    /// Creates a picture with a fresh id on the pixels of `octave` (−1: the doubled image) of an input image of
-    /// `image_size`.
+    /// On the pixels of `octave` (−1: the doubled image) of an input image of `image_size`.
     pub fn of_octave(plane: Arc<Plane>, octave: i32, image_size: (usize, usize), label: impl Into<String>) -> Self {
         let image_from_picture_scale = 2f32.powi(octave);
         let (drawn, label) = (plane.clone(), label.into());
         Self { id: PictureId::fresh(), plane, drawn, image_from_picture_scale, image_size, label }
     }
 
-    /// Part of the image that the picture's pixels cover, in image pixels.
     pub fn rect_image(&self) -> Rect {
         let s = self.image_from_picture_scale;
         let (width, height) = self.plane.size();
         Rect::from_min_max(pos2(-0.5 * s, -0.5 * s), pos2((width as f32 - 0.5) * s, (height as f32 - 0.5) * s))
     }
 
-    /// Transform from pixels of the plane to points of the window.
     pub fn ui_from_picture(&self, ui_from_image: RectTransform) -> RectTransform {
         ui_from_image.from_scaled(self.image_from_picture_scale)
     }
 
-    /// Pixel (column, row) of the plane under `pos_image`, if there is one.
     pub fn pixel_at(&self, pos_image: Pos2) -> Option<(usize, usize)> {
         let index = |x: f32, size: usize| {
             let i = (x / self.image_from_picture_scale + 0.5).floor();

@@ -24,9 +24,7 @@ pub enum Quantity {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Readout {
-    /// Column of the place, image pixels.
     pub u: f32,
-    /// Row of the place, image pixels.
     pub v: f32,
     /// Column and row of the picture's own pixel, which differ from (u, v) in other octaves.
     pub pixel: (usize, usize),
@@ -34,15 +32,13 @@ pub struct Readout {
     pub value: f32,
     /// Value in the file that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files.
     pub full_scale: f32,
-    /// Image pixels from one pixel of the picture to the next.
     pub image_from_picture_scale: f32,
     pub quantity: Quantity,
     /// Standard deviation by which the picture is smoothed around the value, input pixels; the value itself is not.
     pub smoothing_px: f32,
 }
 
-/// Reads the value of `picture` at `pos_image`, without interpolation; `None` outside the picture. `full_scale` is the
-/// burst's.
+/// Without interpolation; `None` outside the picture. `full_scale` is the burst's.
 pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Readout> {
     let pixel = picture.pixel_at(pos_image)?;
     Some(Readout {
@@ -62,7 +58,6 @@ impl Readout {
         self.value * self.full_scale
     }
 
-    /// Value in few words, with its unit unless it is a brightness.
     pub fn short_text(&self) -> String {
         match self.quantity {
             Quantity::Value => number(self.value, 4),
@@ -103,11 +98,9 @@ impl std::fmt::Display for Readout {
     }
 }
 
-/// Minimum size of a pixel into which its value is drawn, in points.
 pub const VALUE_MIN_POINTS: f32 = 36.0;
 
-/// Draws the value of every visible pixel into it, in the file's unit when `full_scale` is not 1. Draws nothing while
-/// pixels are too small.
+/// In the file's unit when `full_scale` is not 1. Draws nothing while pixels are too small.
 pub fn draw_values(
     painter: &Painter,
     picture: &Picture,
@@ -141,7 +134,6 @@ pub fn draw_values(
     }
 }
 
-/// Black or white, whichever reads better on `colour`; slightly transparent, so that the numbers do not dominate.
 pub fn readable_on(colour: [u8; 3]) -> Color32 {
     let [r, g, b] = colour.map(f32::from);
     let luma = 0.2126 * r + 0.7152 * g + 0.0722 * b;

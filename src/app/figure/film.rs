@@ -17,7 +17,6 @@ pub struct FilmDialog {
     told: Option<Told>,
 }
 
-/// What is said of a film, and what it depends on.
 #[derive(Debug)]
 struct Told {
     choice: FilmChoice,
@@ -56,7 +55,6 @@ impl FilmDialog {
         self.is_open &= !(close || modal.should_close());
     }
 
-    /// Number, size, rate and bytes of the film that would be written, computed where something has changed.
     fn told(&mut self, model: &Model) -> String {
         let picture = model.picture().map(|picture| picture.plane.clone());
         let found = model.found_of(model.active_side()).map(|found| found.detection.clone());
@@ -88,7 +86,6 @@ fn tell(model: &Model) -> String {
     )
 }
 
-/// Bytes of a pixel, measured in the picture that is shown.
 fn bytes_per_pixel(model: &Model) -> f64 {
     let Some(picture) = model.picture() else { return 0.5 };
     let rgba = to_rgba8(&picture.plane, &model.display_of(model.focus()));

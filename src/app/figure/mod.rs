@@ -32,7 +32,6 @@ use crate::requests::slope_legend;
 use egui::{DragValue, Ui};
 use std::sync::Arc;
 
-/// Lines between `panes`, the figure's panels in reading order.
 pub fn links_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<FigureLink> {
     match model.workspace {
         Workspace::Pair => {
@@ -91,10 +90,6 @@ fn links(
     links
 }
 
-/// Makes the figure of the shown panes.
-///
-/// # Errors
-/// When there is no picture.
 pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
     let rows = if choice.all_panes && model.workspace.needs_burst() {
         model.panes.arrangement().in_rows()
@@ -104,10 +99,6 @@ pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -
     drawing_of_panes(model, widgets, &rows, choice)
 }
 
-/// Makes the figure of some panes, row by row.
-///
-/// # Errors
-/// When there is no picture.
 fn drawing_of_panes(
     model: &Model,
     widgets: &PaneWidgets,
@@ -173,15 +164,13 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
 /// Shortest side of what is seen of a picture, in points of the window, below which its pane counts as squeezed.
 const SQUEEZED: f32 = 48.0;
 
-/// Part of a picture that its pane shows, image pixels; `None` where the pane is squeezed so much that it shows none to
-/// speak of: the whole picture is drawn instead.
+/// Image pixels; `None` where the pane is squeezed so much that the whole picture is drawn instead.
 fn part_in_view(state: &PictureState) -> Option<egui::Rect> {
     let (visible, picture) = (state.visible_image?, state.shown()?.rect_image());
     let seen = state.ui_from_image?.rect(visible.intersect(picture));
     (seen.size().min_elem() >= SQUEEZED).then_some(visible)
 }
 
-/// Marks of the features as the window draws them: faint ones below, the selected one on top.
 fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
     let scale = layer.scale(model);
     let frames = layer.detection.frames_used.len();
@@ -212,8 +201,7 @@ fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
     ColourBar::of(display, number(display.min, 3), high)
 }
 
-/// Legend entries: the colours of the slopes of the grid that have features (at most 12), or of five steps through the
-/// range.
+/// Of the slopes of the grid that have features (at most 12), or of five steps through the range.
 fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
     let Some(sample) = detection.features.first().copied() else { return Vec::new() };
     let entry = |feature: Feature, label: String| LegendEntry { color: rgb(scale.colour(0, &feature)), label };

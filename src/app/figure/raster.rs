@@ -8,13 +8,9 @@ use egui::{Color32, ColorImage, FontId, Painter, Pos2, Rect, Shape, Stroke, Text
 use image::{Rgba, RgbaImage};
 use std::collections::HashMap;
 
-/// Maximum side of a figure drawn as pixels.
 const MAX_SIDE_PX: f32 = 20_000.0;
 
-/// Draws `drawing`, one pixel for each figure pixel.
-///
-/// # Errors
-/// When the figure is too large.
+/// Draws one pixel for each figure pixel. Fails when the figure is too large.
 pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
     let [width, height] = drawing.size.map(f32::ceil);
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
@@ -182,7 +178,6 @@ fn cross(a: egui::Vec2, b: egui::Vec2) -> f32 {
     a.x * b.y - a.y * b.x
 }
 
-/// The texture's pixel at (u, v), 0 … 1.
 fn texel(texture: &ColorImage, u: f32, v: f32) -> [u8; 4] {
     let place = |x: f32, size: usize| ((x * size as f32).max(0.0) as usize).min(size - 1);
     texture.pixels[place(v, texture.size[1]) * texture.size[0] + place(u, texture.size[0])].to_array()

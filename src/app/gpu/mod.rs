@@ -1,12 +1,8 @@
 //! Float pictures on the graphics card.
 //!
-//! A picture goes to the card once, as 32-bit floats. Range, gamma and colour map are a few numbers that the shader
-//! reads, so changing the exposure uploads nothing. [`install`] prepares a window; a canvas then adds one
-//! [`PicturePaint`] shape for each pane. Magnified pictures show crisp pixels, small ones are averaged over the area of
-//! a screen pixel, large ones are tiled, and a picture that cannot be shown is reported.
-//!
-//! A device can be lost: the driver was reset or updated, the card went to sleep. [`Gpu::lost`] reports it; [`install`]
-//! for a new device uploads everything to it again.
+//! A picture goes to the card once, as 32-bit floats; range, gamma and colour map are numbers that the shader reads, so
+//! changing the exposure uploads nothing. Large pictures are tiled; one that cannot be shown is reported. A device can
+//! be lost ([`Gpu::lost`]); [`install`] for a new device uploads everything to it again.
 
 mod renderer;
 mod setup;
@@ -26,7 +22,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct PictureId(u64);
 
 impl PictureId {
-    /// Creates an id that no other picture of this process has.
     pub fn fresh() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         Self(NEXT.fetch_add(1, Ordering::Relaxed))

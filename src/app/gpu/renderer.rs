@@ -40,7 +40,6 @@ pub struct PictureRenderer {
     pictures: HashMap<PictureId, Resident>,
     panes: HashMap<u64, Pane>,
     failures: Failures,
-    /// Shows failures in its next pass.
     pub(super) window: Option<egui::Context>,
     frame: u64,
     frame_open: bool,
@@ -48,8 +47,7 @@ pub struct PictureRenderer {
 }
 
 impl PictureRenderer {
-    /// Creates the pipeline and the table of colour maps. Failed uploads are noted in `failures`, and those that are in
-    /// it are not tried again.
+    /// Failed uploads are noted in `failures`; those that are in it are not tried again.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -82,8 +80,7 @@ impl PictureRenderer {
         self.pictures.values().map(|p| p.texture.layout.bytes()).sum()
     }
 
-    /// Uploads the picture if it is missing, and makes the pane's bind group show it. The caller fills in `uniforms`,
-    /// except for values that depend on the picture's layout in its texture.
+    /// Uploads the picture if it is missing. The caller fills in `uniforms`, except for what depends on its layout.
     pub(super) fn prepare(
         &mut self,
         device: &wgpu::Device,
@@ -163,8 +160,7 @@ impl PictureRenderer {
         }
     }
 
-    /// Ends the frame, once, after all panes were prepared: removes pictures beyond the budget that were not seen in
-    /// this frame, oldest first.
+    /// Once, after all panes were prepared: removes pictures beyond the budget not seen in this frame, oldest first.
     pub(super) fn end_frame(&mut self) {
         if !std::mem::take(&mut self.frame_open) {
             return;
@@ -192,7 +188,6 @@ impl PictureRenderer {
         self.frame += 1;
     }
 
-    /// Draws the pane into the viewport that egui has set.
     pub(super) fn paint(&self, pane: u64, pass: &mut wgpu::RenderPass<'static>) {
         if let Some(pane) = self.panes.get(&pane) {
             pass.set_pipeline(&self.pipeline);
@@ -329,12 +324,10 @@ pub struct Uniforms {
     pub anchor_picture: [f32; 2],
     /// Colour towards which a dimmed picture fades, sRGB in [0, 1].
     pub backdrop: [f32; 3],
-    /// Pixels of the picture in one pixel of the screen.
     pub picture_px_per_px: f32,
     pub size: [u32; 2],
     pub tile: [u32; 2],
     pub tiles_across: u32,
-    /// Level to read.
     pub level: u32,
     pub lut_row: u32,
     /// Bits: 1, diverging map; 2, the target converts from linear light.
@@ -344,13 +337,11 @@ pub struct Uniforms {
     pub range_scale: f32,
     /// 1 / gamma.
     pub exponent: f32,
-    /// Dimming, 0 … 1.
     pub dim: f32,
 }
 
 #[derive(Debug, Clone)]
 pub struct PicturePaint {
-    /// Id of the pane; unique in a frame.
     pub pane: egui::Id,
     pub id: PictureId,
     /// Values of the picture; read only when it is not on the card yet.
@@ -360,7 +351,6 @@ pub struct PicturePaint {
     pub display: Display,
     /// Dimming: 0 none, 1 that of a stale picture.
     pub dim: f32,
-    /// Colour towards which a dimmed picture fades.
     pub backdrop: egui::Color32,
 }
 
@@ -390,8 +380,7 @@ impl PicturePaint {
     }
 }
 
-/// Rounds a ratio to 1 where it differs only by rounding, so that pixels are copied and not mixed with their
-/// neighbours.
+/// 1 where the ratio differs from it only by rounding, so that pixels are copied and not mixed with neighbours.
 fn screen_ratio(picture_px_per_px: f32) -> f32 {
     if (picture_px_per_px - 1.0).abs() < 1e-5 { 1.0 } else { picture_px_per_px }
 }

@@ -1,9 +1,5 @@
-//! Setup of the graphics device for the window, for drawing without a display and for tests, and copies of the
-//! toolkit's own textures (letters, icons, small pictures) in main memory.
-//!
-//! The toolkit hands each texture to the card once and forgets it. When the card's device is lost, a new one must get
-//! them all again; so they are kept here too (a whole image shares its pixels with its creator). The pictures of
-//! bursts are not among them: they come with each frame, and are uploaded where they are missing.
+//! Setup of the graphics device, and copies of the toolkit's own textures (letters, icons, small pictures): the toolkit
+//! hands each to the card once and forgets it, and a new device in place of a lost one must get them all again.
 
 use super::renderer::{Failures, PictureRenderer};
 use super::texture::DeviceLimits;
@@ -21,11 +17,7 @@ pub enum AdapterChoice {
     Software,
 }
 
-/// Setup of instance, adapter and device, for the whole program.
-///
-/// Vulkan, Metal or DirectX 12 (or what the environment variable `WGPU_BACKEND` names). The device gets the adapter's
-/// own limits for the size of pictures and buffers; the portable defaults would refuse pictures that the machine can
-/// hold.
+/// The device gets the adapter's own limits of size: the portable ones would refuse pictures that the machine holds.
 pub fn wgpu_setup(choice: AdapterChoice) -> WgpuSetup {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     setup.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
@@ -43,13 +35,11 @@ pub fn wgpu_setup(choice: AdapterChoice) -> WgpuSetup {
     WgpuSetup::CreateNew(setup)
 }
 
-/// Graphics options of the window: [`wgpu_setup`] with the fastest adapter. For `eframe::NativeOptions::wgpu_options`.
 pub fn wgpu_configuration() -> WgpuConfiguration {
     WgpuConfiguration { wgpu_setup: wgpu_setup(AdapterChoice::Fastest), ..Default::default() }
 }
 
-/// Portable limits (the smaller portable set on weak adapters), raised to the adapter's where the size of pictures
-/// depends on them.
+/// Portable limits, raised to the adapter's where the size of pictures depends on them.
 fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
     let base = if wgpu::Limits::default().check_limits(adapter) {
         wgpu::Limits::default()
@@ -65,13 +55,8 @@ fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
     }
 }
 
-/// Enables `ctx` to draw float pictures with `render_state`. Call it once when the window (or the offscreen drawing) is
-/// created, before the first canvas is shown: in an eframe app with `cc.egui_ctx` and `cc.wgpu_render_state`. Call it
-/// again for a new device in place of a [lost](Gpu::lost) one: everything on the card is uploaded to the new one, but
-/// not pictures for which there was no memory.
-///
-/// The renderer of `render_state` must draw without multisampling and without a depth buffer, which are egui's
-/// defaults.
+/// Enables `ctx` to draw float pictures with `render_state`, which draws without multisampling and without a depth
+/// buffer. Called before the first canvas is shown, and again for a new device in place of a [lost](Gpu::lost) one.
 pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     let RenderState { device, queue, target_format, .. } = render_state;
     let limits = DeviceLimits::of(device);
@@ -105,10 +90,8 @@ pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     ctx.data_mut(|data| data.insert_temp(egui::Id::NULL, gpu));
 }
 
-/// State of the card for widgets. Present in a context after [`install`].
 #[derive(Debug, Clone)]
 pub struct Gpu {
-    /// Adapter's own name, for an "about" box or an error report.
     pub adapter_name: Arc<str>,
     pub limits: DeviceLimits,
     failures: Failures,
@@ -116,18 +99,16 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// State of the card that draws `ctx`, or `None` when [`install`] was never called for it.
     pub fn of(ctx: &egui::Context) -> Option<Self> {
         ctx.data(|data| data.get_temp(egui::Id::NULL))
     }
 
-    /// Reason why the device is lost, in the driver's words; `None` while it works. A lost device draws nothing.
+    /// In the driver's words; `None` while it works. A lost device draws nothing.
     pub fn lost(&self) -> Option<&str> {
         self.lost.get().map(String::as_str)
     }
 
-    /// Reason why a picture of `size` = (columns, rows) cannot be shown, as a sentence for the user; `None` when it
-    /// can.
+    /// Why a picture of `size` = (columns, rows) cannot be shown, as a sentence for the user.
     pub fn obstacle(&self, id: super::PictureId, size: (usize, usize)) -> Option<String> {
         if let Err(message) = super::texture::Layout::new(size, self.limits) {
             return Some(message);
@@ -135,26 +116,15 @@ impl Gpu {
         self.failures.lock().ok()?.get(&id).cloned()
     }
 
-    /// The newest picture for which there was no memory, and what is to be said about it.
     pub fn newest_failure(&self) -> Option<(super::PictureId, String)> {
         self.failures.lock().ok()?.last_key_value().map(|(id, why)| (*id, why.clone()))
     }
 }
 
-/// Plugin that keeps the textures of its context.
 #[derive(Default)]
 pub(super) struct TextureMirror {
     textures: BTreeMap<u64, (Arc<ColorImage>, TextureOptions)>,
-    /// Whether a new device needs all of them.
     wanted: bool,
-}
-
-/// Number of a texture that the toolkit manages; textures of others are not kept.
-fn managed(id: TextureId) -> Option<u64> {
-    match id {
-        TextureId::Managed(number) => Some(number),
-        TextureId::User(_) => None,
-    }
 }
 
 impl TextureMirror {
@@ -166,7 +136,7 @@ impl TextureMirror {
     }
 
     fn take(&mut self, id: TextureId, delta: &ImageDelta) {
-        let Some(number) = managed(id) else { return };
+        let TextureId::Managed(number) = id else { return };
         let ImageData::Color(image) = &delta.image;
         match (delta.pos, self.textures.get_mut(&number)) {
             (None, _) => {
@@ -211,7 +181,6 @@ impl egui::Plugin for TextureMirror {
     }
 }
 
-/// All textures of `ctx` that the toolkit manages, whole. Empty before [`super::install`].
 pub fn textures_of(ctx: &Context) -> Vec<(TextureId, ImageDelta)> {
     ctx.with_plugin(|mirror: &mut TextureMirror| mirror.all().collect()).unwrap_or_default()
 }
@@ -231,24 +200,11 @@ mod tests {
         assert!(required_limits(&weak).check_limits(&weak), "a weak adapter must still get a device");
     }
 
-    /// Ids of the textures that a pass sets whole.
     fn pass(ctx: &Context, draw: impl FnMut(&mut egui::Ui)) -> Vec<TextureId> {
-        let output = ctx.run_ui(egui::RawInput::default(), draw);
-        let whole = output.textures_delta.set.iter().filter(|(_, deltas)| deltas.iter().any(ImageDelta::is_whole));
-        let ids = whole.map(|(id, _)| *id).collect();
-        output.textures_delta.clear_on_drop();
-        ids
-    }
-
-    trait ClearOnDrop {
-        fn clear_on_drop(self);
-    }
-
-    impl ClearOnDrop for egui::TexturesDelta {
-        fn clear_on_drop(mut self) {
-            self.set.clear();
-            self.free.clear();
-        }
+        let mut textures = ctx.run_ui(egui::RawInput::default(), draw).textures_delta;
+        textures.free.clear();
+        let whole = std::mem::take(&mut textures.set).into_iter();
+        whole.filter(|(_, deltas)| deltas.iter().any(ImageDelta::is_whole)).map(|(id, _)| id).collect()
     }
 
     #[test]

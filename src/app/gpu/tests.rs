@@ -18,7 +18,6 @@ fn offscreen(size: Vec2, pixels_per_point: f32) -> Offscreen {
     Offscreen::new(size, pixels_per_point, AdapterChoice::Software).expect("tests need mesa-vulkan-drivers")
 }
 
-/// Shows `picture` over the whole window.
 fn draw(window: &mut Offscreen, picture: &Picture, display: &Display, view: &mut View, dim: bool) -> RgbaImage {
     try_draw(window, picture, display, view, dim).expect("the card draws")
 }
@@ -223,14 +222,6 @@ fn stale_pictures_are_dimmer_and_paler() {
     assert!(saturation(true) < saturation(false) / 2);
 }
 
-#[test]
-fn a_picture_that_cannot_be_shown_says_why() {
-    let gpu_limits = DeviceLimits { max_side: 64, max_layers: 1 };
-    let message = super::texture::Layout::new((1000, 10), gpu_limits).unwrap_err();
-    assert!(message.contains("1000 × 10"), "{message}");
-}
-
-/// Bytes of address space that this process uses.
 fn address_space() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").expect("Linux has it");
     let line = status.lines().find_map(|line| line.strip_prefix("VmSize:")).expect("its size");
@@ -258,7 +249,6 @@ impl Limiter {
     }
 }
 
-/// Draws a small and a large picture in turn, with more and more memory for the large one.
 fn draw_with_little_memory() {
     let small = Picture::new(Arc::new(Plane::from_fn(64, 48, |u, v| ((u * 5 + v * 3) % 64) as f32 / 64.0)), "ramp");
     let display = Display::default();
@@ -289,7 +279,6 @@ fn draw_with_little_memory() {
     assert!(refused > 0 && drawn > 0, "{refused} refused, {drawn} drawn");
 }
 
-/// Whatever memory is left, a picture is drawn or refused, and the next one is drawn on the same device.
 #[needs::program("prlimit")]
 #[test]
 fn a_picture_for_which_there_is_no_memory_is_refused_and_the_window_goes_on() {

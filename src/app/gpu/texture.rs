@@ -1,9 +1,7 @@
 //! The texture of a picture on the card: its layout in tiles and coarser levels, and the upload.
 //!
-//! A texture has a largest side ([`DeviceLimits`]); a larger picture is cut into equal tiles, one array layer each,
-//! and the shader finds the layer of a pixel. Coarser levels hold means of 2×2 pixels, so that a picture shown small
-//! is averaged, not subsampled. The side of a tile is a multiple of 2^(levels − 1), hence a cell of any level lies in
-//! one tile.
+//! A picture larger than a texture may be is cut into equal tiles, one array layer each. Coarser levels hold means of
+//! 2×2 pixels. A tile's side is a multiple of 2^(levels − 1), hence a cell of any level lies in one tile.
 
 use crate::plane::{Plane, memory};
 use rayon::prelude::*;
@@ -20,20 +18,14 @@ const BYTES_ON_THE_WAY: u64 = 32 << 20;
 /// Time allowed to the card for what it is working on. A device that does not answer is not waited for any longer.
 const CARD_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Waits until the card is done with `submission`, or with all that it was given; memory that it no longer needs is
-/// then given back.
+/// Waits until the card is done with `submission`, or with everything, so that memory no longer needed is given back.
 pub(super) fn wait_for_card(device: &wgpu::Device, submission: Option<wgpu::SubmissionIndex>) {
     let wait = wgpu::PollType::Wait { submission_index: submission, timeout: Some(CARD_TIMEOUT) };
     let _ = device.poll(wait);
 }
 
-/// There is no memory for a picture: neither on the card, nor for what is made of it on the way there.
 struct NoRoom;
 
-/// Runs `make`, which asks the device for memory.
-///
-/// # Errors
-/// Where the device had none.
 fn within_memory<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, NoRoom> {
     let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let made = make();
@@ -41,10 +33,7 @@ fn within_memory<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T
 }
 
 impl PictureTexture {
-    /// Uploads `plane`, and the coarser levels made from it.
-    ///
-    /// # Errors
-    /// When there is no memory left; a sentence for the user. The device goes on.
+    /// Uploads `plane` and its coarser levels. Fails, with a sentence for the user, when no memory is left.
     pub fn upload(device: &wgpu::Device, queue: &wgpu::Queue, plane: &Plane, layout: Layout) -> Result<Self, String> {
         let uploaded = memory::refusable(|| Self::filled(device, queue, plane, layout));
         uploaded.unwrap_or(Err(NoRoom)).map_err(|NoRoom| {
@@ -93,14 +82,12 @@ impl PictureTexture {
     }
 }
 
-/// Writes into a texture, on their way to the card. They go through buffers of our own: where a device has no memory
-/// for those of its queue, it is lost.
+/// Through buffers of our own: where a device has no memory for those of its queue, it is lost.
 struct Writes<'a> {
     device: &'a wgpu::Device,
     queue: &'a wgpu::Queue,
     texture: &'a wgpu::Texture,
     commands: Vec<wgpu::CommandBuffer>,
-    /// Size of the buffers that the commands copy.
     bytes: u64,
 }
 
@@ -127,7 +114,6 @@ impl Writes<'_> {
         Ok(())
     }
 
-    /// Writes (columns, rows) at a place of a level; `row_bytes` lie between the beginnings of two rows on the way.
     fn write_strip<'p>(
         &mut self,
         (mip_level, origin): (u32, wgpu::Origin3d),
@@ -190,10 +176,7 @@ impl Layout {
     /// Maximum number of levels: the coarsest cell is 2^7 = 128 pixels wide.
     const MAX_LEVELS: u32 = 8;
 
-    /// Computes the layout of a picture of `size` on a device with `limits`.
-    ///
-    /// # Errors
-    /// When the device cannot hold such a picture; a sentence for the user.
+    /// Fails, with a sentence for the user, when the device cannot hold such a picture.
     pub fn new(size: (usize, usize), limits: DeviceLimits) -> Result<Self, String> {
         let too_large = || {
             format!(
@@ -234,8 +217,7 @@ impl Layout {
         (0..self.levels).map(level).sum::<u64>() * u64::from(self.layers())
     }
 
-    /// Level for showing `picture_px_per_px` pixels of the picture in one pixel of the screen: the coarsest level whose
-    /// cells are not wider than a screen pixel.
+    /// The coarsest level whose cells are not wider than a pixel of the screen.
     pub fn level_for(&self, picture_px_per_px: f32) -> u32 {
         let level = if picture_px_per_px >= 2.0 { picture_px_per_px.log2().floor() as u32 } else { 0 };
         level.min(self.levels - 1)
@@ -255,8 +237,7 @@ impl DeviceLimits {
     }
 }
 
-/// Next coarser level of `fine`: (⌈columns/2⌉, ⌈rows/2⌉) cells, each the mean of those of its four cells that exist and
-/// are numbers; NaN when none is.
+/// (⌈columns/2⌉, ⌈rows/2⌉) cells, each the mean of those of its four that exist and are numbers; NaN when none is.
 pub fn halve(fine: &Plane) -> Plane {
     let (width, height) = (fine.width().div_ceil(2), fine.height().div_ceil(2));
     let mut coarse = Plane::zeros(width, height);
@@ -335,10 +316,7 @@ mod tests {
         assert_eq!(half.at(2, 0), (4.0 + 14.0) / 2.0);
         assert_eq!(half.at(2, 1), 24.0);
         assert_eq!(halve(&Plane::zeros(0, 0)).size(), (0, 0));
-    }
-
-    #[test]
-    fn a_nan_counts_only_where_there_is_nothing_else() {
+        // A NaN counts only where there is nothing else.
         let nan = f32::NAN;
         let plane = Plane::from_vec(4, 2, vec![nan, 2.0, nan, nan, 4.0, nan, nan, nan]);
         let half = halve(&plane);

@@ -1,7 +1,7 @@
 //! Histogram of a picture, and the settings with which its values are shown: range, colour map, gamma.
 //!
-//! The range changes only when a handle is dragged, a number typed or a button pressed. It stays when the picture
-//! changes, so that pictures can be compared. The axis stays too, as long as range and values fit on it.
+//! The range changes only by hand, so that pictures can be compared; the axis stays as long as range and values fit on
+//! it.
 
 mod plot;
 
@@ -14,7 +14,6 @@ use plot::{Drag, Grip, PlotGeometry, axis_fits, axis_for, dragged, grip_at, near
 
 const BINS: usize = 256;
 
-/// Height of the plot with its strip and labels, in points.
 const PLOT_POINTS: f32 = 118.0;
 
 /// Percentiles of the button "percentiles": the range leaves out the darkest and the brightest thousandth.
@@ -36,12 +35,10 @@ struct Counted {
     histogram: Histogram,
 }
 
-/// Range of the button "full range": the smallest and the largest value of the picture.
 pub fn full_range(picture: &Picture) -> Option<(f32, f32)> {
     summary(&picture.drawn, &Region::whole(&picture.drawn)).range()
 }
 
-/// The range between the [`PERCENTILES`] of the picture's values in `region`.
 pub fn percentile_range(picture: &Picture, region: &Region) -> Option<(f32, f32)> {
     percentiles(&picture.drawn, region, &PERCENTILES).map(|p| (p[0], p[1]))
 }
@@ -51,9 +48,7 @@ impl HistogramPanel {
         Self::default()
     }
 
-    /// Draws the panel for `picture` and lets it change `display`; returns whether it changed. `visible` is the part of
-    /// the image that the canvas shows, in image pixels ([`crate::app::canvas::CanvasOutput::visible_image`] of the
-    /// last frame), used by the button for the visible part.
+    /// Returns whether `display` changed. `visible` is the part of the image that the canvas shows, image pixels.
     pub fn ui(&mut self, ui: &mut Ui, picture: Option<&Picture>, visible: Option<Rect>, display: &mut Display) -> bool {
         let before = *display;
         *display = display.sanitised();
@@ -130,7 +125,6 @@ impl HistogramPanel {
         }
     }
 
-    /// Returns the histogram, counted again when the picture or the axis changed.
     fn count(&mut self, picture: &Picture, display: &Display) -> &Counted {
         let known = self.counted.take().filter(|c| c.id == picture.id);
         let data_range = match &known {
@@ -152,7 +146,6 @@ impl HistogramPanel {
         self.counted.insert(counted)
     }
 
-    /// Moves the range with the pointer; returns the part that the pointer is near or drags.
     fn drag_handles(&mut self, response: &Response, geometry: &PlotGeometry, display: &mut Display) -> Option<Grip> {
         if response.drag_started()
             && let Some(pointer) = response.interact_pointer_pos()
@@ -172,7 +165,6 @@ impl HistogramPanel {
     }
 }
 
-/// Text for the bar at `value`: its range and count.
 fn bin_text(histogram: &Histogram, value: f32) -> String {
     let t = (value - histogram.min) / (histogram.max - histogram.min);
     let i = ((t * histogram.counts.len() as f32).max(0.0) as usize).min(histogram.counts.len() - 1);
@@ -213,7 +205,6 @@ fn range_ui(ui: &mut Ui, display: &mut Display) -> bool {
     full_scale
 }
 
-/// Draws a number of the range, to be dragged or typed.
 fn value_ui(ui: &mut Ui, value: &mut f32, speed: f64) -> Response {
     let drag = DragValue::new(value)
         .speed(speed)

@@ -18,7 +18,6 @@ pub enum Direction {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Part {
-    /// Share of the space, relative to the other parts.
     pub share: f32,
     pub inner: Arrangement,
 }
@@ -35,16 +34,11 @@ pub enum Arrangement {
     Pane(PaneId),
     Row(Vec<Part>),
     Column(Vec<Part>),
-    /// In one place, with one of them visible.
-    Tabs {
-        parts: Vec<Arrangement>,
-        active: usize,
-    },
+    Tabs { parts: Vec<Arrangement>, active: usize },
 }
 
 impl Arrangement {
-    /// Arranges rows of panes below one another, all panes of one size where the rows have equally many. At least one
-    /// pane must be given.
+    /// Rows of panes below one another, all panes of one size where the rows have equally many; at least one pane.
     pub fn rows(rows: &[Vec<PaneId>]) -> Self {
         let row = |row: &Vec<PaneId>| match row.as_slice() {
             [one] => Self::Pane(*one),
@@ -64,7 +58,6 @@ impl Arrangement {
         }
     }
 
-    /// Panes in rows, as far as the arrangement has rows; used by figures.
     pub fn in_rows(&self) -> Vec<Vec<PaneId>> {
         match self {
             Self::Column(parts) => parts.iter().map(|part| part.inner.panes()).collect(),
@@ -148,8 +141,7 @@ impl Arrangement {
         }
     }
 
-    /// Removes invalid parts, as files may have: keeps each pane that `keep` accepts once, makes shares finite, and
-    /// limits number and depth. `None` if no pane is left.
+    /// Keeps each pane that `keep` accepts once, makes shares finite, limits number and depth. `None` if none is left.
     #[must_use]
     pub fn sanitised(self, mut keep: impl FnMut(PaneId) -> bool) -> Option<Self> {
         let mut seen = Vec::new();
@@ -165,7 +157,6 @@ impl Arrangement {
         )
     }
 
-    /// Keeps only the panes that `keep` accepts, without containers of one part; `None` if no pane is left.
     fn filtered(self, keep: &mut impl FnMut(PaneId) -> bool, depth: usize) -> Option<Self> {
         fn parts(parts: Vec<Part>, keep: &mut impl FnMut(PaneId) -> bool, depth: usize) -> Vec<Part> {
             parts
@@ -239,19 +230,6 @@ mod tests {
         assert!(matches!(&two, Arrangement::Column(rows) if rows.len() == 2));
         assert_eq!(two.panes(), ids(&[1, 2, 3, 4]));
         assert_eq!(two.in_rows(), [ids(&[1, 2]), ids(&[3, 4])]);
-    }
-
-    #[test]
-    fn it_is_kept_in_a_file() {
-        #[derive(Debug, PartialEq, Serialize, Deserialize)]
-        struct Kept {
-            arrangement: Arrangement,
-        }
-        let tabs = Arrangement::Tabs { parts: vec![pane(3), pane(4)], active: 1 };
-        let row = Arrangement::Row(vec![Part { share: 0.75, inner: pane(1) }, Part { share: 1.25, inner: tabs }]);
-        let kept = Kept { arrangement: row };
-        let text = toml::to_string(&kept).unwrap();
-        assert_eq!(toml::from_str::<Kept>(&text).unwrap(), kept, "{text}");
     }
 
     fn any_arrangement() -> impl Strategy<Value = Arrangement> {

@@ -10,8 +10,7 @@ use crate::detector::DetectorParams;
 use std::collections::BTreeMap;
 
 impl Panes {
-    /// Splits pane `id`: the new pane shows the same and gets the focus. Returns the new pane, or `None` once there are
-    /// [`MAX_PANES`].
+    /// The new pane shows the same and gets the focus; `None` once there are [`MAX_PANES`].
     pub fn split(&mut self, id: PaneId, direction: Direction) -> Option<PaneId> {
         if self.shown().len() >= MAX_PANES {
             return None;
@@ -26,7 +25,6 @@ impl Panes {
         Some(new)
     }
 
-    /// Splits the focused pane, and applies `change` to the new one.
     pub fn split_with(&mut self, direction: Direction, change: impl FnOnce(&mut Pane)) -> Option<PaneId> {
         let new = self.split(self.focus(), direction)?;
         if let Some(pane) = self.get_mut(new) {
@@ -35,8 +33,7 @@ impl Panes {
         Some(new)
     }
 
-    /// Shows the burst of `side` in pane `id`. The two permanent panes stay on their bursts: a new pane takes the place
-    /// of such a one.
+    /// The two permanent panes stay on their bursts: a new pane takes the place of such a one.
     pub fn show_side(&mut self, id: PaneId, side: Side) {
         let Some(pane) = self.get(id).filter(|pane| pane.side != side) else { return };
         let changed = Pane { side, picture: None, problem: None, ..pane.clone() };
@@ -62,8 +59,7 @@ impl Panes {
         self.forget_missing();
     }
 
-    /// Closes a pane on the screen, unless it is the only one. Panes that show its picture go back to their own
-    /// cursors.
+    /// Unless it is the only one. Panes that show its picture go back to their own cursors.
     pub fn close(&mut self, id: PaneId) {
         self.close_in(self.open, id);
     }
@@ -85,32 +81,23 @@ impl Panes {
         let Some(base) = self.get(self.focus()) else { return };
         let Laid { rows, focus } = preset.lay_out(base, params);
         // The focused pane keeps its id; all others are new.
-        let kept = self.focus();
-        let mut ids = Vec::new();
-        let mut place = 0;
-        let mut made = BTreeMap::new();
-        for row in rows {
-            let mut in_row = Vec::new();
-            for pane in row {
-                let id = if place == focus { kept } else { self.fresh() };
-                in_row.push(id);
-                made.insert(id, pane);
-                place += 1;
-            }
-            ids.push(in_row);
-        }
+        let (kept, mut made) = (self.focus(), BTreeMap::new());
+        let mut id_of = |pane: Pane| {
+            let id = if made.len() == focus { kept } else { self.fresh() };
+            made.insert(id, pane);
+            id
+        };
+        let ids: Vec<Vec<PaneId>> = rows.into_iter().map(|row| row.into_iter().map(&mut id_of).collect()).collect();
         self.replace(self.open, Arrangement::rows(&ids), made, kept);
     }
 
-    /// Shows only `id` in *Inspect*; the pane must exist.
     pub fn show_alone(&mut self, id: PaneId) {
         if let Some(pane) = self.get(id).cloned() {
             self.replace(place_of(Workspace::Inspect), Arrangement::Pane(id), BTreeMap::from([(id, pane)]), id);
         }
     }
 
-    /// Replaces the panes of `workspace` by those of a session: `panes` by their ids, and their arrangement. Invalid
-    /// parts are left out.
+    /// Invalid parts of what a session holds are left out.
     pub fn restore(
         &mut self,
         workspace: Workspace,
@@ -147,14 +134,11 @@ impl Panes {
         self.forget_missing();
     }
 
-    /// Removes panes that are in no workspace.
     fn drop_unplaced(&mut self) {
-        let mut more = std::mem::take(&mut self.more);
-        more.retain(|id, _| self.is_placed(*id));
-        self.more = more;
+        let Self { more, placed, .. } = self;
+        more.retain(|id, _| placed.iter().any(|placed| placed.arrangement.panes().contains(id)));
     }
 
-    /// Panes stop showing pictures of panes that share no workspace with them.
     pub(super) fn forget_missing(&mut self) {
         let ids: Vec<PaneId> = self.iter().map(|(id, _)| id).collect();
         for id in ids {
@@ -168,8 +152,7 @@ impl Panes {
         }
     }
 
-    /// Closes the panes on the burst of `side`, which was closed. A pane that is left alone goes to the other burst;
-    /// *Two bursts* goes back to one pane for each.
+    /// A pane that is left alone goes to the other burst; *Two bursts* goes back to one pane for each.
     pub fn close_side(&mut self, side: Side) {
         for (place, workspace) in PLACES.into_iter().enumerate() {
             if workspace == Workspace::Pair {
@@ -188,8 +171,7 @@ impl Panes {
         }
     }
 
-    /// Swaps A and B. The two permanent panes swap places. The others of *Inspect* stay on their bursts, those of the
-    /// workspaces that show both stay on their sides.
+    /// Panes of *Inspect* stay on their bursts, those of the workspaces that show both stay on their sides.
     pub fn swap_sides(&mut self) {
         self.sides.swap(0, 1);
         for (pane, side) in self.sides.iter_mut().zip(Side::BOTH) {

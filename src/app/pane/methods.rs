@@ -15,11 +15,8 @@ use std::collections::BTreeMap;
 pub enum MethodsPreset {
     #[default]
     Panes,
-    /// Two in one place, with a line between them that can be moved.
     Wipe,
-    /// Two in one place, one after the other.
     Flip,
-    /// One row for each method, with its matches between A and B.
     Matches,
 }
 
@@ -46,8 +43,7 @@ impl MethodsPreset {
 }
 
 impl Panes {
-    /// Lays out *Methods*: `methods` on A, and on B as well where the preset shows matches and `both` are open. A wipe
-    /// or flip takes SIFT on one frame and BuFF, where these are compared.
+    /// On B as well where the preset shows matches. A wipe or flip takes SIFT and BuFF 1D where these are compared.
     pub fn lay_out_methods(&mut self, preset: MethodsPreset, methods: &[Contender], both: bool) {
         let usual = [Contender::Sift, Contender::Buff1d];
         let mut two = usual.into_iter().chain(methods.iter().copied()).filter(|method| methods.contains(method));
@@ -81,8 +77,7 @@ impl Panes {
         self.replace(place_of(Workspace::Methods), arrangement, made, focus);
     }
 
-    /// Adds panes for a method that has none in *Methods*: on A, and with B in a row of its own where the others have
-    /// such rows.
+    /// Where it has none: on A, and with B in a row of its own where the others have such rows.
     pub fn add_method(&mut self, method: Contender, both: bool) {
         let place = place_of(Workspace::Methods);
         let shown = self.shown_in(Workspace::Methods);
@@ -111,7 +106,6 @@ impl Panes {
         }
     }
 
-    /// Creates a pane on the input of `method`: beside the other methods of its side, at their place.
     fn of_method(&self, method: Contender, side: Side) -> Pane {
         let shown = self.shown_in(Workspace::Methods);
         let alike = |pane: &&Pane| pane.method.is_some() && pane.method != Some(Contender::Gold) && pane.side == side;

@@ -1,12 +1,8 @@
 //! Panes: each shows one picture of one open burst.
 //!
-//! A [`Pane`] is a plain value: its burst, and the method whose input it shows; its place there ([`Cursor`]: frame,
-//! slope, octave, level), kind of picture, pan and zoom, own value range if it has one, and links to other panes
-//! ([`PaneLinks`]). [`Panes`] holds all of them. *Inspect*, *Two bursts* and *Methods* have an [`Arrangement`] each,
-//! with one focused pane, which sliders and keys move. Two panes are permanent, one for each of the two bursts.
-//!
-//! The picture that a pane needs follows from its values alone ([`wanted`](Pane::wanted)). The window requests it from
-//! the engine under the pane's own number, and stores the answer in [`Pane::picture`].
+//! A [`Pane`] is a plain value, and the picture that it needs follows from its values alone ([`wanted`](Pane::wanted)).
+//! *Inspect*, *Two bursts* and *Methods* have an [`Arrangement`] each, with one focused pane, which sliders and keys
+//! move. Two panes are permanent, one for each of the two bursts.
 
 mod arrangement;
 mod changes;
@@ -39,7 +35,6 @@ use crate::detector::{DetectorParams, Method};
 use crate::requests::{OpenBurst, Picture, PictureKind, PictureRequest};
 use serde::{Deserialize, Serialize};
 
-/// Id of a pane, for as long as it is open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct PaneId(pub u32);
@@ -53,14 +48,10 @@ impl PaneId {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
-    /// Picture at the cursor: a frame, a motion stack or a DoG response.
     #[default]
     Cursor,
-    /// The frames of its burst, aligned and merged into one image.
     Merge,
-    /// Map of a quantity that decides in the search, at the cursor.
     Map(ViewKind),
-    /// The picture of one pane less that of another.
     Difference(PaneId, PaneId),
     Slice(SliceAxis),
 }
@@ -107,13 +98,10 @@ impl SliceAxis {
     }
 }
 
-/// Another pane's picture in the same place, for comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Over {
-    /// On the right of a line that can be moved.
     Wipe { other: PaneId, at: f32 },
-    /// In turn with the pane's own.
     Flip { other: PaneId, flipped: bool },
 }
 
@@ -136,22 +124,18 @@ impl Over {
 #[derive(Debug, Clone)]
 pub struct Pane {
     pub side: Side,
-    /// Method whose input the pane shows, where methods are compared.
     pub method: Option<Contender>,
     pub content: Content,
-    /// Place in the burst. A linked pane may have been moved beyond the burst's range; [`Pane::cursor_within`] limits
-    /// it.
+    /// A linked pane may have been moved beyond the burst's range; [`Pane::cursor_within`] limits it.
     pub cursor: Cursor,
     /// Whether the slope was chosen (by hand or by a session) since the burst was opened.
     pub slope_chosen: bool,
-    /// Pan and zoom.
     pub view: View,
     /// Value ranges and colour maps of its own; `None` shares those of all.
     pub own_ranges: Option<Ranges>,
     pub links: PaneLinks,
     pub over: Option<Over>,
     pub picture: Option<Picture>,
-    /// Request that failed, and why.
     pub problem: Option<(PictureRequest, String)>,
 }
 
@@ -226,21 +210,18 @@ impl Pane {
         }
     }
 
-    /// Cursor, limited to the ranges of the burst and the parameters.
     pub fn cursor_within(&self, burst: &OpenBurst, params: &DetectorParams) -> Cursor {
         self.cursor.within(params, burst.burst.len(), burst.burst.size())
     }
 
-    /// Picture that the pane needs of its own burst; `None` for a difference, which is made of other panes' pictures,
-    /// and for a slice.
+    /// `None` for a difference, which is made of other panes' pictures, and for a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
         let kind = self.cursor_within(burst, params).picture(self.shown()?);
         let kind = self.seen_by_method(kind, burst, params);
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
     }
 
-    /// Where methods are compared, replaces a motion stack by the method's input: one frame or the merged frames for
-    /// SIFT.
+    /// Where methods are compared, one frame or the merged frames for SIFT in place of a motion stack.
     fn seen_by_method(&self, kind: PictureKind, burst: &OpenBurst, params: &DetectorParams) -> PictureKind {
         match (kind, params.method) {
             (PictureKind::Stack { .. }, Method::Sift) if self.method.is_some() => {
@@ -251,7 +232,6 @@ impl Pane {
         }
     }
 
-    /// Panes whose pictures this one shows besides its own.
     pub fn others(&self) -> Vec<PaneId> {
         let mut others = match self.content {
             Content::Difference(a, b) => vec![a, b],

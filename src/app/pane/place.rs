@@ -5,12 +5,9 @@ use crate::requests::PictureKind;
 use egui::{Pos2, vec2};
 use std::ops::Range;
 
-/// Maps the place under the pointer of one pane to another, in image pixels; the frames `used` are searched in both
-/// bursts.
-///
-/// Pictures made of many frames show a place where it is at mid-burst. A frame shows it moved along its slope by the
-/// frames in between: the slope is that of the pane that shows no frame, or that of the pane under the pointer if both
-/// show frames.
+/// Maps a place of one pane to another, in image pixels; the frames `used` are searched. Pictures of many frames show
+/// it where it is at mid-burst, a frame shows it moved along its slope: that of the pane that shows no frame, or that
+/// of the pane under the pointer if both show frames.
 pub fn place_in(
     pos_image: Pos2,
     (from_kind, from): (PictureKind, &Cursor),

@@ -56,7 +56,6 @@ impl Preset {
         }
     }
 
-    /// Makes the panes from the focused one, `base`, whose burst is searched with `params`.
     pub fn lay_out(self, base: &Pane, params: &DetectorParams) -> Laid {
         let base = Pane { over: None, content: Content::Cursor, ..base.clone() };
         let at = |change: &dyn Fn(&mut Pane)| {
@@ -129,7 +128,6 @@ impl Preset {
     }
 }
 
-/// Splits panes into rows: up to three in one row, more in rows as even as possible.
 pub(super) fn in_rows<T: Clone>(panes: Vec<T>) -> Vec<Vec<T>> {
     let rows = match panes.len() {
         0..=3 => 1,
@@ -148,9 +146,8 @@ fn two_slopes(slope: Slope, params: &DetectorParams) -> [Slope; 2] {
     [slope, if next == slope { stepped(grid, slope, along_v, false) } else { next }]
 }
 
-/// `count` neighbouring slopes along the grid's first axis with several, with the nearest to `slope` in the middle as
-/// far as the grid reaches; and the index of that nearest one. On a grid of one slope the neighbours are 0.25 px/frame
-/// apart.
+/// Along the grid's first axis with several, the nearest to `slope` in the middle as far as the grid reaches; and the
+/// index of that one. On a grid of one slope the neighbours are 0.25 px/frame apart.
 fn neighbouring_slopes(slope: Slope, params: &DetectorParams, count: usize) -> (Vec<Slope>, usize) {
     let grid = &params.slopes;
     let along_v = grid.u.count <= 1 && grid.v.count > 1;
@@ -199,25 +196,6 @@ mod tests {
         assert_eq!(slopes(&laid).len(), 7, "the grid has no more");
         let single = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..params() };
         assert_eq!(slopes(&Preset::ThreeSlopes.lay_out(&base(1.0), &single)), [0.75, 1.0, 1.25]);
-    }
-
-    #[test]
-    fn a_strip_of_scales_has_every_level_once() {
-        let laid = Preset::Scales.lay_out(&base(1.0), &params());
-        let levels: Vec<i32> = laid.rows.iter().flatten().map(|pane| pane.cursor.level).collect();
-        assert_eq!(levels, level_range(&params()).collect::<Vec<_>>());
-        assert!(laid.rows.iter().flatten().all(|pane| pane.shows(ViewKind::Dog)));
-        assert_eq!(levels[laid.focus], 0);
-    }
-
-    #[test]
-    fn two_slopes_differ_and_are_moved_on_their_own() {
-        for slope in [-3.0, 0.5, 3.0] {
-            let laid = Preset::TwoSlopes.lay_out(&base(slope), &params());
-            let two = slopes(&laid);
-            assert!(two[0] == slope && two[1] != slope, "{two:?}");
-            assert!(laid.rows.iter().flatten().all(|pane| !pane.links.cursor));
-        }
     }
 
     #[test]

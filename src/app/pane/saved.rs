@@ -31,7 +31,6 @@ pub struct SavedPane {
     pub content: Content,
     #[serde(default)]
     pub cursor: Cursor,
-    /// Pan and zoom.
     #[serde(default)]
     pub view: View,
     #[serde(default)]

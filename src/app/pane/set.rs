@@ -14,11 +14,9 @@ pub(super) struct Placed {
     pub(super) focus: PaneId,
 }
 
-/// All panes. Two are permanent, one for each burst; *Inspect* begins with A's, *Two bursts* with both. A pane that is
-/// in two workspaces shows the same in both.
+/// Two panes are permanent, one for each burst. A pane that is in two workspaces shows the same in both.
 #[derive(Debug)]
 pub struct Panes {
-    /// The two permanent panes.
     pub(super) sides: [Pane; 2],
     pub(super) more: BTreeMap<PaneId, Pane>,
     pub(super) placed: [Placed; PLACES.len()],
@@ -44,7 +42,6 @@ impl Default for Panes {
 }
 
 impl Arrangement {
-    /// A's own pane beside B's.
     pub(super) fn sides() -> Self {
         Self::rows(&[Side::BOTH.map(PaneId::of).to_vec()])
     }
@@ -56,7 +53,6 @@ pub(super) fn place_of(workspace: Workspace) -> usize {
 }
 
 impl Panes {
-    /// Makes the panes of `workspace` those on the screen, which are split, closed and moved.
     pub fn turn_to(&mut self, workspace: Workspace) {
         self.open = place_of(workspace);
     }
@@ -104,8 +100,7 @@ impl Panes {
         (&placed.arrangement, placed.focus)
     }
 
-    /// Takes an arrangement that the pointer changed: panes may have moved and changed size; one with other panes is
-    /// ignored.
+    /// Takes an arrangement in which the pointer moved panes; one with other panes is ignored.
     pub fn rearrange(&mut self, arrangement: Arrangement) {
         let mut panes = [arrangement.panes(), self.shown()];
         panes.iter_mut().for_each(|ids| ids.sort_unstable());
@@ -122,17 +117,11 @@ impl Panes {
         self.placed[place_of(workspace)].arrangement.panes()
     }
 
-    /// Panes on the screen with the burst of `side` and this `method`, in reading order.
     pub fn shown_of(&self, side: Side, method: Option<Contender>) -> Vec<PaneId> {
         let is_of = |id: &PaneId| self.get(*id).is_some_and(|pane| pane.side == side && pane.method == method);
         self.shown().into_iter().filter(is_of).collect()
     }
 
-    pub(super) fn is_placed(&self, id: PaneId) -> bool {
-        self.placed.iter().any(|placed| placed.arrangement.panes().contains(&id))
-    }
-
-    /// Panes that share a workspace with `id`.
     pub(super) fn beside(&self, id: PaneId) -> Vec<PaneId> {
         let panes = self.placed.iter().map(|placed| placed.arrangement.panes());
         let mut beside: Vec<PaneId> = panes.filter(|panes| panes.contains(&id)).flatten().collect();
@@ -151,12 +140,10 @@ impl Panes {
         self.shown().iter().position(|shown| *shown == id).map(|place| place + 1)
     }
 
-    /// Picture over that of pane `id`, if the other pane is on the screen too.
     pub fn over(&self, id: PaneId) -> Option<Over> {
         self.get(id)?.over.filter(|over| self.shown().contains(&over.other()))
     }
 
-    /// Focused pane, which sliders and keys move.
     pub fn focus(&self) -> PaneId {
         self.here().focus
     }
@@ -174,7 +161,6 @@ impl Panes {
         }
     }
 
-    /// Focuses the next (or previous) pane in reading order, cyclically.
     pub fn focus_next(&mut self, forward: bool) {
         let (shown, focus) = (self.shown(), self.focus());
         let place = shown.iter().position(|id| *id == focus).unwrap_or(0);

@@ -38,7 +38,6 @@ impl SidesPreset {
 }
 
 impl Panes {
-    /// Lays out *Two bursts*, beginning with the permanent panes.
     pub fn lay_out_sides(&mut self, preset: SidesPreset) {
         let own = Side::BOTH.map(PaneId::of);
         let mut made = BTreeMap::new();

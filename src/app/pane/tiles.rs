@@ -1,7 +1,6 @@
 //! Conversion of the arrangement to the widget that draws and changes it (`egui_tiles`), and back.
 //!
-//! The widget's tree is made anew from the arrangement in each pass, with stable ids of the panes, so that dragging
-//! goes on; changes by the pointer are read from it afterwards.
+//! The widget's tree is made anew in each pass, with stable ids, so that dragging goes on; changes are read from it.
 
 use super::{Arrangement, PaneId, Part};
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
@@ -47,7 +46,6 @@ fn insert(tiles: &mut Tiles<PaneId>, arrangement: &Arrangement, next: &mut u64) 
     tile
 }
 
-/// Reads the arrangement of the widget's tree; `None` if it holds no pane.
 pub fn arrangement_of(tree: &Tree<PaneId>) -> Option<Arrangement> {
     read(&tree.tiles, tree.root()?)
 }

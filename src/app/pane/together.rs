@@ -41,7 +41,6 @@ impl Panes {
         }
     }
 
-    /// Moves the linked views as that of `moved` changed from `before`.
     pub fn follow_view(&mut self, moved: PaneId, before: &View) {
         let Some(after) = self.get(moved).map(|pane| pane.view).filter(|after| after != before) else { return };
         for id in self.linked_to(moved, Link::View) {

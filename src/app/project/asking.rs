@@ -119,35 +119,10 @@ pub(super) fn answers<R: Request>(wanted: &mut Wanted<R>, title: &str, messages:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::{Bench, open};
-    use crate::app::project::workspace::Workspace;
+    use crate::app::project::tests::Bench;
     use crate::detector::{NoiseGate, SlopeGrid};
     use crate::requests::BurstSource;
     use crate::synth::Example;
-    use std::sync::Arc;
-
-    #[test]
-    fn what_is_shown_is_asked_for_and_comes_to_rest() {
-        let mut bench = Bench::new();
-        assert!(bench.model.is_settled(), "nothing is open");
-        bench.model.take_burst(open((96, 72), 5));
-        bench.model.take_second_burst(open((96, 72), 5));
-        bench.settle();
-        let picture = bench.model.picture().expect("of the pane in focus");
-        assert_eq!(picture.plane.size(), (96, 72));
-        assert!(bench.model.features_are_current(Side::A) && bench.model.slots.b.found.is_none());
-        // B is searched, and both are matched, when they are looked at together.
-        bench.model.open_workspace(Workspace::Pair);
-        bench.settle();
-        assert!(bench.model.features_are_current(Side::B) && bench.model.pair.matches.is_some());
-        // With exchanged sides they are matched again, and no features are searched.
-        let found = bench.model.slots.a.found.as_ref().expect("features").detection.clone();
-        bench.model.swap_sides();
-        assert!(bench.model.pair.matches.is_none());
-        bench.settle();
-        assert!(Arc::ptr_eq(&found, &bench.model.slots.b.found.as_ref().expect("features").detection));
-        assert!(bench.model.pair.matches.is_some());
-    }
 
     #[test]
     fn features_follow_a_threshold_that_is_dragged_but_not_what_needs_a_search() {

@@ -14,7 +14,6 @@ pub struct Cursor {
     /// Kind of picture that was shown last of those of [`ViewKind::OF_CURSOR`].
     pub kind: ViewKind,
     pub frame: usize,
-    /// Slope, pixels per frame.
     pub slope: Slope,
     /// Octave; −1 is the doubled image.
     pub octave: i32,
@@ -22,7 +21,6 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    /// A picture of this kind at the cursor.
     pub fn picture(&self, kind: ViewKind) -> PictureKind {
         let Self { slope, octave, level, .. } = *self;
         match kind {
@@ -109,8 +107,7 @@ pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool
     }
 }
 
-/// The slope at `step` when playing through the grid: row by row, every other row backwards, so that the picture never
-/// jumps. `step` counts from 0 without limit; the grid is played forwards and backwards in turn.
+/// Row by row, every other row backwards, so that the picture never jumps; forwards and backwards in turn, from 0.
 pub fn played(grid: &SlopeGrid, step: usize) -> Slope {
     let count = grid.len().max(1);
     let period = (2 * count).saturating_sub(2).max(1);

@@ -16,13 +16,11 @@ pub enum Effect {
     Opened(Side, Ended<OpenRequest>),
     Recent(BurstSource),
     RecentDataset(DatasetSource),
-    /// The user chooses which of several bursts is opened for a side.
     Choose(Side, Vec<BurstSource>),
     Cut {
         paths: Vec<PathBuf>,
         frames: usize,
     },
-    /// The user is asked whether features of other parameters may be replaced.
     ReplaceFeatures,
     /// The thumbnails are of another dataset, or were made with another calibration.
     ForgetThumbnails,
@@ -31,7 +29,6 @@ pub enum Effect {
     /// A file is written. The user agreed that it may replace one that is there.
     Write(Purpose, PathBuf),
     StartLesson(Arc<Lesson>),
-    /// Another project is on show: the state of all widgets belongs to the one before.
     ForgetWidgets,
 }
 
@@ -167,7 +164,6 @@ impl Purpose {
         }
     }
 
-    /// The extensions that the dialog offers; empty for all files.
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
             Self::OpenFiles | Self::OpenFilesB => [crate::burst::supported_extensions(), vec![CASE_EXTENSION]].concat(),

@@ -227,12 +227,10 @@ impl Model {
     }
 }
 
-/// A verdict with its reason, as sentences. Features are counted from 1.
 pub fn verdict_words(judged: &Judged) -> String {
     format!("{}: {}.", capitalised(judged.verdict.clause()), counted_from_one(&judged.why))
 }
 
-/// A coherence in words; `None` is too noisy to tell.
 pub fn coherence_words(coherence: Option<f32>) -> String {
     coherence.map_or_else(|| "too noisy to tell".to_owned(), |coherence| format!("{coherence:.2}"))
 }

@@ -14,9 +14,7 @@ pub struct FigureChoice {
     pub all_panes: bool,
     pub whole_picture: bool,
     pub scale: f32,
-    /// Width of strokes, figure pixels.
     pub stroke_width_px: f32,
-    /// Height of letters, figure pixels.
     pub font_size_px: f32,
     pub titles: bool,
     pub letters: bool,

@@ -37,7 +37,6 @@ impl FilmContent {
 pub struct FilmChoice {
     pub content: FilmContent,
     pub rate: u16,
-    /// Longest side of the burst's picture, pixels.
     pub max_side_px: usize,
 }
 
@@ -47,7 +46,6 @@ impl Default for FilmChoice {
     }
 }
 
-/// Pictures of a film between two slopes of the grid.
 const STEPS: usize = 2;
 
 impl Model {

@@ -32,7 +32,6 @@ pub struct Filter {
     pub sigma: Option<Interval>,
     /// |response|, fraction of full scale.
     pub response: Option<Interval>,
-    /// Whether features at the limit of the slopes are hidden.
     pub hide_slope_limit: bool,
     /// Coherence of the frames' responses, 0 … 1. Features without one (too noisy to tell) pass.
     pub coherence: Option<Interval>,
@@ -50,8 +49,7 @@ impl Filter {
         self.coherence.is_some() || self.verdict.is_some()
     }
 
-    /// Whether `feature` passes, when the slope on show is `slope`; `judged` is what is known of it. Before that is
-    /// known, it passes.
+    /// When the slope on show is `slope`; before `judged` is known, the feature passes.
     pub fn passes(&self, feature: &Feature, judged: Option<&Judged>, slope: Slope) -> bool {
         let inside = |limit: Option<Interval>, x: f32| limit.is_none_or(|i| i.holds(x));
         inside(self.slope_u, feature.slope.u)
@@ -147,8 +145,7 @@ impl Model {
     }
 }
 
-/// The item of a list after (or before) the selected one: the first (or last) if none is selected; the selected one at
-/// the end of the list.
+/// The first (or last) if none is selected; the selected one at the end of the list.
 pub(crate) fn neighbour(listed: &[usize], selected: Option<usize>, forward: bool) -> Option<usize> {
     let place = selected.and_then(|s| listed.iter().position(|&i| i == s));
     let last = listed.len().saturating_sub(1);
@@ -161,18 +158,15 @@ pub(crate) fn neighbour(listed: &[usize], selected: Option<usize>, forward: bool
     listed.get(next).copied().or(selected)
 }
 
-/// Sort order: a column of type `C` and a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, bound(deserialize = "C: Default + Deserialize<'de>"))]
 pub struct Order<C> {
     pub column: C,
-    /// Whether the largest value comes first.
     pub descending: bool,
 }
 
 impl<C: PartialEq> Order<C> {
-    /// Order after a click on the heading of `column`: ascending by it, or reversed if the table is sorted by it
-    /// already.
+    /// Ascending by it, or reversed if the table is sorted by it already.
     #[must_use]
     pub fn clicked(self, column: C) -> Self {
         Self { descending: self.column == column && !self.descending, column }

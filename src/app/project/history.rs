@@ -173,26 +173,15 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_undone_and_made_again_in_their_order() {
+    fn a_new_step_removes_the_steps_that_were_undone() {
         let (mut model, mut history) = (Model::default(), History::default());
         pass(&mut history, &mut model, false, |m| m.params.levels = 5);
-        pass(&mut history, &mut model, false, |m| m.focused_mut().cursor.slope = Slope::new(1.0, 0.0));
         pass(&mut history, &mut model, false, |m| m.pair.params.ratio = 0.5);
         pass(&mut history, &mut model, false, |_| {});
         history.undo(&mut model);
-        history.undo(&mut model);
-        assert_eq!((model.cursor().slope, model.params.levels), (Slope::default(), 5));
-        assert_eq!(model.pair.params, MatchParams::default());
-        history.redo(&mut model);
-        assert_eq!(model.cursor().slope, Slope::new(1.0, 0.0));
-        // A new step removes the steps that were undone.
+        assert_eq!((&model.pair.params, model.params.levels), (&MatchParams::default(), 5));
         pass(&mut history, &mut model, false, |m| m.params.octaves = 2);
         assert!(!history.can_redo());
-        for _ in 0..5 {
-            history.undo(&mut model);
-        }
-        assert!(!history.can_undo());
-        assert_eq!(model.params, DetectorParams::default());
     }
 
     #[test]

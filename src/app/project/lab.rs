@@ -303,11 +303,8 @@ impl Lab {
                 snrs.push(snr);
             }
         }
-        if snrs.is_empty() {
-            Err("no ratio is given; give one or more, such as 0.2, 0.35".to_owned())
-        } else {
-            Ok(snrs)
-        }
+        let none = "no ratio is given; give one or more, such as 0.2, 0.35";
+        if snrs.is_empty() { Err(none.to_owned()) } else { Ok(snrs) }
     }
 
     pub fn frame_counts(&self) -> Result<Vec<usize>, String> {
@@ -391,34 +388,6 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn kept_curves_stay_and_can_be_forgotten() {
-        let mut lab = Lab::default();
-        lab.keep_current();
-        assert!(lab.kept.is_empty(), "there is nothing to keep");
-        let study = ChartStudy {
-            chart: ChartParams { width: 96, height: 64, discs: 1, radius: 4.0..=5.0, ..ChartParams::default() },
-            snrs: vec![4.0],
-            seeds: 1,
-            methods: vec![BurstMethod::SiftMean],
-            ..ChartStudy::default()
-        };
-        let report = StudyReport::Chart(Box::new(study.run(&crate::Monitor::default()).expect("a report")));
-        lab.current = Some(LabResult { study: Study::Chart(Box::new(study)), report, is_whole: true });
-        lab.keep_current();
-        lab.keep_current();
-        assert_eq!(lab.shown_results().len(), 3);
-        let point = StudyPoint { row_value: 4.0, method: None };
-        lab.selected = Some((LabSet::Kept(1), point));
-        lab.forget_kept(0);
-        assert_eq!(lab.selected, Some((LabSet::Kept(0), point)));
-        assert_eq!(lab.selected_chart().expect("one").seed, 1);
-        lab.forget_kept(0);
-        assert_eq!((lab.selected, lab.shown_results().len()), (None, 1));
-        lab.question = LabQuestion::Accuracy;
-        assert!(lab.shown_results().is_empty(), "these are answers to another question");
-    }
 
     #[test]
     fn what_is_asked_is_what_the_commands_ask_by_default() {

@@ -96,15 +96,12 @@ impl Ranges {
 
     /// The ranges with all displays made valid: a file may contain any values.
     #[must_use]
-    pub fn sanitised(self) -> Self {
-        Self {
-            intensity: self.intensity.sanitised(),
-            response: self.response.sanitised(),
-            difference: self.difference.sanitised(),
-            noise: self.noise.sanitised(),
-            share: self.share.sanitised(),
-            ..self
+    pub fn sanitised(mut self) -> Self {
+        use RangeClass::{Difference, Intensity, Noise, Response, Share};
+        for class in [Intensity, Response, Difference, Noise, Share] {
+            *self.display_mut(class) = self.display(class).sanitised();
         }
+        self
     }
 }
 
@@ -138,11 +135,7 @@ impl FeaturesShown {
     }
 
     pub fn next(self) -> Self {
-        match self {
-            Self::ThisSlope => Self::All,
-            Self::All => Self::None,
-            Self::None => Self::ThisSlope,
-        }
+        Self::ALL[(self as usize + 1) % Self::ALL.len()]
     }
 }
 
@@ -172,13 +165,7 @@ impl Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Self {
-            ranges: Ranges::default(),
-            overlay: FeaturesShown::default(),
-            motion_vectors: true,
-            orientations: true,
-            legend: true,
-            smoothing_px: 0.0,
-        }
+        let (ranges, overlay) = Default::default();
+        Self { ranges, overlay, motion_vectors: true, orientations: true, legend: true, smoothing_px: 0.0 }
     }
 }

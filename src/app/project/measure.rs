@@ -3,7 +3,6 @@
 use crate::app::pane::PaneId;
 use egui::{Pos2, Rect};
 
-/// Effect of dragging with the first button on a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tool {
     #[default]
@@ -30,7 +29,6 @@ pub struct Measure {
     pub tool: Tool,
     pub line: Option<MeasuredLine>,
     pub region: Option<MeasuredRegion>,
-    /// Start of the drag in progress: the pane, and the place in image pixels.
     pub drag: Option<(PaneId, Pos2)>,
 }
 

@@ -3,19 +3,13 @@
 use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
 use serde::{Deserialize, Serialize};
 
-/// A method in a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Contender {
-    /// SIFT on the middle frame.
     Sift,
-    /// SIFT on the frames merged into one.
     Merge,
-    /// Burst features over one line of slopes.
     Buff1d,
-    /// Burst features over a plane of slopes.
     Buff2d,
-    /// SIFT on an image of the same view that was taken with enough light.
     Gold,
 }
 
@@ -23,20 +17,16 @@ pub enum Contender {
 const USUAL: (f32, usize) = (3.0, 7);
 
 impl Contender {
-    /// All methods, in the order of the table.
     pub const ALL: [Self; 5] = [Self::Sift, Self::Merge, Self::Buff1d, Self::Buff2d, Self::Gold];
 
-    /// Index in [`Contender::ALL`].
     pub fn index(self) -> usize {
         Self::ALL.iter().position(|m| *m == self).unwrap_or(0)
     }
 
-    /// Whether it searches over slopes.
     pub fn is_buff(self) -> bool {
         matches!(self, Self::Buff1d | Self::Buff2d)
     }
 
-    /// Name in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Sift => "SIFT, one frame",
@@ -47,7 +37,6 @@ impl Contender {
         }
     }
 
-    /// Description of the method in a sentence.
     pub fn help(self) -> &'static str {
         match self {
             Self::Sift => "SIFT on the middle frame only, without the rest of the burst",
@@ -58,8 +47,7 @@ impl Contender {
         }
     }
 
-    /// The parameters `edited` as this method takes them: everything but the method and, for BuFF, the shape of the
-    /// grid of slopes stays.
+    /// Everything but the method and, for BuFF, the shape of the grid of slopes stays.
     pub fn params(self, edited: &DetectorParams) -> DetectorParams {
         let mut params = edited.clone();
         let grid = edited.slopes;
@@ -88,8 +76,7 @@ impl Contender {
     }
 }
 
-/// Plane of slopes that keeps those of `grid`: an axis with a range keeps it; one with a single slope gets a range
-/// around that, as fine as that of the other axis and of at most the usual number of slopes.
+/// An axis with a single slope gets a range around it, as fine as the other axis, of at most the usual count.
 pub fn plane_of(grid: SlopeGrid) -> SlopeGrid {
     let usual = SlopeAxis::new(-USUAL.0..=USUAL.0, USUAL.1);
     let around = |middle: f32, other: &SlopeAxis| {

@@ -5,10 +5,8 @@ use super::Model;
 use super::workspace::Workspace;
 use serde::{Deserialize, Serialize};
 
-/// Minimum width of a window with a panel on the left that nobody asked for, in points.
 pub const MIN_WIDTH_WITH_LEFT: f32 = 1100.0;
 
-/// Minimum width of a window with panels on both sides of the picture, in points.
 const MIN_WIDTH_WITH_BOTH: f32 = 900.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

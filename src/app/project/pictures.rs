@@ -165,9 +165,8 @@ impl Model {
         self.patch = patch.or_else(|| self.patch.take());
     }
 
-    /// Requests the missing pictures of visible panes, that of the pane in focus first, and that of the selected
-    /// feature's patch. Pictures that need a search wait for the end of a drag, and for a running detection in
-    /// their burst, from which they may be made.
+    /// That of the pane in focus first. Pictures that need a search wait for the end of a drag, and for a running
+    /// detection in their burst, from which they may be made.
     pub(in crate::app) fn ask_for_pictures(&mut self, engine: &Engine, dragging: bool) {
         let focus = self.focus();
         let mut ids = self.panes.shown();
@@ -228,9 +227,7 @@ impl Model {
         self.panes.lay_out(preset, &params);
         self.check_params();
     }
-}
 
-impl Model {
     pub fn range_class(&self, id: PaneId) -> RangeClass {
         let picture = self.panes.get(id).and_then(|pane| pane.picture.as_ref());
         let wanted = || self.wanted(id).map_or(RangeClass::Intensity, |wanted| RangeClass::of(&wanted));

@@ -1,7 +1,6 @@
 //! The probe of the window: the burst and the place that are probed, the trail from which answers come, and the answer.
 //!
-//! One place of one burst is probed at a time; the [`ProbeModel`] says of which side it is. Swapping the sides takes
-//! the probe along with its burst.
+//! One place of one burst is probed at a time. Swapping the sides takes the probe along with its burst.
 
 use crate::app::pane::Pane;
 use crate::app::project::Model;
@@ -227,7 +226,6 @@ impl Model {
         if self.probe.traced.as_ref().is_some_and(is_of) { None } else { self.found_source(side) }
     }
 
-    /// Asks about a place of the burst of `side`, pixels at mid-burst.
     pub fn probe_place(&mut self, side: Side, place: [f32; 2]) {
         self.ask_probe(side, ProbeQuestion::At { place, wanted: Subject::Best });
     }
@@ -310,9 +308,9 @@ impl Model {
         }
     }
 
-    /// Prepares the probe for a burst that was newly opened as A; `before` is the earlier one. An example gets its own
-    /// grid of slopes if none was given, and is probed at its place of interest if detections start automatically. The
-    /// next burst drops that grid again.
+    /// An example that was opened as A gets its own grid of slopes if none was given, and is probed at its place of
+    /// interest if detections start automatically. The next burst, for which `before` is that example, drops the grid
+    /// again.
     pub fn start_probe(&mut self, before: Option<&BurstSource>) {
         let grid = |example: Example| {
             let (range, count) = example.slopes_u();
@@ -355,38 +353,10 @@ mod tests {
     use crate::app::project::tests::Bench;
     use crate::detector::NoiseGate;
     use crate::detector::params::doc;
-    use crate::inspect::{ProbeOptions, probe};
-    use crate::monitor::Monitor;
 
     fn answered(model: &Model) -> (Side, crate::requests::BurstId, [f32; 2]) {
         let answer = model.probe.answer.as_ref().filter(|_| model.probe.is_current()).expect("answered");
         (model.probe.side, answer.request.traced.burst, answer.probe.pos_image)
-    }
-
-    #[test]
-    fn each_burst_is_probed_where_it_lies_and_the_answer_is_that_of_its_own_search() {
-        let mut bench = Bench::with_two_charts();
-        let ids = Side::BOTH.map(|side| bench.model.burst_of(side).expect("open").id);
-        for (side, place) in [(Side::B, [80.0, 30.0]), (Side::A, [110.0, 30.0]), (Side::B, [20.0, 40.0])] {
-            bench.model.probe_place(side, place);
-            assert!(bench.model.probe.answer.is_none(), "what was said of the other burst is not shown");
-            bench.settle();
-            assert_eq!(answered(&bench.model), (side, ids[side as usize], place));
-            let model = &bench.model;
-            let answer = model.probe.answer.as_ref().expect("there");
-            let cache = &answer.request.traced.cache;
-            assert_eq!(cache.detection().features, model.found_of(side).expect("found").detection.features);
-            let expected = probe(cache, place, &ProbeOptions::default(), &Monitor::default()).expect("inside");
-            assert_eq!(answer.probe.fates, expected.fates);
-            assert!(model.untraced().is_none() && !model.probe_is_stale() && model.probe_is_here());
-        }
-        assert_eq!(Side::BOTH.map(|side| bench.model.burst_of(side).expect("open").id), ids, "nothing was swapped");
-        // This place is inside of A only.
-        bench.model.probe_place(Side::B, [110.0, 30.0]);
-        assert_eq!((bench.model.probe.side, bench.model.probe.place()), (Side::B, Some([20.0, 40.0])));
-        // In *One burst* only A is looked at, and B's probe waits.
-        bench.model.open_workspace(Workspace::Inspect);
-        assert!(!bench.model.probe_is_here() && bench.model.probe.is_current());
     }
 
     #[test]

@@ -1,9 +1,8 @@
 //! Set-up of camera and scene: what the user typed, and slopes read as depths by it.
 
-use super::BottomTab;
-use super::Model;
 use super::panels::Visibility;
 use super::workspace::Workspace;
+use super::{BottomTab, Model};
 use crate::app::view::{ColourBy, Known};
 use crate::detector::Slope;
 use crate::inspect::set_up::SetUp;

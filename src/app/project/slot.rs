@@ -6,8 +6,7 @@ use crate::app::project::against::Against;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::side::Side;
 use crate::app::project::{Effect, Model};
-use crate::app::view::View;
-use crate::app::view::fixed;
+use crate::app::view::{View, fixed};
 use crate::burst::OpenOptions;
 use crate::detector::{
     Advice, Detection, DetectorParams, Feature, Method, ParamError, SearchParams, Slope, SlopeFinding, SlopeGrid,
@@ -120,8 +119,7 @@ impl Model {
         self.needs_detection(side) && !self.detect_request(side).as_ref().is_some_and(failed)
     }
 
-    /// Whether the features of `side` can follow a value that is dragged: they need no search, and the last ones asked
-    /// for are there. (A newer request would cancel them, and none would ever come.)
+    /// They need no search, and the last ones asked for are there: a newer request would cancel them.
     pub(in crate::app) fn features_can_follow(&self, side: Side) -> bool {
         let now = self.asked_of(side);
         self.slots[side].found.as_ref().filter(|_| !self.slots[side].detecting.is_pending()).is_some_and(|found| {
@@ -164,9 +162,7 @@ impl Model {
             error => self.messages.error(what, error.to_string()),
         }
     }
-}
 
-impl Model {
     pub fn take_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
         let slot = &mut self.slots.a;
@@ -251,18 +247,11 @@ fn checked(
     } else if let Some(open) = burst
         && usable.validate_for(open.burst.len(), open.burst.size()).is_err()
     {
-        *usable = usable_for(open.burst.len());
+        // Valid for any burst whose frames are not tiny.
+        let method = if open.burst.len() <= 1 { Method::Sift } else { Method::Buff };
+        *usable = DetectorParams { method, ..DetectorParams::default() };
     }
     error
-}
-
-/// Parameters that are valid for any burst of `frame_count` frames whose frames are not tiny.
-fn usable_for(frame_count: usize) -> DetectorParams {
-    let mut params = DetectorParams::default();
-    if frame_count <= 1 {
-        params.method = Method::Sift;
-    }
-    params
 }
 
 #[derive(Debug, Clone)]
@@ -401,9 +390,7 @@ impl Model {
             self.messages.note(format!("Most features ({count}) are at slope ({u}, {v}) px/frame"));
         }
     }
-}
 
-impl Model {
     /// Parameter and session files are not among them, because they may be saved again after changes.
     pub fn opened_files(&self) -> Vec<PathBuf> {
         let gold = self.compare.gold.iter().flatten();

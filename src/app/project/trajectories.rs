@@ -28,17 +28,13 @@ pub struct Spot {
     /// Position in plane units, positive downwards.
     pub pos: egui::Pos2,
     pub index: usize,
-    /// The pair of the report that it belongs to.
     pub pair: Option<usize>,
 }
 
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlaneScene {
-    /// True cameras, in order.
     pub truth: Vec<Spot>,
-    /// Estimated cameras once they are aligned, in order.
     pub estimate: Vec<Spot>,
-    /// Columns and rows of the plane, in plane units.
     pub size: (usize, usize),
     /// Plane units for one unit of the truth.
     pub scale: f64,
@@ -59,7 +55,6 @@ pub struct Trajectories {
 }
 
 impl Trajectories {
-    /// Request to read `path` as `which`; the other trajectory stays, even while it is being read.
     pub fn request_with(&self, which: Which, path: PathBuf) -> PosesRequest {
         let mut request = self.request();
         let slot = if which == Which::Estimate { &mut request.estimate } else { &mut request.truth };
@@ -67,7 +62,6 @@ impl Trajectories {
         request
     }
 
-    /// Request to compare the trajectories that are open or being read, with the present study.
     pub fn request(&self) -> PosesRequest {
         let source = |read: &Option<(PathBuf, Arc<Trajectory>)>| {
             read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory))
@@ -105,17 +99,14 @@ impl Trajectories {
         self.compared.estimate.is_none() && self.compared.truth.is_none()
     }
 
-    /// The comparison; `None` without both trajectories, or if it failed.
     pub fn report(&self) -> Option<&Arc<PoseReport>> {
         self.compared.report.as_ref()?.as_ref().ok()
     }
 
-    /// Reason why there is no comparison although both trajectories are there.
     pub fn problem(&self) -> Option<&str> {
         self.compared.report.as_ref()?.as_ref().err().map(String::as_str)
     }
 
-    /// The plane as it is to be drawn; recomputed only after a change.
     pub fn scene(&mut self) -> Arc<PlaneScene> {
         let projection = self.projection;
         self.scene.take_if(|(of, _)| *of != projection);
@@ -162,8 +153,7 @@ impl Model {
 }
 
 impl PlaneScene {
-    /// Both trajectories, projected from one direction. An estimate that cannot be aligned is drawn only without a
-    /// truth, because its coordinates are different ones.
+    /// An estimate that cannot be aligned is drawn only without a truth, because its coordinates are different ones.
     pub fn of(compared: &ComparedPoses, projection: Projection) -> Self {
         let report = compared.report.as_ref().and_then(|r| r.as_ref().ok());
         let centres = |trajectory: &Trajectory, move_to: &dyn Fn(&nalgebra::Isometry3<f64>) -> [f64; 3]| {
@@ -215,8 +205,7 @@ impl PlaneScene {
     }
 }
 
-/// A length that makes a good scale bar: the largest of 1, 2 or 5 times a power of ten that is not longer than
-/// `longest`.
+/// The largest of 1, 2 or 5 times a power of ten that is not longer than `longest`.
 pub fn round_length(longest: f64) -> f64 {
     if !(longest.is_finite() && longest > 0.0) {
         return 1.0;

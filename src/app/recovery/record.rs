@@ -1,8 +1,7 @@
 //! Records of running windows: the automatically saved session of each, and the lock that marks its owner.
 //!
-//! All windows keep theirs in one folder, two files each: `NAME.toml`, the session, and `NAME.lock`, on which the
-//! window holds a lock of the system as long as it lives. The system takes the lock back however the program ends, so a
-//! session without a lock is one whose window did not end in the ordinary way; one with a lock is another window's.
+//! All windows keep theirs in one folder: `NAME.toml`, the session, and `NAME.lock`, on which the window holds a lock
+//! of the system as long as it lives. A session without a lock is one whose window did not end in the ordinary way.
 
 use crate::export::write_whole;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -156,22 +155,6 @@ mod tests {
         assert_eq!(std::fs::read_to_string(&path).expect("read"), "a = 1");
         found[0].remove();
         assert_eq!(files(&folder), 0);
-    }
-
-    #[test]
-    fn the_latest_comes_first_and_a_window_that_kept_nothing_leaves_nothing() {
-        let home = tempfile::tempdir().expect("a folder");
-        let records: Vec<Record> = (0..3).map(|_| Record::new(home.path()).expect("made")).collect();
-        for (record, age) in records.iter().zip([10, 5]) {
-            record.write("a = 1").expect("written");
-            let then = SystemTime::now() - std::time::Duration::from_secs(age);
-            File::options().write(true).open(record.session()).expect("there").set_modified(then).expect("set");
-        }
-        let names: Vec<PathBuf> = records.iter().map(|record| record.session().to_path_buf()).collect();
-        drop(records);
-        let found = Record::left_behind(home.path());
-        assert_eq!(found.iter().map(Record::session).collect::<Vec<_>>(), [&names[1], &names[0]]);
-        assert_eq!(files(home.path()), 4);
     }
 
     #[test]

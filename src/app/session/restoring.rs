@@ -22,8 +22,8 @@ pub struct Restoring {
 }
 
 impl Restoring {
-    /// Restores a session file: opens its burst, then restores everything else, even if the burst could not be opened.
-    /// Until then nothing changes. Returns the request that opens the burst; `None` if the file cannot be read.
+    /// Everything else is restored once the burst was opened, or could not be; until then nothing changes. `None` if
+    /// the file cannot be read.
     pub fn restore(&mut self, path: &Path, model: &mut Model, engine: &Engine) -> Option<JobId> {
         let read = read_text(path, MAX_SESSION_BYTES).map_err(|e| e.to_string());
         match read.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e))) {

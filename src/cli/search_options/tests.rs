@@ -70,32 +70,15 @@ fn every_option_reaches_its_parameter() {
 }
 
 #[test]
-fn one_axis_alone_makes_the_other_zero() {
-    let got = params(&["--slopes-v", "-2:2:5"]).expect("valid").detector;
-    assert_eq!((got.slopes.u, got.slopes.v.count), (SlopeAxis::ZERO, 5));
-}
-
-#[test]
-fn options_override_the_file() {
-    let file = tempfile::NamedTempFile::new().expect("a file");
-    let path = file.path().to_str().expect("plain");
-    std::fs::write(path, "octaves = 3\nlevels = 5\n[slopes]\nv = { min = -1.0, max = 1.0, count = 3 }\n")
-        .expect("written");
-    let got = params(&["--params", path, "--levels", "4", "--slopes-u", "0:2:3"]).expect("valid");
-    assert_eq!(got.slopes, SlopeChoice::Given);
-    let got = got.detector;
-    assert_eq!((got.octaves, got.levels, got.slopes.u.count, got.slopes.v.count), (3, 4, 3, 3));
-    let found = params(&["--params", path, "--slopes", "auto"]).expect("valid");
-    assert_eq!((found.slopes, found.detector.octaves), (SlopeChoice::AUTO, 3));
-}
-
-#[test]
 fn a_direction_alone_says_on_which_line_slopes_are_found() {
     let line = SlopeChoice::Auto { direction_deg: Some(30.0) };
     assert_eq!(params(&["--slope-direction", "30"]).expect("valid").slopes, line);
     assert_eq!(params(&["--slopes", "auto", "--slope-direction", "30"]).expect("valid").slopes, line);
     let given = params(&["--slopes-u", "0:2:3", "--slope-direction", "30"]).expect("valid");
     assert_eq!((given.slopes, given.detector.slopes.direction_deg), (SlopeChoice::Given, 30.0));
+    // One axis alone makes the other zero.
+    let slopes = params(&["--slopes-v", "-2:2:5"]).expect("valid").detector.slopes;
+    assert_eq!((slopes.u, slopes.v.count), (SlopeAxis::ZERO, 5));
 }
 
 #[test]

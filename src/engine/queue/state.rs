@@ -57,9 +57,9 @@ impl State {
         }
     }
 
-    /// Takes out the next request for a thread that takes nothing less urgent than `limit`: of the lanes of which
-    /// nothing runs, the most urgent, and of those the one that has waited longest. So one request of a lane at a time
-    /// has all cores, and the answers of a lane come in the order in which their keys asked.
+    /// Of the lanes of which nothing runs, the most urgent request (no less urgent than `limit`), and of those the one
+    /// that has waited longest: a running request has all cores, and a lane's answers come in the order in which they
+    /// were asked.
     pub(super) fn take(&mut self, limit: Urgency) -> Option<WaitingJob> {
         let is_free = |job: &WaitingJob| {
             job.manner.urgency <= limit

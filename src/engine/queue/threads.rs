@@ -2,8 +2,7 @@
 
 use super::state::{RunningJob, WaitingJob};
 use super::{Shared, Standing};
-use crate::engine::OnUpdate;
-use crate::engine::fault;
+use crate::engine::{OnUpdate, fault};
 use crate::monitor::{Monitor, Progress};
 use crate::requests::Urgency;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -75,9 +74,8 @@ pub(super) fn unique_key(limit: Urgency) -> String {
     format!("{}-{limit:?}", COUNTER.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Creates the pool for the parallel loops of one thread's work, with names under which panics are found; `None` where
-/// the system refuses more threads: then the shared pool is used, where work waits behind all that a detection has
-/// queued.
+/// For the parallel loops of one thread's work. `None` where the system refuses more threads: then the shared pool is
+/// used, where work waits behind all that a detection has queued.
 fn pool(thread: &str) -> Option<rayon::ThreadPool> {
     let thread = thread.to_owned();
     rayon::ThreadPoolBuilder::new().thread_name(move |i| format!("{}{thread}.{i}", fault::THREAD_PREFIX)).build().ok()

@@ -109,8 +109,7 @@ fn what_is_there_already_comes_at_once_and_the_older_one_never() {
     assert_eq!(answers, [(0, new, Ok(5)), (0, old, Err(JobError::Superseded))]);
 }
 
-/// A queue whose threads for searches and datasets all do work that ends only when it is cancelled. Of one kind one
-/// piece runs at a time, so that takes as many kinds as there are threads.
+/// All threads for searches and datasets do work that ends only when it is cancelled, each of another kind: one runs.
 struct BusyQueue {
     queue: Arc<JobQueue>,
     going: mpsc::Sender<&'static str>,

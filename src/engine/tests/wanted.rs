@@ -24,10 +24,6 @@ impl Request for Half {
     type Answer = u32;
     type Told = u32;
 
-    fn urgency(&self) -> Urgency {
-        Urgency::Search
-    }
-
     fn kept(&self, _: &Kept<'_>) -> Option<u32> {
         (self.of == 100).then_some(50)
     }

@@ -11,7 +11,6 @@ use crate::matching::{CameraModel, MatchParams, PairSelection};
 use crate::monitor::Monitor;
 use std::path::PathBuf;
 
-/// Export for COLMAP: its folder and parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColmapRequest {
     pub out: PathBuf,
@@ -25,7 +24,6 @@ pub struct ColmapRequest {
 }
 
 impl ColmapRequest {
-    /// Job of the command, with its defaults for everything else.
     fn job(&self) -> ColmapJob {
         let camera = self.matching.camera.clone();
         ColmapJob {
@@ -41,7 +39,6 @@ impl ColmapRequest {
     }
 }
 
-/// Result of an export for COLMAP.
 #[derive(Debug, Clone)]
 pub struct ColmapDone {
     pub report: ColmapReport,
@@ -49,11 +46,7 @@ pub struct ColmapDone {
     pub left_out: Vec<(String, String)>,
 }
 
-/// Runs the export and tells `tell` of each burst. Bursts whose features are in the folder, or where the dataset keeps
-/// them, are not searched again.
-///
-/// # Errors
-/// As [`gather`] and [`export_colmap`].
+/// Bursts whose features are in the folder, or where the dataset keeps them, are not searched again.
 pub(super) fn run(
     bursts: &[BurstFiles],
     request: &ColmapRequest,

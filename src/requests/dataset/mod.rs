@@ -1,8 +1,5 @@
-//! Work on a whole dataset: listing its bursts, finding their features, matching pairs of them, exporting to COLMAP,
-//! small pictures.
-//!
-//! Such work takes long, and the window shows each burst and each pair as it is finished. So events are reported
-//! before the answer.
+//! Work on a whole dataset. It takes long, and the window shows each burst and each pair as it is finished, so events
+//! are reported before the answer.
 
 #[cfg(feature = "colmap")]
 mod colmap;
@@ -22,14 +19,12 @@ use crate::requests::request::{Request, Urgency, Work};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Bursts of a dataset, shared by all requests for it.
 pub type Bursts = Arc<Vec<BurstFiles>>;
 
 /// Folder in which features are kept, and parameters with which they are found: an immutable snapshot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Keeping {
     pub folder: PathBuf,
-    /// The detector's parameters, and how the slopes are chosen.
     pub params: SearchParams,
     pub open: OpenOptions,
 }
@@ -48,13 +43,7 @@ pub enum DatasetRequest {
     /// Find the features of all bursts that are not finished.
     Detect { bursts: Bursts, keeping: Keeping },
     /// Match pairs of finished bursts; pairs with one that is not are left out.
-    Match {
-        bursts: Bursts,
-        keeping: Keeping,
-        /// Pairs of indices in `bursts`.
-        pairs: Vec<(usize, usize)>,
-        matching: MatchParams,
-    },
+    Match { bursts: Bursts, keeping: Keeping, pairs: Vec<(usize, usize)>, matching: MatchParams },
     #[cfg(feature = "colmap")]
     Colmap { bursts: Bursts, request: Box<ColmapRequest> },
 }
@@ -103,7 +92,6 @@ pub enum DatasetEvent {
 }
 
 impl DatasetEvent {
-    /// What is told of `event`; `None` of the begin of matching, whose pairs are told one by one.
     fn of(event: &BurstEvent<'_>) -> Option<Self> {
         match *event {
             BurstEvent::Begin(index) => Some(Self::Begun { index }),
@@ -114,12 +102,10 @@ impl DatasetEvent {
     }
 }
 
-/// Small pictures of some bursts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThumbnailsRequest {
     /// The bursts, in the order in which their pictures are made.
     pub bursts: Vec<BurstFiles>,
-    /// Maximum length of the longer side, pixels.
     pub max_side_px: usize,
     pub open: OpenOptions,
 }

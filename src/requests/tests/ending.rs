@@ -7,9 +7,9 @@ use crate::inspect::ProbeCache;
 use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Progress};
 use crate::requests::{
-    AgainstRequest, BurstId, BurstSource, CoherenceRequest, CompareRequest, DetectRequest, DetectionSource,
-    ExplainQuestion, ExplainRequest, JobError, MatchRequest, NothingKept, OpenRequest, PictureKind, PictureRequest,
-    PosesRequest, ProbeQuestion, ProbeRequest, Reference, Request, Traced, TrailStore, Work,
+    AgainstRequest, BurstId, CoherenceRequest, CompareRequest, DetectRequest, DetectionSource, ExplainQuestion,
+    ExplainRequest, JobError, MatchRequest, NothingKept, OpenRequest, PictureKind, PictureRequest, PosesRequest,
+    ProbeQuestion, ProbeRequest, Reference, Request, Traced, TrailStore, Work,
 };
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -101,17 +101,4 @@ fn failures_say_what_is_wrong() {
     let of = DetectionSource { burst: empty((32, 32), 3), ..source() };
     let cache = NothingKept.get_or_make(&of, &Monitor::default()).expect("valid");
     assert!(why(answer(probe(of.burst.id, cache))).contains("nothing in this burst is an extremum"));
-}
-
-#[test]
-fn several_bursts_are_offered_and_a_missing_one_is_named() {
-    let home = tempfile::tempdir().expect("a folder");
-    for (name, seed) in [("a", 1), ("b", 2)] {
-        super::write_chart(&home.path().join(name), seed);
-    }
-    let open = |path| BurstSource::Paths(vec![path]).open(&OpenOptions::default(), &Monitor::default()).map(drop);
-    let Err(JobError::Several(found)) = open(home.path().to_path_buf()) else { panic!("there are two") };
-    assert_eq!(found.iter().map(BurstSource::label).collect::<Vec<_>>(), ["a", "b"]);
-    assert_eq!(JobError::Several(found).to_string(), "there are 2 bursts here; open one of them");
-    assert!(why(open(home.path().join("gone"))).contains("gone"));
 }

@@ -9,8 +9,7 @@ use crate::plane::display::direction_colour;
 use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
 
-/// A [`ColourBy`] with the range of values that its colours span, so that a colour keeps its meaning until the next
-/// detection.
+/// The range stays until the next detection, so that a colour keeps its meaning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourScale {
     pub by: ColourBy,
@@ -18,21 +17,17 @@ pub struct ColourScale {
     pub min: f32,
     /// Value of the last colour; the magnitude of full saturation for the directions of a plane of slopes.
     pub max: f32,
-    /// For [`ColourBy::SlopeDirection`] of slopes on a line: the line's direction, degrees from +u towards +v. The
-    /// colours then run along it instead of around a wheel.
+    /// Of slopes on a line, degrees from +u towards +v: the colours then run along it, not around a wheel.
     pub line_deg: Option<f32>,
     table: Vec<Color32>,
-    /// Coherence of each feature, where known; for [`ColourBy::Coherence`].
     coherences: Option<Arc<Vec<Judged>>>,
-    /// Set-up of camera and scene, where known; for [`ColourBy::Depth`].
     set_up: Option<SetUp>,
 }
 
 const UNKNOWN: Color32 = Color32::from_gray(150);
 
 impl ColourScale {
-    /// Creates the scale for `features` that were found at the slopes of `grid`: over the searched range for slopes on
-    /// a line, over all features for σ and SNR, ± the largest magnitude for the response.
+    /// Over the searched range for slopes on a line, over all features for σ and SNR, ± the largest |response|.
     pub fn of(by: ColourBy, features: &[Feature], grid: &SlopeGrid) -> Self {
         if let Some((line_deg, axis)) = line_of(grid).filter(|_| by == ColourBy::SlopeDirection) {
             return Self { line_deg: Some(line_deg), ..Self::with_range(ColourBy::SlopeU, axis.min, axis.max) }
@@ -81,7 +76,6 @@ impl ColourScale {
         Self { by: ColourBy::SlopeDirection, ..self }
     }
 
-    /// Name of the quantity, with the direction of a line of slopes.
     pub fn name(&self) -> String {
         match self.line_deg {
             Some(0.0) => ColourBy::SlopeU.name().to_owned(),
@@ -91,15 +85,13 @@ impl ColourScale {
         }
     }
 
-    /// Adds the coherences of the features, in their order. Without them all features are grey when their colour shows
-    /// the coherence.
+    /// In the order of the features. Without them all features are grey when their colour shows the coherence.
     #[must_use]
     pub fn with_coherences(self, coherences: Option<&Arc<Vec<Judged>>>) -> Self {
         Self { coherences: coherences.cloned(), ..self }
     }
 
-    /// Adds the set-up that gives the depths, whose range the colours then span. Without it all features are grey when
-    /// their colour shows the depth.
+    /// The colours then span its depths. Without it all features are grey when their colour shows the depth.
     #[must_use]
     pub fn with_set_up(self, set_up: Option<&SetUp>) -> Self {
         let Some(set_up) = set_up.filter(|_| self.by == ColourBy::Depth) else { return self };
@@ -107,7 +99,6 @@ impl ColourScale {
         Self { set_up: Some(*set_up), ..Self::with_range(self.by, near, far) }
     }
 
-    /// Whether some features are grey, because their quantity is not known.
     pub fn has_unknown(&self) -> bool {
         let is_unknown = |values: &Arc<Vec<Judged>>| values.iter().any(|judged| judged.coherence.is_none());
         match self.by {
@@ -153,7 +144,6 @@ impl ColourScale {
         self.by == ColourBy::SlopeDirection && self.line_deg.is_none()
     }
 
-    /// Draws the legend: a wheel for directions, a bar with its end values for everything else.
     pub fn legend_ui(&self, ui: &mut Ui) -> Response {
         let response = if self.has_wheel() { self.wheel_ui(ui) } else { self.bar_ui(ui) };
         let text = match self.by {
@@ -241,7 +231,6 @@ impl ColourScale {
     }
 }
 
-/// Direction and searched slopes of a grid that is a line; degrees from +u towards +v.
 fn line_of(grid: &SlopeGrid) -> Option<(f32, SlopeAxis)> {
     match (grid.u.count > 1, grid.v.count > 1) {
         (true, false) => Some((grid.direction_deg, grid.u)),
@@ -267,32 +256,20 @@ mod tests {
 
     #[test]
     fn scales_span_the_features() {
-        let features = [feature(0.0, 0.0, 2.0, (-1.0, 0.5), -0.1), feature(5.0, 5.0, 8.0, (3.0, 0.5), 0.05)];
+        let mut features = [feature(0.0, 0.0, 2.0, (-1.0, 0.5), -0.1), feature(5.0, 5.0, 8.0, (3.0, 0.5), 0.05)];
+        (features[1].snr, features[1].at_slope_limit) = (10.0 * features[0].snr, true);
         assert_eq!(ColourScale::of(ColourBy::SlopeU, &features, &PLANE).max, 3.0);
         assert_eq!(ColourScale::of(ColourBy::Scale, &features, &PLANE).min, 2.0);
         assert_eq!(ColourScale::of(ColourBy::Response, &features, &PLANE).min, -0.1);
         for by in ColourBy::ALL {
             let scale = ColourScale::of(by, &features, &PLANE).with_set_up(Some(&SetUp::default()));
             // The two features have this quantity in common.
-            if matches!(by, ColourBy::SlopeV | ColourBy::Snr | ColourBy::Limit | ColourBy::Coherence) {
+            if matches!(by, ColourBy::SlopeV | ColourBy::Coherence) {
                 assert_eq!(scale.colour(0, &features[0]), scale.colour(1, &features[1]));
             } else {
                 assert_ne!(scale.colour(0, &features[0]), scale.colour(1, &features[1]), "{by:?}");
             }
         }
-    }
-
-    #[test]
-    fn snr_and_limit_tell_features_apart() {
-        let weak = feature(0.0, 0.0, 2.0, (0.0, 0.0), 0.1);
-        let strong = Feature { snr: 10.0 * weak.snr, at_slope_limit: !weak.at_slope_limit, ..weak };
-        for by in [ColourBy::Snr, ColourBy::Limit] {
-            let scale = ColourScale::of(by, &[weak, strong], &PLANE);
-            assert_ne!(scale.colour(0, &weak), scale.colour(1, &strong), "{by:?}");
-        }
-        // Without noise the ratio is infinite; it still has a colour.
-        let noiseless = Feature { snr: f32::INFINITY, ..weak };
-        ColourScale::of(ColourBy::Snr, &[noiseless], &PLANE).colour(0, &noiseless);
     }
 
     fn judged(coherence: Option<f32>) -> Judged {
@@ -332,6 +309,7 @@ mod tests {
             let empty = ColourScale::of(by, &[], &PLANE);
             assert!(empty.max > empty.min, "{by:?}");
             let odd = feature(0.0, 0.0, f32::NAN, (f32::NAN, f32::INFINITY), f32::NAN);
+            let odd = Feature { snr: f32::INFINITY, ..odd };
             empty.colour(0, &odd);
             ColourScale::of(by, &[odd], &PLANE).colour(0, &odd);
         }

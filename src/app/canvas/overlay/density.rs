@@ -15,20 +15,16 @@ const SEEN_IN_A_CELL: u16 = 14;
 
 const LINES_IN_A_CELL: u16 = 3;
 
-/// Empty cells for the part `view_image` of a picture of `points_per_pixel` points an image pixel.
 fn cells(points_per_pixel: f32, view_image: Rect) -> Cells {
     Cells::new(points_per_pixel, [view_image.min.into(), view_image.max.into()])
 }
 
-/// The features that are drawn in full, and their number beside that of all that are in view.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Drawn {
     pub flags: Vec<bool>,
     /// Features in view that are drawn as dots, strongest first.
     pub dots: Vec<usize>,
-    /// Number of features drawn in full whose centre is in view.
     pub drawn: usize,
-    /// Number of shown features whose centre is in view.
     pub in_view: usize,
 }
 
@@ -36,13 +32,11 @@ pub struct Drawn {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Group {
     Own,
-    /// Features that are fainter, because they were found elsewhere.
     Faint,
 }
 
-/// Chooses among `features`, strongest first, those drawn in full where `view_image` is visible at the scale of
-/// `ui_from_image`, of those that have a `group`; features for which `always` holds are drawn whatever stands around
-/// them. Takes time in proportion to the number of features.
+/// Chooses those of `features`, strongest first, that are drawn in full; those for which `always` holds are drawn
+/// whatever stands around them. Takes time in proportion to the number of features.
 pub fn drawn(
     features: &[Feature],
     group: impl Fn(usize) -> Option<Group>,
@@ -69,8 +63,7 @@ pub fn drawn(
     out
 }
 
-/// Chooses among `lines` those that are drawn: a few for each part of A's picture, inliers before others, in their
-/// order; and those for which `always` holds. Returns a flag for each line.
+/// A flag for each line: a few are drawn for each part of A's picture, inliers first, and those that are `always`.
 pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);
@@ -90,7 +83,6 @@ mod tests {
     use super::*;
     use egui::vec2;
 
-    /// A crowd of features, strongest first, spread over 400×300 pixels with a dense middle.
     fn crowd(count: usize) -> Vec<Feature> {
         let fraction = |i: usize, step: f32| (i as f32 * step).fract();
         (0..count)

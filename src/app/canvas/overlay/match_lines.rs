@@ -1,14 +1,13 @@
 //! Match lines between features of two pictures: drawing, and finding the line under the pointer.
 //!
-//! Inliers are solid and yellow, outliers dashed and vermilion: two signs each, so that the colours alone need not be
-//! told apart. A line is drawn where both its ends are visible; an end whose other end is outside its pane is marked by
-//! a small ring.
+//! Inliers are solid and yellow, outliers dashed and vermilion, so that the colours alone need not be told apart. An
+//! end whose other end is outside its pane is marked by a small ring.
 
 use super::super::RectTransform;
 use super::colour_by::rgb;
 use super::strokes::Strokes;
 use crate::export::{INLIER_COLOR, OUTLIER_COLOR};
-use egui::{Color32, Painter, Pos2, Rect, Shape};
+use egui::{Color32, Painter, Pos2, Rect};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineKind {
@@ -27,7 +26,6 @@ impl LineKind {
         }
     }
 
-    /// Colour of the line, visible over dark and bright pictures.
     pub fn colour(self) -> Color32 {
         match self {
             Self::Inlier => rgb(INLIER_COLOR),
@@ -43,14 +41,12 @@ impl LineKind {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchLine {
-    /// Index of the match, by which it is selected.
     pub index: usize,
     pub a: Pos2,
     pub b: Pos2,
     pub kind: LineKind,
 }
 
-/// Place of one of the two pictures in the window.
 #[derive(Debug, Clone, Copy)]
 pub struct Pane {
     pub ui_from_image: RectTransform,
@@ -60,15 +56,11 @@ pub struct Pane {
 #[derive(Debug, Clone, Copy)]
 pub struct MatchLineStyle {
     pub opacity: f32,
-    /// The selected match, above all others.
     pub selected: Option<usize>,
-    /// The match under the pointer, above all others.
     pub hovered: Option<usize>,
-    /// Whether the other matches are drawn much fainter than the selected one.
     pub others_faint: bool,
 }
 
-/// Maximum distance of the pointer from an end or from a line, in points.
 const END_TOLERANCE_POINTS: f32 = 7.0;
 const LINE_TOLERANCE_POINTS: f32 = 4.0;
 const WIDTH: f32 = 1.3;
@@ -76,7 +68,6 @@ const WIDTH: f32 = 1.3;
 const DASH: (f32, f32) = (6.0, 4.5);
 
 impl MatchLine {
-    /// Both ends in points, each with whether it is visible.
     fn ends(&self, panes: &[Pane; 2]) -> [(Pos2, bool); 2] {
         let end = |pane: &Pane, at: Pos2| {
             let pos = pane.ui_from_image.pos(at);
@@ -104,10 +95,7 @@ pub fn draw_match_lines(painter: &Painter, panes: &[Pane; 2], lines: &[MatchLine
             draw_one(&mut strokes, panes, line, wide + extra, colour);
         }
     }
-    let mesh = strokes.into_mesh();
-    if !mesh.is_empty() {
-        painter.add(Shape::mesh(mesh));
-    }
+    strokes.paint(painter);
 }
 
 fn draw_one(strokes: &mut Strokes, panes: &[Pane; 2], line: &MatchLine, width: f32, colour: Color32) {
@@ -126,8 +114,7 @@ fn draw_one(strokes: &mut Strokes, panes: &[Pane; 2], line: &MatchLine, width: f
     }
 }
 
-/// Index of the match under `pos_ui`: that with the nearest end within a few points, otherwise that with the nearest
-/// line.
+/// That with the nearest end within a few points, otherwise that with the nearest line.
 pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<usize> {
     let mut best: Option<(bool, f32, usize)> = None;
     for line in lines {
@@ -160,7 +147,6 @@ mod tests {
     use super::*;
     use egui::{pos2, vec2};
 
-    /// Two panes of 100×100 points side by side, one point for each pixel.
     fn panes() -> [Pane; 2] {
         [0.0, 110.0].map(|left| Pane {
             ui_from_image: RectTransform::new(pos2(0.0, 0.0), pos2(left, 0.0), 1.0),
@@ -183,10 +169,7 @@ mod tests {
         assert_eq!(at(50.0, 50.0), Some(7), "its end is near, the other's line is nearer");
         assert_eq!(at(198.0, 50.5), Some(4));
         assert_eq!(at(30.0, 60.0), None);
-    }
-
-    #[test]
-    fn a_line_with_one_end_out_of_sight_is_only_its_other_end() {
+        // Of a line with one end out of sight only the other end is there.
         let lines = [line(0, (10.0, 10.0), (500.0, 10.0), LineKind::Inlier)];
         assert_eq!(match_at(&lines, &panes(), pos2(12.0, 12.0)), Some(0));
         assert_eq!(match_at(&lines, &panes(), pos2(60.0, 10.0)), None);

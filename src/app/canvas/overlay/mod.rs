@@ -1,12 +1,8 @@
 //! Features over a picture: circles of true scale, orientation, motion over the burst; and the feature under the
 //! pointer.
-//!
-//! The circle is the rim of the disc to which D responds most strongly at scale σ. The tick points along the
-//! orientation. The arrow runs from the feature's place in the first frame to that in the last. Features whose slope
-//! lies on the rim of the searched grid have a dashed circle: their true motion may lie outside.
-//!
-//! Features compared with those of others have the colour of the outcome; those that only the others have are dashed,
-//! with a line from the compared place. Candidates and other marks are plain circles.
+//! The circle is the rim of the disc to which D responds most strongly at scale σ, dashed where the slope lies on the
+//! rim of the searched grid. The arrow runs from the feature's place in the first frame to that in the last. Features
+//! that only others have are dashed, with a line from the compared place.
 
 mod colour_by;
 mod density;
@@ -33,7 +29,6 @@ pub struct OverlayStyle<'a> {
     pub shown: Option<&'a [bool]>,
     pub selected: Option<usize>,
     pub hovered: Option<usize>,
-    /// Whether the features belong to older parameters or another picture, and are drawn dimmed.
     pub stale: bool,
     pub circles: bool,
     pub orientations: bool,
@@ -41,7 +36,6 @@ pub struct OverlayStyle<'a> {
 }
 
 impl<'a> OverlayStyle<'a> {
-    /// Style that shows everything and selects nothing, for a burst of `frames` frames.
     pub fn new(scale: &'a ColourScale, frames: usize) -> Self {
         Self {
             scale,
@@ -64,13 +58,10 @@ fn is_shown(shown: Option<&[bool]>, i: usize) -> bool {
 /// Maximum number of visible features with a dark edge around their lines; a larger crowd would only get darker.
 const MAX_WITH_EDGE: usize = 1500;
 
-/// Minimum radius of a drawn circle, in points, so that a feature never vanishes.
 const MIN_RADIUS_POINTS: f32 = 1.5;
 
-/// Radius of the dot of a feature that is not drawn in full, in points.
 const DOT_RADIUS_POINTS: f32 = 0.9;
 
-/// Draws a faint dot at the centre of each of `dots`, which index `features`.
 pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>, dots: &[usize]) {
     let mut mesh = Mesh::default();
     for &i in dots {
@@ -83,8 +74,7 @@ pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlaySty
     }
 }
 
-/// Draws `features` over the canvas of `output`. Invisible features cost nothing; thousands are drawn at display rate.
-/// (One thread does it: to wake others takes longer than the few hundred features that a view bears.)
+/// One thread does it: to wake others takes longer than the few hundred features that a view bears.
 pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
     let pixels_per_point = output.painter.pixels_per_point();
     let visible: Vec<usize> = (0..features.len())
@@ -111,10 +101,7 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
             draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: width + extra, colour });
         }
     }
-    let mesh = strokes.into_mesh();
-    if !mesh.is_empty() {
-        output.painter.add(Shape::mesh(mesh));
-    }
+    strokes.paint(&output.painter);
 }
 
 #[derive(Clone, Copy)]
@@ -140,7 +127,6 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
     }
 }
 
-/// Whether any part of the feature may be visible in the canvas.
 fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
     let [first, last] = motion_over(feature, frames).map(Pos2::from);
     let reach = feature.circle_radius_px() + 4.0 / output.ui_from_image.scale();
@@ -149,18 +135,15 @@ fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
     bounds.is_finite() && bounds.intersects(output.visible_image)
 }
 
-/// Maximum distance of the pointer from a centre or a circle line, in points.
 const TOLERANCE_POINTS: f32 = 7.0;
 
-/// Index of the feature whose dot is nearest to `pos_ui`, within a few points; `dots` index `features`.
 pub fn dot_at(features: &[Feature], dots: &[usize], ui_from_image: RectTransform, pos_ui: Pos2) -> Option<usize> {
     let distance = |i: usize| ui_from_image.pos(pos2(features[i].u, features[i].v)).distance(pos_ui);
     let near = dots.iter().map(|&i| (distance(i), i));
     near.filter(|(distance, _)| *distance <= TOLERANCE_POINTS).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
 }
 
-/// Index of the feature under `pos_ui`: that with the nearest centre or circle line within a few points; otherwise the
-/// smallest circle around the pointer. `shown` is as in [`OverlayStyle`].
+/// That with the nearest centre or circle line within a few points; otherwise the smallest circle around the pointer.
 pub fn feature_at(
     features: &[Feature],
     shown: Option<&[bool]>,
@@ -190,14 +173,12 @@ pub fn feature_at(
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedMark {
-    /// Place, image pixels.
     pub pos_image: Pos2,
     /// Scale σ, image pixels.
     pub sigma: f32,
     /// Previous place of a feature that moved, image pixels; a line is drawn from it.
     pub from_image: Option<Pos2>,
     pub colour: Color32,
-    /// Whether the feature is not one of ours.
     pub dashed: bool,
 }
 
@@ -207,7 +188,6 @@ impl ComparedMark {
     }
 }
 
-/// Draws `marks` over the canvas of `output`; the `highlighted` one lies above all others.
 pub fn draw_compared(output: &CanvasOutput, marks: &[ComparedMark], highlighted: Option<usize>) {
     let mut strokes = Strokes::new(output.painter.pixels_per_point());
     let edge = Color32::from_black_alpha(110);
@@ -224,10 +204,7 @@ pub fn draw_compared(output: &CanvasOutput, marks: &[ComparedMark], highlighted:
             draw_compared_mark(&mut strokes, output, mark, width, colour);
         }
     }
-    let mesh = strokes.into_mesh();
-    if !mesh.is_empty() {
-        output.painter.add(Shape::mesh(mesh));
-    }
+    strokes.paint(&output.painter);
 }
 
 fn draw_compared_mark(strokes: &mut Strokes, output: &CanvasOutput, mark: &ComparedMark, width: f32, colour: Color32) {
@@ -240,7 +217,6 @@ fn draw_compared_mark(strokes: &mut Strokes, output: &CanvasOutput, mark: &Compa
     }
 }
 
-/// Finds the mark under the pointer: that with the nearest circle or centre, within a few points.
 pub fn mark_at(output: &CanvasOutput, marks: &[ComparedMark], pointer: Pos2) -> Option<usize> {
     const REACH_POINTS: f32 = 8.0;
     let t = output.ui_from_image;
@@ -256,10 +232,8 @@ pub fn mark_at(output: &CanvasOutput, marks: &[ComparedMark], pointer: Pos2) -> 
 pub struct CircleMark {
     /// Centre, image pixels.
     pub centre: Pos2,
-    /// Radius, image pixels.
     pub radius: f32,
     pub colour: Color32,
-    /// Whether the circle stands out.
     pub strong: bool,
 }
 
@@ -281,11 +255,10 @@ pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>
             strokes.circle(centre, radius, 1.3, mark.colour, false);
         }
     }
-    output.painter.add(Shape::mesh(strokes.into_mesh()));
+    strokes.paint(&output.painter);
 }
 
-/// Finds the circle (centre and radius, image pixels) under the pointer: of those within reach, that with the nearest
-/// centre.
+/// Of the circles (centre and radius, image pixels) within reach, that with the nearest centre.
 pub fn circle_at(
     marks: impl Iterator<Item = (Pos2, f32)>,
     ui_from_image: RectTransform,
@@ -306,7 +279,6 @@ mod tests {
     use crate::detector::params::slope_grid::Slope;
     use egui::pos2;
 
-    /// Test feature with the given values.
     pub(super) fn feature(u: f32, v: f32, sigma: f32, slope: (f32, f32), response: f32) -> Feature {
         Feature {
             u,

@@ -53,7 +53,6 @@ pub struct Shown {
     /// One row for each feature of ours or theirs; the most interesting first.
     pub rows: Vec<Row>,
     pub summary: String,
-    /// Whether the truth, if it is the reference, is complete.
     pub is_whole_truth: bool,
     ours: &'static str,
 }
@@ -99,11 +98,9 @@ pub struct SavedAgainst {
 pub struct Against {
     pub pinned: Option<Pinned>,
     pub file: Option<ForeignFile>,
-    /// Burst that was checked for a truth, and whether it has one.
     truth: Option<(BurstId, bool)>,
     pub with: Option<With>,
     pub shown: Option<Arc<Shown>>,
-    /// Kinds that are not drawn and not listed.
     pub hidden: Vec<Kind>,
     pub selected: Option<usize>,
     pub hovered: Option<usize>,
@@ -112,7 +109,6 @@ pub struct Against {
 }
 
 impl Against {
-    /// Whether the reference `with` is loaded or known.
     pub fn has(&self, with: With) -> bool {
         match with {
             With::Pinned => self.pinned.is_some(),
@@ -135,7 +131,6 @@ impl Against {
         !self.hidden.contains(&kind)
     }
 
-    /// Forgets the references of another burst than the open one.
     fn check(&mut self, open: Option<&OpenBurst>) {
         let id = open.map(|open| open.id);
         self.pinned.take_if(|pinned| Some(pinned.burst) != id);
@@ -163,7 +158,6 @@ impl Against {
         Some(AgainstRequest { detection: found.detection.clone(), with })
     }
 
-    /// Takes a comparison, unless `wanted` is another one by now.
     fn take(&mut self, compared: ComparedWith, wanted: Option<&AgainstRequest>) {
         let ComparedWith { request, against: answered } = compared;
         let is_wanted = wanted.is_some_and(|wanted| *wanted == request);
@@ -188,7 +182,6 @@ impl Against {
 }
 
 impl Model {
-    /// Pins the features of `side`: later results are compared with them.
     pub fn pin_result(&mut self, side: Side) {
         let slot = &mut self.slots[side];
         if let (Some(burst), Some(found)) = (&slot.burst, &slot.found) {
@@ -209,7 +202,6 @@ impl Model {
         }
     }
 
-    /// Forgets the pinned result or the opened features of `side`.
     pub fn forget_reference(&mut self, side: Side, with: With) {
         let against = &mut self.slots[side].against;
         match with {
@@ -261,7 +253,6 @@ impl Model {
         self.slots[side].against.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
     }
 
-    /// Comparison of `side` to save in a session; `None` where nothing is compared.
     pub fn saved_against(&self, side: Side) -> Option<SavedAgainst> {
         let against = &self.slots[side].against;
         let saved = SavedAgainst {
@@ -272,8 +263,7 @@ impl Model {
         (saved != SavedAgainst::default()).then_some(saved)
     }
 
-    /// Restores the comparison of a session for the burst of `side`, which was just opened. The reference is read or
-    /// detected when it is needed.
+    /// For the burst of `side`, which was just opened. The reference is read or detected when it is needed.
     pub fn restore_against(&mut self, side: Side, saved: Option<SavedAgainst>) {
         let SavedAgainst { with, file, pinned } = saved.unwrap_or_default();
         let slot = &mut self.slots[side];
@@ -282,37 +272,5 @@ impl Model {
         slot.against.file = burst.zip(file).map(|(burst, path)| ForeignFile { burst, path, features: None });
         slot.against.show(None);
         slot.against.show(with);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::project::tests::Bench;
-
-    #[test]
-    fn either_burst_is_compared_with_its_own_truth_and_takes_the_comparison_along() {
-        let mut bench = Bench::with_two_charts();
-        bench.model.show_against(Side::B, Some(With::Truth));
-        assert!(bench.model.pair.look.features, "the comparison is seen");
-        bench.run_until(|model, _| model.shown_comparison(Side::B).is_some());
-        assert!(bench.model.shown_comparison(Side::A).is_none());
-        bench.model.show_against(Side::A, Some(With::Truth));
-        bench.run_until(|model, _| model.shown_comparison(Side::A).is_some());
-        let summaries = |model: &Model| Side::BOTH.map(|side| model.shown_comparison(side).map(|s| s.summary.clone()));
-        for side in Side::BOTH {
-            let (slot, shown) = (&bench.model.slots[side], bench.model.shown_comparison(side).expect("there").clone());
-            assert!(Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
-            // All discs of the side's own chart are found or missed.
-            let discs = shown.count(Kind::Same) + shown.count(Kind::Theirs);
-            let truth = slot.burst.as_ref().expect("open").truth(&crate::Monitor::default()).expect("valid");
-            assert_eq!(discs, truth.expect("a chart").features.len());
-            assert!(shown.count(Kind::Same) > 0, "{}", shown.summary);
-        }
-        let before = summaries(&bench.model);
-        bench.model.swap_sides();
-        bench.settle();
-        let [a, b] = summaries(&bench.model);
-        assert_eq!([b, a], before);
     }
 }

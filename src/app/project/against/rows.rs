@@ -23,7 +23,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Kinds that a comparison with `with` has, in the order of the list.
     pub fn of(with: With) -> &'static [Self] {
         match with {
             With::Pinned | With::File => &[Self::Theirs, Self::Ours, Self::Moved, Self::Same],
@@ -55,19 +54,15 @@ pub struct Row {
     pub pos_image: [f32; 2],
     /// Scale σ, input pixels.
     pub sigma: f32,
-    /// Slope, px/frame, where it is known.
     pub slope: Option<Slope>,
-    /// Place in the other result, if it moved.
     pub from_image: Option<[f32; 2]>,
     pub feature: Option<usize>,
     /// The candidate of ours that was to become it, where one is known.
     pub candidate: Option<Sample>,
-    /// Remark: by how much it moved, or why it was missed.
     pub note: String,
 }
 
 impl Row {
-    /// Question for the probe about this row: its own feature or candidate, wherever that lies, or its place.
     pub fn question(&self) -> ProbeQuestion {
         let wanted = match (self.feature, self.candidate) {
             (Some(index), _) => Wanted::Feature(index),
@@ -78,7 +73,6 @@ impl Row {
     }
 }
 
-/// The rows of a comparison, those of the first kinds first, and the counts in a line.
 pub(super) fn of(with: With, detection: &Detection, against: &Against) -> (Vec<Row>, String) {
     let features = &detection.features;
     let (mut rows, summary) = match against {

@@ -52,13 +52,11 @@ pub struct Compare {
 }
 
 impl Compare {
-    /// Result of `method` on `side`, if it was run there. It may be of older parameters or bursts;
-    /// [`Model::method_found`] answers only what is current.
+    /// May be of older parameters or bursts; [`Model::method_found`] answers only what is current.
     fn found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
         self.found[method.index()][side as usize].as_ref()
     }
 
-    /// The method for which work runs, and its progress.
     pub fn running(&self) -> Option<(Contender, Running)> {
         Some((self.asked.as_ref()?.method, self.wanted.running()?))
     }
@@ -81,12 +79,10 @@ impl Compare {
         self.matches[method.index()] = Some(matches);
     }
 
-    /// Records a failed step, so that it is not repeated with the same input.
     pub fn take_failure(&mut self, job: CompareJob, why: String) {
         self.failed.push((job, why));
     }
 
-    /// Forgets failed and cancelled steps, so that they are tried again.
     pub fn forget_failures(&mut self) {
         self.failed.clear();
     }
@@ -133,7 +129,6 @@ impl Model {
         }
     }
 
-    /// Requests the next piece of work that is missing, if none runs.
     pub(in crate::app) fn ask_for_compared(&mut self, engine: &Engine, dragging: bool) {
         if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
             return;
@@ -150,7 +145,6 @@ impl Model {
         }
     }
 
-    /// Whether all steps that the open workspace shows are done.
     pub(in crate::app) fn comparison_of_methods_is_there(&self) -> bool {
         self.workspace != Workspace::Methods || !self.auto_detect || self.next_compare_job().is_none()
     }
@@ -167,7 +161,6 @@ impl Model {
         method.params(&self.params_of(side))
     }
 
-    /// Result of `method` on `side` with the present parameters.
     pub fn method_found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
         let open = self.method_burst(method, side)?;
         self.compare
@@ -175,7 +168,6 @@ impl Model {
             .filter(|found| found.burst == open.id && found.params == self.method_params(method, side))
     }
 
-    /// Matches between the features of `method` in A and in B, with the present parameters.
     pub fn method_matches(&self, method: Contender) -> Option<&Matches> {
         let wanted = self.wanted_method_matches(method)?;
         self.compare.matches[method.index()].as_ref().filter(|matches| matches.request == wanted)
@@ -186,14 +178,12 @@ impl Model {
         Some(MatchRequest { a: a?, b: b?, params: self.pair.params.clone() })
     }
 
-    /// The methods that are shown and have a burst to search.
     pub fn contenders(&self) -> Vec<Contender> {
         let usable = |method: &Contender| self.method_burst(*method, Side::A).is_some();
         Contender::ALL.into_iter().filter(|m| self.compare.look.shows(*m)).filter(usable).collect()
     }
 
-    /// The next piece of work that is missing: features of A by each method that is shown, then those of B, then their
-    /// matches.
+    /// Features of A by each method that is shown, then those of B, then their matches.
     pub fn next_compare_job(&self) -> Option<CompareJob> {
         let jobs = self.contenders().into_iter().flat_map(|method| {
             let detections = Side::BOTH.into_iter().filter_map(move |side| self.missing_detection(method, side));
@@ -267,7 +257,6 @@ impl CompareLook {
         self.methods.contains(&method)
     }
 
-    /// Adds `method` to the comparison, or removes it.
     pub fn show(&mut self, method: Contender, shown: bool) {
         self.methods.retain(|m| *m != method);
         if shown {
@@ -286,9 +275,7 @@ impl CompareLook {
 }
 
 impl Model {
-    /// Updates the panes on the screen for the open workspace, and in *Methods* for the methods that are compared:
-    /// methods that were switched on get a pane, those that were switched off lose theirs. The rest of the arrangement
-    /// stays.
+    /// In *Methods*, methods that were switched on get a pane, others lose theirs; the rest of the arrangement stays.
     pub fn refresh_workspace(&mut self) {
         self.panes.turn_to(self.workspace);
         if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
@@ -311,7 +298,6 @@ impl Model {
         before.iter().filter(|method| !now.contains(method)).for_each(|method| self.panes.remove_method(*method));
     }
 
-    /// Takes the panes of a session as those of the methods that are compared now.
     pub fn keep_methods_arranged(&mut self) {
         let shown = self.panes.shown_in(Workspace::Methods);
         let is_laid_out = shown.iter().filter_map(|id| self.panes.get(*id)).any(|pane| pane.method.is_some());

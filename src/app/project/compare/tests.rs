@@ -1,20 +1,15 @@
 //! Tests of the comparison: missing steps are done in order and once, only current results count, and failed steps are
 //! not repeated with the same input.
 
-use crate::app::pane::Direction;
 use crate::app::project::compare::*;
-use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::tests::pair;
 use crate::app::project::tests::open;
 use crate::app::project::workspace::Workspace;
-use crate::requests::PictureKind;
 
-/// A model with two bursts, of which the other workspaces have found the features.
 fn methods() -> Model {
     Model { workspace: Workspace::Methods, ..pair() }
 }
 
-/// Does a job as the engine would, but answers with results that exist already.
 fn do_job(model: &mut Model, job: &CompareJob) {
     match &job.request {
         CompareRequest::Detect(request) => {
@@ -33,7 +28,6 @@ fn do_job(model: &mut Model, job: &CompareJob) {
     }
 }
 
-/// Does all missing jobs and returns their methods and sides.
 fn do_all(model: &mut Model) -> Vec<(Contender, Side)> {
     let mut done = Vec::new();
     while let Some(job) = model.next_compare_job() {
@@ -112,33 +106,4 @@ fn the_look_from_a_file_makes_sense() {
     let methods = vec![Contender::Gold, Contender::Sift, Contender::Gold];
     let look = CompareLook { methods, ..CompareLook::default() }.sanitised();
     assert_eq!(look.methods, [Contender::Sift, Contender::Gold]);
-}
-
-/// The methods of the panes on the screen, in reading order.
-fn of_panes(model: &Model) -> Vec<Option<Contender>> {
-    model.panes.shown().into_iter().filter_map(|id| model.panes.get(id)).map(|pane| pane.method).collect()
-}
-
-#[test]
-fn each_method_has_a_pane_that_wants_what_the_method_looks_at() {
-    let mut model = methods();
-    model.refresh_workspace();
-    assert_eq!(of_panes(&model), [Contender::Sift, Contender::Merge, Contender::Buff1d, Contender::Buff2d].map(Some));
-    let kinds: Vec<PictureKind> =
-        model.panes.shown().into_iter().filter_map(|id| model.wanted(id)).map(|wanted| wanted.kind).collect();
-    let slope = model.cursor().slope;
-    assert_eq!(kinds[..2], [PictureKind::Frame(2), PictureKind::Merge]);
-    assert_eq!(kinds[2..], [PictureKind::Stack { slope }; 2]);
-    // One that is split shows another picture of the same method.
-    let dog = model.panes.split_with(Direction::Right, |pane| pane.show(ViewKind::Dog)).expect("there is room");
-    let wanted = model.wanted(dog).expect("open");
-    assert!(matches!(wanted.kind, PictureKind::Dog { .. }) && wanted.params.method == crate::detector::Method::Sift);
-    model.compare.look.show(Contender::Merge, false);
-    model.compare.gold[0] = Some(open((32, 24), 1));
-    model.refresh_workspace();
-    let left = [Contender::Sift, Contender::Sift, Contender::Buff1d, Contender::Buff2d, Contender::Gold].map(Some);
-    assert_eq!(of_panes(&model), left);
-    let gold = model.panes.shown()[4];
-    assert_eq!(model.wanted(gold).map(|wanted| wanted.burst.burst.size()), Some((32, 24)));
-    assert!(model.panes.get(gold).is_some_and(|pane| pane.own_ranges.is_some()), "it was taken with another light");
 }

@@ -15,7 +15,6 @@ use std::sync::Arc;
 pub struct Dataset {
     pub opened: OpenDataset,
     pub states: Vec<BurstState>,
-    /// The bursts chosen as A and B, by their places.
     pub pair: [Option<usize>; 2],
     pub matches: PairTable,
 }
@@ -34,8 +33,7 @@ impl Dataset {
         Self { opened, states, pair: [None; 2], matches: PairTable::default() }
     }
 
-    /// Replaces the dataset by a newer reading of the same bursts, with another folder or other parameters. The chosen
-    /// pair stays; the matches stay if folder, parameters and options are unchanged.
+    /// The chosen pair stays; the matches stay if folder, parameters and options are unchanged.
     pub fn look_again(&mut self, open: OpenDataset) {
         let (pair, matches) = (self.pair, std::mem::take(&mut self.matches));
         let same_features = self.folder == open.folder && self.params == open.params && self.open == open.open;
@@ -51,8 +49,7 @@ impl Dataset {
         self.bursts.iter().position(|b| b.paths == *paths)
     }
 
-    /// The place of the burst that a camera's label names: its picture's name, with or without folders before it, or
-    /// its own name.
+    /// By its picture's name, with or without folders before it, or its own name.
     pub fn place_of_camera(&self, label: &str) -> Option<usize> {
         let file = label.rsplit(['/', '\\']).next().unwrap_or(label);
         let named = |b: &BurstFiles| image_name(b) == file || b.name == label;
@@ -109,15 +106,13 @@ impl Dataset {
         ImageCounts::of(&keypoints, &pairs).filter(|_| !pairs.is_empty())
     }
 
-    /// Whether finding features with `params` overwrites features of other parameters.
     pub fn would_replace(&self, params: &SearchParams) -> bool {
         let others_here = self.params != *params && self.counts().done > 0;
         let others_in_folder = self.other_params.as_ref().is_some_and(|others| others != params);
         self.keeping().is_some() && (others_here || others_in_folder)
     }
 
-    /// Prepares for finding features with `params`: if these differ from the present ones, all bursts wait and all
-    /// matches are forgotten; otherwise finished bursts stay so.
+    /// With other parameters all bursts wait and all matches are forgotten; otherwise finished bursts stay so.
     pub fn begin_detection(&mut self, params: &SearchParams) {
         let others = self.params != *params;
         if others {
@@ -173,8 +168,7 @@ impl Dataset {
         }
     }
 
-    /// Chooses the burst at `place` as A (`side` 0) or B (1), or clears the choice if it is chosen already. A burst
-    /// that was the other of the two no longer is.
+    /// A (`side` 0) or B (1); clears the choice if it is chosen already. A burst cannot be both.
     pub fn choose(&mut self, side: usize, place: usize) {
         let chosen = self.pair[side] == Some(place);
         self.pair[side] = (!chosen && place < self.bursts.len()).then_some(place);
@@ -189,14 +183,11 @@ pub enum BurstState {
     /// Its features were not found yet, or with other parameters.
     Waiting,
     Running,
-    /// Its features are in the dataset's folder.
     Done(FinishedBurst),
-    /// Finding its features failed, for this reason.
     Failed(String),
 }
 
 impl BurstState {
-    /// The state in a few words, for below a burst's picture.
     pub fn text(&self) -> String {
         match self {
             Self::Waiting => "waiting".to_owned(),
@@ -207,7 +198,6 @@ impl BurstState {
         }
     }
 
-    /// The state in a sentence, for tooltips and screen readers.
     pub fn sentence(&self) -> String {
         match self {
             Self::Waiting => "waiting: no features with these parameters yet".to_owned(),
@@ -226,80 +216,4 @@ pub struct StateCounts {
     pub done: usize,
     pub failed: usize,
     pub features: usize,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::burst::OpenOptions;
-    use crate::dataset::DatasetSource;
-    use std::path::Path;
-
-    fn dataset(count: usize) -> Dataset {
-        let burst = |k: usize| BurstFiles { name: format!("b{k}"), paths: vec![format!("/n/{k}").into()] };
-        Dataset::new(OpenDataset {
-            strays: Vec::new(),
-            source: DatasetSource::of_bursts(vec!["/n".into()]),
-            bursts: Arc::new((0..count).map(burst).collect()),
-            frames_of_one: None,
-            folder: Some(Path::new("/n-burstscope").into()),
-            folder_error: None,
-            params: SearchParams::default(),
-            open: OpenOptions::default(),
-            finished: (0..count).map(|k| (k == 0).then_some(FinishedBurst { features: 7, seconds: 0.5 })).collect(),
-            other_params: None,
-        })
-    }
-
-    #[test]
-    fn states_follow_what_happens() {
-        let mut open = dataset(3);
-        assert_eq!(open.counts(), StateCounts { done: 1, failed: 0, features: 7 });
-        let finished = FinishedBurst { features: 5, seconds: 1.25 };
-        open.begin_detection(&SearchParams::default());
-        for event in [
-            DatasetEvent::Begun { index: 0 },
-            DatasetEvent::Begun { index: 1 },
-            DatasetEvent::Done { index: 1, finished },
-            DatasetEvent::Begun { index: 2 },
-        ] {
-            open.take_event(&event);
-        }
-        assert_eq!(open.states[1].text(), "5 · 1.2 s");
-        assert_eq!((open.counts().done, &open.states[2]), (2, &BurstState::Running));
-        open.stop();
-        assert_eq!(open.states[2], BurstState::Waiting);
-        open.take_event(&DatasetEvent::Failed { index: 2, error: "x.png: empty".into() });
-        assert_eq!(open.states[2].sentence(), "failed: x.png: empty");
-        open.take_event(&DatasetEvent::Begun { index: 99 });
-        // Failed bursts are tried again; with other parameters all bursts are.
-        open.begin_detection(&SearchParams::default());
-        assert_eq!((open.counts().done, open.counts().failed), (2, 0));
-        let mut other = SearchParams::default();
-        other.detector.levels = 2;
-        open.begin_detection(&other);
-        assert_eq!((open.counts().done, open.params.detector.levels), (0, 2));
-    }
-
-    #[test]
-    fn cameras_are_named_after_their_bursts() {
-        let open = dataset(3);
-        assert_eq!(open.place_of_camera("b1.png"), Some(1));
-        assert_eq!(open.place_of_camera("images/b2.png"), Some(2));
-        assert_eq!(open.place_of_camera("b0"), Some(0));
-        assert_eq!((open.place_of_camera("b3.png"), open.place_of_camera("1621.5")), (None, None));
-    }
-
-    #[test]
-    fn a_and_b_are_two_bursts() {
-        let mut open = dataset(3);
-        open.choose(0, 1);
-        open.choose(1, 2);
-        assert_eq!(open.pair, [Some(1), Some(2)]);
-        open.choose(1, 1);
-        assert_eq!(open.pair, [None, Some(1)], "a burst is not both");
-        open.choose(1, 1);
-        open.choose(0, 9);
-        assert_eq!(open.pair, [None, None]);
-    }
 }

@@ -77,8 +77,7 @@ pub struct PairTable {
 }
 
 impl PairTable {
-    /// Sorts the list after a click on the heading of `column`: numbers begin with the largest; a second click reverses
-    /// the order.
+    /// Numbers begin with the largest; a second click reverses the order.
     pub fn sort_by(&mut self, column: PairColumn) {
         let again = self.order.column == column;
         let descending = if again { !self.order.descending } else { column != PairColumn::Pair };
@@ -93,12 +92,10 @@ impl PairTable {
         }
     }
 
-    /// Forgets all matches: the features changed.
     pub fn forget(&mut self) {
         self.counts.clear();
     }
 
-    /// Forgets the matches of one burst: its features changed.
     pub fn forget_burst(&mut self, place: usize) {
         self.counts.retain(|pair, _| pair.0 != place && pair.1 != place);
     }

@@ -31,14 +31,12 @@ impl Model {
         self.look_at_dataset(source, None, engine);
     }
 
-    /// Opens the bursts of `source` as a dataset, whose features are kept in `folder`; `None` keeps them beside the
-    /// bursts. A single long sequence is first offered for cutting.
+    /// `None` keeps the features beside the bursts. A single long sequence is first offered for cutting.
     pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>, engine: &Engine) {
         let (params, open) = (self.asked(), self.calibration.clone());
         self.datasets.begin(Work::Opening, DatasetRequest::Open { source, folder, params, open }, engine);
     }
 
-    /// Reads the open dataset again: its folder, the parameters or the calibration changed.
     pub(in crate::app) fn look_at_dataset_again(&mut self, engine: &Engine) {
         if let Some(dataset) = &self.datasets.open {
             self.look_at_dataset(dataset.source.clone(), dataset.folder.clone(), engine);
@@ -58,13 +56,11 @@ impl Model {
         }
     }
 
-    /// Closes the dataset; work on it is cancelled.
     pub(in crate::app) fn close_dataset(&mut self) -> Effect {
         self.datasets = Datasets::default();
         Effect::ForgetThumbnails
     }
 
-    /// Question how the open burst is cut into shorter ones; `None` where it is not in files.
     pub(in crate::app) fn cut_of_open_burst(&self) -> Option<Effect> {
         let open = self.slots.a.burst.as_ref()?;
         let BurstSource::Paths(paths) = &open.source else { return None };
@@ -129,7 +125,6 @@ impl Model {
         }
     }
 
-    /// Writes the files that COLMAP's mapper reads to the folder `out`, with the present parameters.
     #[cfg(feature = "colmap")]
     pub(in crate::app) fn export_database(&mut self, out: PathBuf, engine: &Engine) {
         let Some(dataset) = &self.datasets.open else { return };
@@ -161,7 +156,6 @@ impl Model {
         self.workspace = Workspace::Pair;
     }
 
-    /// Opens the burst `by` places after the one that is open in the inspector.
     pub(in crate::app) fn step_burst(&mut self, by: isize, engine: &Engine) {
         let Some(dataset) = &self.datasets.open else { return };
         let last = dataset.bursts.len() - 1;
@@ -172,7 +166,6 @@ impl Model {
         self.open_burst_at(next, engine);
     }
 
-    /// Opens the burst at `place` of the dataset in the inspector, if it is not open there.
     pub(in crate::app) fn open_burst_at(&mut self, place: usize, engine: &Engine) {
         let dataset = self.datasets.open.as_ref();
         let here = dataset.and_then(|d| d.place_of(self.slots.a.burst.as_ref())) == Some(place);
@@ -181,7 +174,6 @@ impl Model {
         }
     }
 
-    /// Opens the burst of the camera with this label in the inspector, or says why there is none.
     pub(in crate::app) fn look_at_camera(&mut self, label: &str, engine: &Engine) {
         let dataset = self.datasets.open.as_ref();
         match dataset.map(|d| (d.place_of_camera(label), d.source.label())) {

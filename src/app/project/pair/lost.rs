@@ -120,9 +120,8 @@ impl Model {
         self.pair.lost.why = why;
     }
 
-    /// Place in B where the geometry expects the feature that is asked about, pixels at mid-burst: of an epipolar line
-    /// the point nearest to its place in A, as features mostly move little from burst to burst. `None` where no
-    /// geometry is known, and where the place lies outside B.
+    /// Pixels at mid-burst: of an epipolar line the point nearest to its place in A, as features mostly move little
+    /// from burst to burst. `None` where no geometry is known, and where the place lies outside B.
     pub fn expected_place(&self) -> Option<[f32; 2]> {
         let (why, found) = self.pair.lost.why.as_ref().zip(self.losses())?;
         let own = MatchSides::of(found).a.features.get(why.feature)?;
@@ -156,7 +155,6 @@ impl<'a> MatchSides<'a> {
     }
 }
 
-/// Point of the line through `points` that is nearest to a place; a single point is returned as it is.
 fn nearest_on(points: &[[f64; 2]], [u, v]: [f64; 2]) -> Option<[f64; 2]> {
     let on_part = |part: &[[f64; 2]]| {
         let ([from_u, from_v], [to_u, to_v]) = (part[0], part[1]);

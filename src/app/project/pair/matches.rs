@@ -2,8 +2,7 @@
 
 use crate::app::project::filter::Order;
 use crate::app::project::pair::Side;
-use crate::app::view::number;
-use crate::app::view::{fixed, signed};
+use crate::app::view::{fixed, number, signed};
 use crate::detector::{Detection, Feature};
 use crate::matching::{Match, MatchResult, TwoViewModel};
 use crate::requests::{MatchRequest, Matched};
@@ -52,7 +51,7 @@ impl Matches {
         self.len() == 0
     }
 
-    pub fn detection(&self, side: Side) -> &Detection {
+    pub fn detection(&self, side: Side) -> &Arc<Detection> {
         match side {
             Side::A => &self.request.a,
             Side::B => &self.request.b,
@@ -60,10 +59,7 @@ impl Matches {
     }
 
     pub fn is_of(&self, side: Side, detection: &Arc<Detection>) -> bool {
-        match side {
-            Side::A => Arc::ptr_eq(&self.request.a, detection),
-            Side::B => Arc::ptr_eq(&self.request.b, detection),
-        }
+        Arc::ptr_eq(self.detection(side), detection)
     }
 
     pub fn model(&self) -> Option<&TwoViewModel> {
@@ -134,40 +130,30 @@ impl MatchColumn {
         [Number, UA, VA, UB, VB, SigmaA, SigmaB, SlopeA, SlopeB, Distance, Ratio, Error, Inlier]
     };
 
-    pub fn heading(self) -> &'static str {
+    fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Number => "#",
-            Self::UA => "u A",
-            Self::VA => "v A",
-            Self::UB => "u B",
-            Self::VB => "v B",
-            Self::SigmaA => "σ A",
-            Self::SigmaB => "σ B",
-            Self::SlopeA => "Slope A",
-            Self::SlopeB => "Slope B",
-            Self::Distance => "Distance",
-            Self::Ratio => "Ratio",
-            Self::Error => "Error",
-            Self::Inlier => "Inlier",
+            Self::Number => ["#", "Number of the match, in the order of A's features: the strongest first"],
+            Self::UA => ["u A", "Column in A at mid-burst, in pixels; the centre of the first pixel is 0"],
+            Self::VA => ["v A", "Row in A at mid-burst, in pixels; the centre of the first pixel is 0"],
+            Self::UB => ["u B", "Column in B at mid-burst, in pixels; the centre of the first pixel is 0"],
+            Self::VB => ["v B", "Row in B at mid-burst, in pixels; the centre of the first pixel is 0"],
+            Self::SigmaA => ["σ A", "Scale σ in A, in pixels"],
+            Self::SigmaB => ["σ B", "Scale σ in B, in pixels"],
+            Self::SlopeA => ["Slope A", "Apparent motion in A to the right, in pixels per frame"],
+            Self::SlopeB => ["Slope B", "Apparent motion in B to the right, in pixels per frame"],
+            Self::Distance => ["Distance", "Euclidean distance of the two descriptors"],
+            Self::Ratio => ["Ratio", "Distance to the nearest descriptor over that to the second nearest"],
+            Self::Error => ["Error", "Distance of the match from the geometry that most matches agree on, in pixels"],
+            Self::Inlier => ["Inlier", "Whether the match agrees with that geometry"],
         }
     }
 
+    pub fn heading(self) -> &'static str {
+        self.words()[0]
+    }
+
     pub fn help(self) -> &'static str {
-        match self {
-            Self::Number => "Number of the match, in the order of A's features: the strongest first",
-            Self::UA => "Column in A at mid-burst, in pixels; the centre of the first pixel is 0",
-            Self::VA => "Row in A at mid-burst, in pixels; the centre of the first pixel is 0",
-            Self::UB => "Column in B at mid-burst, in pixels; the centre of the first pixel is 0",
-            Self::VB => "Row in B at mid-burst, in pixels; the centre of the first pixel is 0",
-            Self::SigmaA => "Scale σ in A, in pixels",
-            Self::SigmaB => "Scale σ in B, in pixels",
-            Self::SlopeA => "Apparent motion in A to the right, in pixels per frame",
-            Self::SlopeB => "Apparent motion in B to the right, in pixels per frame",
-            Self::Distance => "Euclidean distance of the two descriptors",
-            Self::Ratio => "Distance to the nearest descriptor over that to the second nearest",
-            Self::Error => "Distance of the match from the geometry that most matches agree on, in pixels",
-            Self::Inlier => "Whether the match agrees with that geometry",
-        }
+        self.words()[1]
     }
 
     /// The value by which the column sorts; rows without one come last.

@@ -104,9 +104,7 @@ impl Model {
         self.check_params();
         self.check_pair();
     }
-}
 
-impl Model {
     pub(in crate::app) fn go_to_match(&mut self) {
         let Some(matches) = self.pair.matches.clone() else { return };
         let Some(row) = self.pair.selected.and_then(|index| matches.row(index)) else { return };

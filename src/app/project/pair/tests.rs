@@ -7,8 +7,7 @@ use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, FrameRange};
 use crate::matching::match_detections;
 use crate::monitor::Monitor;
-use crate::requests::Detected;
-use crate::requests::Matched;
+use crate::requests::{Detected, Matched};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -102,16 +101,4 @@ fn sides_are_swapped_with_everything_that_is_theirs() {
     assert_eq!([Side::B, Side::A].map(|side| model.burst_of(side).expect("open").id), ids);
     assert!(Arc::ptr_eq(&model.found_of(Side::A).expect("found").detection, &found));
     assert!(model.pair.matches.is_none() && model.needs_matches());
-}
-
-#[test]
-fn patches_are_wanted_at_each_features_own_slope() {
-    let mut model = pair();
-    model.pair.take_matches(matched(&model));
-    assert!(model.patches_request().is_none());
-    model.pair.hovered = Some(1);
-    let wanted = model.patches_request().expect("one is pointed at");
-    let slope = model.features()[1].slope;
-    assert_eq!(wanted.0[0].kind, PictureKind::Stack { slope });
-    assert_eq!(wanted.0[1].burst.id, model.burst_of(Side::B).expect("open").id);
 }
