@@ -1,7 +1,7 @@
 //! Signal-to-noise ratio of a spot, measured in the shown picture, while frames are added one by one.
 
 use crate::app::pane::Content;
-use crate::app::panel::widgets::CursorRow;
+use crate::app::panel::widgets::{CursorRow, still_plot};
 use crate::app::parts;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
@@ -10,7 +10,7 @@ use crate::inspect::spot::{SpotSnr, spot_snr};
 use crate::requests::PictureKind;
 use crate::teach::{Part, Spot};
 use egui::{Color32, RichText, Ui};
-use egui_plot::{Line, Plot, PlotPoints, Points};
+use egui_plot::{Line, PlotPoints, Points};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
@@ -130,15 +130,8 @@ fn show_frames(model: &mut Model, count: usize) {
 fn frames_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace) {
     let all = model.frame_count();
     let mut count = frames_shown(model) as f32;
-    let row = CursorRow {
-        label: "Frames",
-        help: "How many frames are shifted and added, from the first one on",
-        range: 1.0..=all.max(1) as f32,
-        marks: &[],
-        whole: true,
-        suffix: "",
-    };
-    if row.ui(ui, &mut count) {
+    let help = "How many frames are shifted and added, from the first one on";
+    if CursorRow::whole("Frames", help, 1.0..=all.max(1) as f32).ui(ui, &mut count) {
         trace.next = None;
         show_frames(model, count as usize);
     }
@@ -167,13 +160,10 @@ fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
     let highest = f64::from(trace.largest).max(0.1);
     let one = trace.of_one_frame().unwrap_or(0.0);
     let top = 1.15 * highest.max(one * (all as f64).sqrt());
-    Plot::new("snr over frames")
+    still_plot("snr over frames")
         .height(HEIGHT)
         .show_x(false)
         .show_y(false)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
         .x_axis_label("frames N")
         .y_axis_label("SNR")
         .y_grid_spacer(crate::app::ticks::of_height)

@@ -5,6 +5,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::against::{self, marks_ui};
 use crate::app::panel::legend;
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
+use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
 use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::look::FeaturesShown;
@@ -35,7 +36,6 @@ pub struct FeatureLayer {
     /// not to be fainter.
     pub slope: Option<Slope>,
     pub selected: Option<usize>,
-    /// The feature under the pointer.
     pub hovered: Option<usize>,
     /// Whether the features belong to other parameters than the present ones.
     pub stale: bool,
@@ -181,7 +181,7 @@ pub fn features_ui(
         let name = layer.method.map_or_else(|| format!("#{}", i + 1), |method| method.label().to_owned());
         let judged = model.coherence.of(&layer.detection).and_then(|values| values.get(i));
         let feature = &layer.placed()[i];
-        tip_ui(ui, &name, feature, model.set_up.known(feature.slope, judged));
+        feature_tip_ui(ui, &name, feature, model.set_up.known(feature.slope, judged));
     }
     if options.legend && !layer.placed().is_empty() {
         let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
@@ -237,8 +237,7 @@ fn near_slope(grid: &SlopeGrid) -> f32 {
     (0.55 * grid.u.step().max(grid.v.step())).max(0.1)
 }
 
-/// Shows the numbers of the feature under the pointer.
-fn tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
+fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
     let Known { judged, depth_m } = known;
     let depth = depth_m.map_or_else(String::new, |_| format!("  depth {} m", depth_text(depth_m)));
     let coherence = judged.map_or_else(String::new, |j| format!("\ncoherence {}", coherence_words(j.coherence)));
@@ -249,8 +248,7 @@ fn tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
         signed_number(f.response, 3),
         f.snr
     );
-    let (id, anchor) = (egui::Id::unique("feature tip"), egui::PopupAnchor::Pointer);
-    egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor).gap(14.0).show(|ui| {
+    tip_ui(ui, "feature tip", |ui| {
         ui.label(RichText::new(text).monospace());
         if let Some(judged) = judged {
             ui.set_max_width(TIP_WIDTH);
@@ -262,7 +260,6 @@ fn tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
 /// Width of the sentence in a feature's tip, points.
 const TIP_WIDTH: f32 = 320.0;
 
-/// Reason why features are grey, if some are.
 fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) -> Option<String> {
     if scale.by == overlay::ColourBy::Depth {
         return scale.has_unknown().then(|| "Grey: Slopes, Slopes from the set-up gives depths".to_owned());

@@ -98,14 +98,12 @@ fn dragged<'a>(field: DragValue<'a>, drag: &Drag) -> DragValue<'a> {
 
 pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
     let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
-    let help = help_text(doc);
+    let help = format!("{}\n--{}", doc.help(), doc.name);
     ui.allocate_ui_with_layout(size, egui::Layout::top_down(egui::Align::Min), |ui| {
         ui.set_width(LABEL_WIDTH);
         ui.spacing_mut().item_spacing.y = -1.0;
-        let mut text = RichText::new(doc.label);
-        if wrong {
-            text = text.color(ui.visuals().error_fg_color);
-        }
+        let text = RichText::new(doc.label);
+        let text = if wrong { text.color(ui.visuals().error_fg_color) } else { text };
         let label = ui.add(egui::Label::new(text).truncate());
         let label = explained(label, &help, glossary().of_parameter(doc.name));
         if !doc.unit.is_empty() {
@@ -117,12 +115,7 @@ pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
     .inner
 }
 
-fn help_text(doc: &ParamDoc) -> String {
-    format!("{}\n--{}", doc.help(), doc.name)
-}
-
-/// Draws a button that resets the parameter, visible only when the value differs from the default; returns whether it
-/// was clicked.
+/// Draws the button, visible only when the value differs from the default; returns whether it was clicked.
 pub fn reset_ui(ui: &mut Ui, doc: &ParamDoc, differs: bool) -> bool {
     let name = format!("Reset {}", doc.label);
     let button = egui::Button::new(RichText::new("↺").weak()).frame(false).min_size(vec2(14.0, 0.0));
@@ -137,16 +130,13 @@ fn number_ui(ui: &mut Ui, field: DragValue<'_>, label: Id) {
 
 fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, names: &[(T, &str)]) {
     let chosen = names.iter().find(|(v, _)| v == value).map_or("", |(_, name)| name);
-    let response = egui::ComboBox::from_id_salt(label)
-        .selected_text(chosen)
-        .width(86.0)
-        .show_ui(ui, |ui| {
-            for (choice, name) in names {
-                ui.selectable_value(value, *choice, *name);
-            }
-        })
-        .response;
-    response.labelled_by(label);
+    let list = egui::ComboBox::from_id_salt(label).selected_text(chosen).width(86.0);
+    let shown = list.show_ui(ui, |ui| {
+        for (choice, name) in names {
+            ui.selectable_value(value, *choice, *name);
+        }
+    });
+    shown.response.labelled_by(label);
 }
 
 fn word_ui(ui: &mut Ui, value: &mut dyn Word, label: Id) {
@@ -187,13 +177,12 @@ fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_coun
     }
     if let Some(range) = frames {
         let size = vec2(34.0, ui.spacing().interact_size.y);
-        ui.add_sized(size, DragValue::new(&mut range.start).speed(0.05))
-            .labelled_by(label)
-            .on_hover_text("First frame used, counted from 0");
+        let number = |value| DragValue::new(value).speed(0.05);
+        let start = ui.add_sized(size, number(&mut range.start)).labelled_by(label);
+        start.on_hover_text("First frame used, counted from 0");
         ui.weak("..");
-        ui.add_sized(size, DragValue::new(&mut range.end).speed(0.05))
-            .labelled_by(label)
-            .on_hover_text("One past the last frame used");
+        let end = ui.add_sized(size, number(&mut range.end)).labelled_by(label);
+        end.on_hover_text("One past the last frame used");
     }
 }
 
@@ -213,9 +202,7 @@ fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, drag: &Drag, label: Id) {
     ];
     choice_ui(ui, gate, label, &names);
     if let NoiseGate::Factor(_) = gate {
-        let size = vec2(48.0, ui.spacing().interact_size.y);
-        let field = DragValue::new(&mut factor).max_decimals(drag.decimals);
-        ui.add_sized(size, dragged(field, drag)).labelled_by(label);
+        narrow_ui(ui, &mut factor, drag, label);
         *gate = NoiseGate::Factor(factor);
     }
 }
@@ -227,22 +214,12 @@ fn distinct_ui(ui: &mut Ui, distinct: &mut Distinct, drag: &Drag, label: Id) {
         *distinct = if on { Distinct::default() } else { Distinct::Off };
     }
     if let Distinct::Radius(radius) = distinct {
-        let size = vec2(48.0, ui.spacing().interact_size.y);
-        let field = DragValue::new(radius).max_decimals(drag.decimals);
-        ui.add_sized(size, dragged(field, drag)).labelled_by(label);
+        narrow_ui(ui, radius, drag, label);
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::detector::params::doc;
-
-    #[test]
-    fn the_help_of_a_parameter_ends_with_its_option() {
-        for parameter in &doc::ALL {
-            let help = help_text(parameter);
-            assert!(help.ends_with(&format!("\n--{}", parameter.name)) && help.len() > 20, "{help}");
-        }
-    }
+/// Draws a field for a number beside another widget.
+fn narrow_ui(ui: &mut Ui, value: &mut f32, drag: &Drag, label: Id) {
+    let field = dragged(DragValue::new(value).max_decimals(drag.decimals), drag);
+    ui.add_sized(vec2(48.0, ui.spacing().interact_size.y), field).labelled_by(label);
 }

@@ -4,6 +4,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
 use crate::app::inspector::copy_ui;
+use crate::app::panel::widgets::{instead_ui, label_ui};
 use crate::app::project::Model;
 use crate::app::project::filter::{Interval, Order};
 use crate::app::project::side::Side;
@@ -24,7 +25,7 @@ impl SortedColumn for Quantity {
 
 pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if model.slots.a.found.is_none() {
-        ui.centered_and_justified(|ui| ui.weak(model.without_features(Side::A, "Press Detect to find features")));
+        instead_ui(ui, model.without_features(Side::A, "Press Detect to find features"));
         return;
     }
     // Usually it stands below the parameters.
@@ -43,11 +44,8 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
         let Some(feature) = model.features().get(index) else { return };
-        if ui
-            .button("Go to feature")
-            .on_hover_text("Show the motion stack at its slope, with it in the middle")
-            .clicked()
-        {
+        let tip = "Show the motion stack at its slope, with it in the middle";
+        if ui.button("Go to feature").on_hover_text(tip).clicked() {
             chosen = Some(index);
         }
         if ui.button("Why this feature?").on_hover_text(ActionId::ProbeFeature.action().help).clicked() {
@@ -111,9 +109,8 @@ pub(in crate::app) struct Pointed<C> {
     pub hovered: Option<usize>,
 }
 
-/// Draws a table that a click on a heading sorts: `columns` from left to right, the first of which has a fixed width.
-/// `text` is the content of an item's cell, `name` the item's name for screen readers, and `menu` draws the menu that
-/// the secondary button opens on its row.
+/// Draws a table that a click on a heading sorts; the first column has a fixed width. `text` is the content of an item's
+/// cell, `name` the item's name for screen readers, and `menu` draws the menu of its row.
 pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     ui: &mut Ui,
     (columns, order): (&[C], Order<C>),
@@ -217,11 +214,7 @@ pub(in crate::app) fn rows_ui(
 
 /// A heading; `sorted` is `Some` if the table is sorted by it, and true if the largest come first.
 fn heading_text(heading: &str, sorted: Option<bool>) -> RichText {
-    let arrow = match sorted {
-        Some(true) => " ⏷",
-        Some(false) => " ⏶",
-        None => "",
-    };
+    let arrow = sorted.map_or("", |descending| if descending { " ⏷" } else { " ⏶" });
     let text = RichText::new(format!("{heading}{arrow}")).small();
     if sorted.is_some() { text.strong() } else { text }
 }
@@ -280,11 +273,10 @@ fn ranges_ui(ui: &mut Ui, model: &mut Model) {
 
 fn verdict_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
-        crate::app::panel::widgets::label_ui(ui, "Verdict", 70.0).on_hover_text(Quantity::Verdict.record().help);
-        let text = |verdict: Option<Verdict>| verdict.map_or("all", Verdict::word);
+        label_ui(ui, "Verdict", 70.0).on_hover_text(Quantity::Verdict.record().help);
         // No list that unfolds: a click on one would close the menu.
         for verdict in std::iter::once(None).chain(Verdict::ALL.map(Some)) {
-            ui.selectable_value(&mut model.filter.verdict, verdict, text(verdict));
+            ui.selectable_value(&mut model.filter.verdict, verdict, verdict.map_or("all", Verdict::word));
         }
     });
 }
@@ -298,7 +290,7 @@ fn ends(values: impl Iterator<Item = f32>) -> (f32, f32) {
 /// Draws two handles over a range, that of the features' values; the whole range accepts all.
 fn range_ui(ui: &mut Ui, label: &str, unit: &str, (low, high): (f32, f32), interval: &mut Option<Interval>) {
     ui.horizontal(|ui| {
-        let name = crate::app::panel::widgets::label_ui(ui, label, 70.0).on_hover_text(format!("{label}, {unit}"));
+        let name = label_ui(ui, label, 70.0).on_hover_text(format!("{label}, {unit}"));
         if high <= low {
             ui.weak("all the same");
             return;

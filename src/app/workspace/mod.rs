@@ -16,7 +16,7 @@ use crate::app::panel::lab;
 use crate::app::panel::lab::{chart, curves, planted};
 use crate::app::panel::probe::{PlaneTexture, ProbePanel};
 use crate::app::panel::selection::SelectionState;
-use crate::app::panel::widgets::section_ui;
+use crate::app::panel::widgets::{named, section_ui};
 use crate::app::project::lab::LabQuestion;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
@@ -52,7 +52,7 @@ const SWITCHES: [ActionId; 6] = [
     ActionId::WorkspaceLab,
 ];
 
-/// Minimum width of a window with a button for each workspace beside its menus, in points; narrower ones have a menu.
+/// In points; narrower windows have a menu.
 const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
 
 /// Draws the switch between the workspaces, from the right end of a line: buttons, or a menu where there is no room.
@@ -106,9 +106,28 @@ fn side_frame(ui: &egui::Ui) -> egui::Frame {
     egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin { left: 8, right: 5, top: 6, bottom: 4 })
 }
 
-/// Draws a panel below the pictures, `height` points high until it is dragged, or less in a small window. Its height
-/// does not depend on its content, so that nothing moves under the pointer when features come or another tab is opened.
-/// Returns whether the pointer is over it.
+/// Draws a panel on the left, which scrolls.
+fn left_panel(ui: &mut Ui, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
+    let panel = Panel::left(id).frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0);
+    panel.show(ui, |ui| scroll_ui(ui, add_contents));
+}
+
+fn right_panel(
+    ui: &mut Ui,
+    id: &'static str,
+    width: f32,
+    widths: std::ops::RangeInclusive<f32>,
+    add_contents: impl FnOnce(&mut Ui),
+) {
+    Panel::right(id).frame(side_frame(ui)).default_size(width).size_range(widths).show(ui, add_contents);
+}
+
+fn scroll_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, add_contents);
+}
+
+/// Draws a panel below the pictures, `height` points high until it is dragged, or less in a small window, whatever its
+/// content, so that nothing moves under the pointer. Returns whether the pointer is over it.
 fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnOnce(&mut egui::Ui)) -> bool {
     let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(8, 4));
     let height = height.min(ui.available_height() - PICTURES_HEIGHT).max(*BOTTOM_HEIGHTS.start());
@@ -137,7 +156,7 @@ pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &mut Model) {
     Panel::left("left folded").frame(frame).exact_size(FOLDED_WIDTH).resizable(false).show(ui, |ui| {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click());
         let name = ActionId::ToggleLeft.action().label;
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Unfold {name}")));
+        named(&response, egui::Role::Button, format!("Unfold {name}"));
         let visuals = ui.style().interact(&response);
         let galley =
             ui.painter().layout_no_wrap(name.to_owned(), TextStyle::Body.resolve(ui.style()), visuals.text_color());
@@ -162,32 +181,29 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
             Panel::bottom("verdict").frame(below).show_separator_line(false).show(ui, |ui| {
                 panel::slopes::verdict_ui(ui, model, queue);
             });
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            scroll_ui(ui, |ui| {
                 panel::cursor::cursor_ui(ui, model, queue);
                 panel::parameters::parameters_ui(ui, model, queue);
             });
         });
     }
     if model.shows_right() {
-        Panel::right("right").frame(side_frame(ui)).default_size(side_width(model)).size_range(250.0..=460.0).show(
-            ui,
-            |ui| {
-                let other = ("Display and feature", "The value range of the pictures, and the selected feature");
-                if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
-                    return;
+        right_panel(ui, "right", side_width(model), 250.0..=460.0, |ui| {
+            let other = ("Display and feature", "The value range of the pictures, and the selected feature");
+            if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
+                return;
+            }
+            scroll_ui(ui, |ui| {
+                // What the panel came for is first.
+                if model.selected.is_some() {
+                    panel::selection::selection_ui(ui, model, selection, queue);
                 }
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    // What the panel came for is first.
-                    if model.selected.is_some() {
-                        panel::selection::selection_ui(ui, model, selection, queue);
-                    }
-                    panel::display::display_ui(ui, model, widgets);
-                    if model.selected.is_none() {
-                        panel::selection::selection_ui(ui, model, selection, queue);
-                    }
-                });
-            },
-        );
+                panel::display::display_ui(ui, model, widgets);
+                if model.selected.is_none() {
+                    panel::selection::selection_ui(ui, model, selection, queue);
+                }
+            });
+        });
     }
     let mut over_rows = None;
     if model.shows_bottom() {
@@ -213,26 +229,17 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
 }
 
 fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, queue: &mut Queue) {
-    let width = side_width(model);
     if model.shows_left() {
-        Panel::left("lab left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                lab::lab_settings_ui(ui, model, queue);
-            });
-        });
+        left_panel(ui, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
     }
     if model.shows_right() {
-        Panel::right("lab right")
-            .frame(side_frame(ui))
-            .default_size(1.3 * side_width(model))
-            .size_range(250.0..=900.0)
-            .show(ui, |ui| {
-                if model.lab.question == LabQuestion::InBurst {
-                    section_ui(ui, "How faint", |ui| planted::lab_planted_ui(ui, model, picture, queue));
-                } else {
-                    section_ui(ui, "Chart", |ui| chart::lab_chart_ui(ui, model, picture, queue));
-                }
-            });
+        right_panel(ui, "lab right", 1.3 * side_width(model), 250.0..=900.0, |ui| {
+            if model.lab.question == LabQuestion::InBurst {
+                section_ui(ui, "How faint", |ui| planted::lab_planted_ui(ui, model, picture, queue));
+            } else {
+                section_ui(ui, "Chart", |ui| chart::lab_chart_ui(ui, model, picture, queue));
+            }
+        });
     }
     CentralPanel::default().show(ui, |ui| curves::curves_ui(ui, &mut model.lab));
 }
@@ -244,14 +251,9 @@ fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) 
     let width = side_width(model).max(330.0);
     let mut again = false;
     if model.shows_right() {
-        Panel::right("trajectories right").frame(side_frame(ui)).default_size(width).size_range(280.0..=520.0).show(
-            ui,
-            |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    again = errors_panel::errors_panel_ui(ui, model, queue);
-                });
-            },
-        );
+        right_panel(ui, "trajectories right", width, 280.0..=520.0, |ui| {
+            scroll_ui(ui, |ui| again = errors_panel::errors_panel_ui(ui, model, queue));
+        });
     }
     if model.shows_bottom() {
         bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
@@ -262,9 +264,7 @@ fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) 
             cameras::camera_list_ui(ui, &mut model.trajectories);
         });
     }
-    CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
-        cameras::plane_ui(ui, &mut model.trajectories);
-    });
+    CentralPanel::default().frame(Frame::new()).show(ui, |ui| cameras::plane_ui(ui, &mut model.trajectories));
     let camera = model.trajectories.wanted.take();
     WorkspaceWishes { compare_again: again, camera, ..WorkspaceWishes::default() }
 }
