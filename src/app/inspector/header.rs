@@ -118,7 +118,6 @@ fn drawn_ui(ui: &mut Ui, model: &mut Model, drawn_of: Option<(usize, usize)>, ha
     }
 }
 
-/// Draws the zoom and, where there is room, the range.
 fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId, has_range: bool) {
     let Some(pane) = model.panes.get(id) else { return };
     let display = model.display_of(id);
@@ -194,7 +193,6 @@ pub enum Icon {
     Close,
 }
 
-/// Size of a button, in points.
 pub const ICON_SIZE: egui::Vec2 = vec2(20.0, 18.0);
 
 pub fn icon_button_ui(ui: &mut Ui, icon: Icon, name: &str, tip: &str, enabled: bool) -> Response {

@@ -164,7 +164,6 @@ fn probe_marks_ui(model: &Model, drawn: &[(PaneId, Drawn)]) {
 const MARK: Color32 = Color32::from_rgb(80, 220, 255);
 const RIVAL: Color32 = Color32::from_rgb(255, 120, 90);
 
-/// Draws four strokes that point at the place and leave it free.
 fn probe_mark(output: &CanvasOutput, pos_image: Pos2) {
     let centre = output.ui_from_image.pos(pos_image);
     if !output.response.rect.contains(centre) {

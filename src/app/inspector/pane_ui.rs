@@ -328,7 +328,6 @@ fn reading(answer: &Probed, slice: &Slice, area: &Area, pos: Pos2) -> String {
     format!("Frame {}: {value}{way}", slice.frames[row])
 }
 
-/// Draws it for pane `id`, if methods are compared. A pane under another one has its name drawn there already.
 pub(super) fn method_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn) {
     let Some(pane) = model.panes.get(id) else { return };
     let Some(method) = pane.method.filter(|_| model.panes.over(id).is_none()) else { return };

@@ -20,15 +20,11 @@ use std::collections::HashMap;
 
 #[derive(Default)]
 pub struct PaneWidget {
-    /// Picture on the card, and the place where it was drawn.
     pub picture: PictureState,
     /// Histogram, while the pane is focused.
     pub display: DisplayState,
-    /// Rectangle of the whole pane in the window, if it was drawn in this pass.
     pub rect_ui: Option<Rect>,
-    /// Place of the picture beside a panel that comes and goes.
     pub(super) aside: Aside,
-    /// Slice, if the pane shows one.
     pub(super) slice: PlaneTexture,
     pub(super) menu: MenuPlace,
 }
@@ -37,7 +33,6 @@ pub struct PaneWidget {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceValue {
     pub id: PaneId,
-    /// Number of the pane, from 1.
     pub number: usize,
     pub readout: Readout,
 }
@@ -54,7 +49,6 @@ impl PaneWidgets {
         self.all.entry(id).or_default()
     }
 
-    /// State of `id`, if it was drawn.
     pub fn get(&self, id: PaneId) -> Option<&PaneWidget> {
         self.all.get(&id)
     }
@@ -64,12 +58,10 @@ impl PaneWidgets {
         self.get(id)?.picture.ui_from_image
     }
 
-    /// Position of an image place in the window, as `id` was drawn last.
     pub fn pos_ui(&self, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
         self.ui_from_image(id).map(|t| t.pos(pos_image))
     }
 
-    /// Rectangle of pane `id` in the window, if it is visible.
     pub fn rect_ui(&self, id: PaneId) -> Option<Rect> {
         self.get(id)?.rect_ui
     }

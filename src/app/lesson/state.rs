@@ -39,7 +39,6 @@ pub struct Lessons {
     pub progress: BTreeMap<String, Progress>,
 }
 
-/// State before the lesson, to be restored.
 #[derive(Debug)]
 struct Kept {
     model: Model,
@@ -49,7 +48,6 @@ struct Kept {
 #[derive(Debug)]
 pub struct OpenLesson {
     pub lesson: Arc<Lesson>,
-    /// The step, from 0.
     pub step: usize,
     pub done: BTreeSet<usize>,
     /// Whether the lesson's end is shown, after its last step.
@@ -58,7 +56,6 @@ pub struct OpenLesson {
     pub is_ready: bool,
     /// Whether the first feature or match is to be selected as soon as there is one.
     selects: bool,
-    /// Bursts that the step opens itself.
     opens: Vec<BurstSource>,
     pub(super) snr: SnrTrace,
     kept: Box<Kept>,
@@ -77,7 +74,6 @@ impl OpenLesson {
         &self.kept.model
     }
 
-    /// Selects the first feature or match once there is one, if the step begins with one selected.
     fn select_first(&mut self, model: &mut Model) {
         if !self.selects {
             return;
@@ -110,7 +106,6 @@ impl Lessons {
         self.opened.iter().chain(built_in())
     }
 
-    /// Adds lessons opened from files; each replaces an opened one of its name.
     pub fn add(&mut self, lessons: Vec<Lesson>) {
         for lesson in lessons {
             self.opened.retain(|other| other.name != lesson.name);
@@ -118,13 +113,11 @@ impl Lessons {
         }
     }
 
-    /// The lesson after the open one in the list, if there is one.
     pub fn next_lesson(&self) -> Option<Arc<Lesson>> {
         let open = self.open.as_ref()?;
         self.all().skip_while(|lesson| lesson.name != open.lesson.name).nth(1).cloned()
     }
 
-    /// Progress in `lesson`, limited to the steps that it has.
     pub fn progress_in(&self, lesson: &Lesson) -> Progress {
         let mut progress = self.progress.get(&lesson.name).cloned().unwrap_or_default();
         progress.step = progress.step.min(lesson.steps.len() - 1);
@@ -142,7 +135,6 @@ impl Lessons {
         self.open.as_ref().filter(|open| !open.is_ended).map_or(&[], |open| &open.step().highlight)
     }
 
-    /// Whether the open lesson waits for nothing.
     pub fn is_settled(&self, model: &Model) -> bool {
         let failed = !model.messages.errors().is_empty();
         self.open.as_ref().is_none_or(|open| open.is_ready || failed)
@@ -187,7 +179,6 @@ impl Lessons {
         Some(Effect::ForgetWidgets)
     }
 
-    /// Opens the lessons of a folder or a file, or shows the error in them.
     pub fn open_at(&mut self, path: &Path, model: &mut Model) {
         const TITLE: &str = "Open lessons";
         match lessons_at(path) {

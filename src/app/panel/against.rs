@@ -88,10 +88,9 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
             let text = format!("{} {}", shown.label(kind), shown.count(kind));
             key_ui(ui, &shown, kind);
             if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
-                model.slots[side].against.hidden.retain(|hidden| *hidden != kind);
-                if !on {
-                    model.slots[side].against.hidden.push(kind);
-                }
+                let hidden = &mut model.slots[side].against.hidden;
+                hidden.retain(|hidden| *hidden != kind);
+                hidden.extend((!on).then_some(kind));
             }
         }
     });

@@ -41,7 +41,6 @@ pub struct FeatureLayer {
     pub stale: bool,
     pub orientations: bool,
     pub motions: bool,
-    /// Whether the table, the filter and the selection refer to these features.
     pub is_listed: bool,
     /// Method that found them, where methods are compared.
     pub method: Option<Contender>,
@@ -94,7 +93,6 @@ impl FeatureLayer {
         Some(layer)
     }
 
-    /// Features at their places in the picture: in a frame at its time, otherwise at mid-burst.
     pub fn placed(&self) -> &[Feature] {
         self.in_frame.as_deref().unwrap_or(&self.detection.features)
     }
@@ -276,7 +274,6 @@ fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) 
     scale.has_unknown().then(|| format!("Grey: {why}"))
 }
 
-/// Draws the legend of the features' colours; without its texts where the picture is small.
 fn features_legend_ui(
     ui: &mut Ui,
     is_open: &mut bool,

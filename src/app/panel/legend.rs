@@ -5,14 +5,12 @@ use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder
 
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
-    /// The picture, in points.
     pub rect_ui: Rect,
     /// Whether the colour bar of a map lies in the lower right corner, so that the legend takes the left one.
     pub has_colour_bar: bool,
 }
 
 impl Place {
-    /// Rectangle of `size` points in the corner of the legend.
     fn corner(self, size: Vec2) -> Rect {
         let (align, inwards) = if self.has_colour_bar {
             (Align2::LEFT_BOTTOM, vec2(10.0, -10.0))
@@ -23,7 +21,6 @@ impl Place {
     }
 }
 
-/// Size of the chip of a folded legend, in points.
 const CHIP: Vec2 = vec2(62.0, 20.0);
 
 pub fn ground(ui: &Ui) -> Color32 {

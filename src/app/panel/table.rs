@@ -68,7 +68,6 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     }
 }
 
-/// Height of a row, in points.
 pub(in crate::app) const ROW_HEIGHT: f32 = 18.0;
 
 pub(in crate::app) trait SortedColumn: Copy + PartialEq + 'static {
@@ -93,7 +92,6 @@ pub(in crate::app) struct Heading {
 
 /// Items that a table lists, by their indices.
 pub(in crate::app) struct Listed<'a> {
-    /// Items in the table's order.
     pub items: &'a [usize],
     pub selected: Option<usize>,
     /// Item under the pointer, here or elsewhere.
@@ -105,7 +103,6 @@ pub(in crate::app) struct Pointed<C> {
     pub order: Order<C>,
     /// Selected item after a click, or none.
     pub selected: Option<usize>,
-    /// Item under the pointer.
     pub hovered: Option<usize>,
 }
 
@@ -281,7 +278,6 @@ fn verdict_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Smallest and largest of the finite values.
 fn ends(values: impl Iterator<Item = f32>) -> (f32, f32) {
     let finite = values.filter(|x| x.is_finite());
     finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))

@@ -3,9 +3,10 @@
 use crate::app::actions::menu::dataset_label;
 use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
 use crate::app::lesson::{Chosen, Lessons};
+use crate::app::panel::widgets::{named, progress_ui};
 use crate::app::project::Model;
 use crate::app::settings::{Recent, Settings};
-use egui::{Align2, Color32, ProgressBar, Rect, RichText, ScrollArea, Ui, vec2};
+use egui::{Align2, Color32, Rect, RichText, ScrollArea, Ui, vec2};
 
 const EXAMPLES: [ActionId; 8] = [
     ActionId::OpenDepths,
@@ -37,8 +38,7 @@ pub fn welcome_ui(
         ui.weak("See what a burst of dark, noisy frames shows at every slope and scale");
         ui.add_space(20.0);
         if let Some(running) = model.slots.a.opening.running() {
-            let fraction = running.progress.map_or(0.0, |p| p.fraction);
-            ui.add(ProgressBar::new(fraction).desired_width(280.0).text("Opening…"));
+            progress_ui(ui, &running, Some(280.0), "Opening…");
             if ui.button("Cancel").clicked() {
                 queue.push(ActionId::Cancel);
             }
@@ -75,9 +75,8 @@ pub fn welcome_ui(
         ui.label(RichText::new("Lessons").strong());
         ui.weak("Learn on live data how burst features are found, in a few minutes each");
         for lesson in lessons.all() {
-            let name = format!("Lesson: {}", lesson.title);
             let link = ui.link(&lesson.title).on_hover_text(&lesson.about);
-            link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, &name));
+            named(&link, egui::Role::Link, format!("Lesson: {}", lesson.title));
             if link.clicked() {
                 chosen = Some(lesson.clone());
             }
@@ -89,8 +88,7 @@ pub fn welcome_ui(
             ui.add_space((0.5 * (ui.available_width() - EXAMPLES_WIDTH)).max(0.0));
             for id in EXAMPLES {
                 let action = id.action();
-                let label = action.label.trim_start_matches("Example: ");
-                let link = ui.link(label).on_hover_text(action.help);
+                let link = ui.link(action.label.trim_start_matches("Example: ")).on_hover_text(action.help);
                 link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, action.label));
                 if link.clicked() {
                     queue.push(id);

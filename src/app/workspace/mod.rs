@@ -99,7 +99,6 @@ pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Worksp
 /// Range of the height of a panel below the pictures, in points.
 const BOTTOM_HEIGHTS: std::ops::RangeInclusive<f32> = 90.0..=520.0;
 
-/// Height left to the pictures at first, in points; the panel below them gets the rest.
 const PICTURES_HEIGHT: f32 = 320.0;
 
 fn side_frame(ui: &egui::Ui) -> egui::Frame {
@@ -144,7 +143,6 @@ fn side_width(model: &Model) -> f32 {
     (0.235 * model.window_width_points).clamp(280.0, 300.0)
 }
 
-/// Width of a folded panel, in points.
 const FOLDED_WIDTH: f32 = 22.0;
 
 /// Draws the panel on the left as a strip with its name where it is folded; a click opens it.
@@ -244,7 +242,6 @@ fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, 
     CentralPanel::default().show(ui, |ui| curves::curves_ui(ui, &mut model.lab));
 }
 
-/// Height of the strip of points, in points of the window.
 const STRIP_HEIGHT: f32 = 84.0;
 
 fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> WorkspaceWishes {

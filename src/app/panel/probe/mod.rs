@@ -153,7 +153,6 @@ fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Qu
     }
 }
 
-/// Text of a response's strength: in σ of its noise, or D itself where there is no noise.
 fn strength_text(answer: &Probed, value: f32) -> String {
     if answer.probe.response.is_noiseless { format!("{value:+.1e}") } else { format!("{} σ", signed(value, 1)) }
 }

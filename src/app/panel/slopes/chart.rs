@@ -14,7 +14,6 @@ pub(super) struct Marks {
     pub expected: Option<[Slope; 2]>,
 }
 
-/// Draws the chart in a space of `height` points.
 pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     if spectrum.grid.is_plane() {
         plane_ui(ui, spectrum, marks, height);

@@ -15,7 +15,6 @@ pub(super) fn expected(model: &Model) -> Option<[Slope; 2]> {
     in_use.then(|| state.values.depth_m.map(|metres| state.values.slope_at(metres)))
 }
 
-/// Draws the fields, the slopes that follow with the button that applies them, and the switch of depths.
 pub(super) fn set_up_ui(ui: &mut Ui, model: &mut Model) {
     let header = CollapsingHeader::new("Slopes from the set-up").id_salt("slopes from the set-up");
     let unfolded = header.open(Some(model.set_up.is_open)).show(ui, |ui| {
@@ -62,7 +61,6 @@ fn depth_field(metres: &mut f64) -> DragValue<'_> {
     DragValue::new(metres).range(bounds::DEPTH.span()).speed(0.02).suffix(" m")
 }
 
-/// Draws the slopes that follow from the set-up, the button that searches them, and the switch of depths.
 fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     let set_up = model.set_up.values;
     let frames = model.slots.a.burst.as_ref().map_or(10, |open| open.burst.len());

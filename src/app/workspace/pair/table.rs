@@ -41,14 +41,8 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<usi
             chosen = Some(index);
         }
     };
-    let pointed = sorted_table_ui(
-        ui,
-        (&MatchColumn::ALL[..], pair.order),
-        &listed,
-        text,
-        |index| format!("Match {}", index + 1),
-        menu,
-    );
+    let order = (&MatchColumn::ALL[..], pair.order);
+    let pointed = sorted_table_ui(ui, order, &listed, text, |index| format!("Match {}", index + 1), menu);
     (pair.order, pair.selected) = (pointed.order, chosen.or(pointed.selected));
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
@@ -85,9 +79,7 @@ pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
             make_room(ui, mark + text_width(ui, &text));
             if ui.checkbox(&mut on, text).on_hover_text(help(lost)).changed() {
                 model.pair.lost.hidden.retain(|hidden| *hidden != lost);
-                if !on {
-                    model.pair.lost.hidden.push(lost);
-                }
+                model.pair.lost.hidden.extend((!on).then_some(lost));
                 model.pair.tab = PairTab::Unmatched;
             }
         }
@@ -133,9 +125,8 @@ pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
         }
     };
     let heading = |(text, width)| Heading { text, width, is_exact: text != "SNR", is_left: true, ..Heading::default() };
-    let headings = LOST_COLUMNS.map(heading);
     let name = |index| format!("Unmatched feature {}", index + 1);
-    rows_ui(ui, &headings, None, &listed, text, name, |row, index| {
+    rows_ui(ui, &LOST_COLUMNS.map(heading), None, &listed, text, name, |row, index| {
         if row.clicked() {
             clicked = Some(index);
         }
@@ -171,9 +162,8 @@ pub fn numbers_ui(ui: &mut Ui, model: &Model) {
         }
         let (drawn, lines) = model.pair.lines_drawn;
         if drawn < lines {
-            ui.weak(format!("{drawn} of {lines} lines drawn")).on_hover_text(
-                "A few lines for each part of A's picture, inliers first. Zoom in for more; a row or an end shows its line",
-            );
+            let tip = "A few lines for each part of A's picture, inliers first. Zoom in for more; a row or an end shows its line";
+            ui.weak(format!("{drawn} of {lines} lines drawn")).on_hover_text(tip);
         }
         if let Some(problem) = model.stale_matches().map(str::to_owned).or_else(|| without_geometry(matches)) {
             ui.add(Label::new(RichText::new(problem).color(crate::app::style::warning(ui))).truncate());
