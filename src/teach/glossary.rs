@@ -31,7 +31,6 @@ pub struct Word {
     pub pictures: Vec<String>,
 }
 
-/// All entries, in alphabetical order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glossary {
     words: Vec<Word>,
@@ -46,10 +45,6 @@ pub fn glossary() -> &'static Glossary {
 }
 
 impl Glossary {
-    /// Reads the text of a glossary.
-    ///
-    /// # Errors
-    /// When the text is no valid glossary; the message names the entry or the place.
     pub fn read(text: &str) -> Result<Self, String> {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]

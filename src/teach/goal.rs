@@ -92,14 +92,12 @@ pub enum Wanted {
     Word(String),
 }
 
-/// State of the window that a goal is compared with.
 #[derive(Debug, Clone, Copy)]
 pub struct Holds<'a> {
     pub slope: Slope,
     /// Content of the focused picture; `None` where it is made of several.
     pub show: Option<ViewKind>,
     pub layout: Option<Layout>,
-    /// Frame index of the focused picture, from 0.
     pub frame: usize,
     pub octave: i32,
     pub level: i32,

@@ -41,7 +41,6 @@ pub struct Task {
     pub goal: Goal,
 }
 
-/// Maximum size of a lesson's file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -183,7 +182,6 @@ macro_rules! texts {
     };
 }
 
-/// Name and text of each lesson, in teaching order.
 const TEXTS: &[(&str, &str)] = texts![
     "out-of-the-dark",
     "slope-is-depth",

@@ -7,7 +7,6 @@ use std::fmt;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Part {
-    /// All pictures, with their headers.
     Pictures,
     Frame,
     /// The slider of slope u, with the bars below it.
@@ -15,20 +14,16 @@ pub enum Part {
     SlopeV,
     Octave,
     Level,
-    /// The switch between frame, motion stack and DoG.
     Kinds,
     Workspaces,
     Detect,
     Tabs,
     Below,
     Probe,
-    /// The probe's response over slope and scale.
     Response,
-    /// The probe's share of each frame.
     Shares,
     /// Number of frames that are added, in the lesson's panel.
     FramesAdded,
-    /// Measured signal-to-noise ratio, in the lesson's panel.
     Snr,
     /// Row of a parameter of the detector or of matching, by the parameter's name on the command line.
     Parameter(&'static str),

@@ -16,9 +16,7 @@ pub enum Workspace {
     #[default]
     Inspect,
     Pair,
-    /// Several methods on the same burst.
     Methods,
-    /// The matches of a dataset's pairs.
     Matches,
     /// An estimated and a true trajectory.
     Trajectories,
@@ -105,7 +103,6 @@ pub enum InView {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct State {
-    /// Burst; the demo by default.
     #[serde(deserialize_with = "built_in_burst")]
     pub burst: Option<BurstSource>,
     #[serde(deserialize_with = "built_in_burst")]
@@ -128,15 +125,12 @@ pub struct State {
     pub matching: Option<MatchParams>,
     pub detect: Option<bool>,
     pub features: Option<bool>,
-    /// Open tab below the pictures; the tabs are hidden without it.
     pub tab: Option<BottomTab>,
-    /// Probed place, pixels at mid-burst.
     #[serde(deserialize_with = "place")]
     pub probe: Option<[f32; 2]>,
     /// Whether the strongest feature (or, of two bursts, the best match) is selected.
     pub select: Option<bool>,
     pub spot: Option<Spot>,
-    /// Set-up of camera and scene, whose fields are unfolded.
     #[serde(deserialize_with = "set_up")]
     pub set_up: Option<SetUp>,
 }

@@ -6,7 +6,7 @@ pub mod menu;
 pub mod registry;
 mod state_of;
 
-pub use change::{change, probe_here};
+pub use change::{WORKSPACES, change, probe_here};
 pub use registry::{ACTIONS, Action, ActionId, Menu, shown_by};
 pub use state_of::{checked, enabled};
 

@@ -212,7 +212,6 @@ fn bars(trajectories: &Trajectories) -> Vec<Bar> {
     bars
 }
 
-/// Draws the strip in the available space; without points it says what is missing.
 pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     let bars = bars(trajectories);
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(40.0, 40.0)), Sense::click());
@@ -272,7 +271,6 @@ pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     }
 }
 
-/// Headings of the list, and their meanings.
 const HEADINGS: [(&str, &str); 4] = [
     ("image", "The image's name, or the time"),
     ("error", "Distance of the camera's centre from the true one, in the truth's unit"),

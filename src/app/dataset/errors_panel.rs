@@ -100,7 +100,6 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
     });
 }
 
-/// Draws the columns of the paper's table, as far as they are known.
 fn reconstruction_ui(ui: &mut Ui, model: &Model) {
     let estimate = model.trajectories.compared.estimate.as_ref();
     let summary = estimate.and_then(|(_, t)| t.model.as_ref()).map(|m| m.summary());

@@ -27,7 +27,6 @@ const CELL_HEIGHT: f32 = PICTURE_HEIGHT + 2.0 * TEXT_HEIGHT;
 
 pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 
-/// Letters of the two bursts that are matched.
 pub const SIDES: [&str; 2] = ["A", "B"];
 
 /// Draws the strip; returns the place of the burst to open.
@@ -124,7 +123,6 @@ fn short_button_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, 
     named(&response, egui::Role::Button, id.action().label);
 }
 
-/// Draws the folder's problem, or a note that the features are not those of the present parameters.
 fn notice_ui(ui: &mut Ui, model: &Model, dataset: &Dataset, queue: &mut Queue) {
     let warning = |text: &str| RichText::new(text).color(style::warning(ui));
     if let Some(error) = &dataset.folder_error {
@@ -297,7 +295,6 @@ pub enum ThumbnailState {
 #[derive(Default)]
 pub struct Thumbnails {
     shown: HashMap<String, ThumbnailState>,
-    /// Bursts that came into view in this pass.
     in_view: Vec<BurstFiles>,
     wanted: Wanted<ThumbnailsRequest>,
 }

@@ -29,7 +29,6 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Side of a cell when `count` bursts are shown in `room` points.
     fn cell_side(count: usize, room: egui::Vec2) -> f32 {
         let side = (room.x - NAMES_WIDTH).min(room.y - HEAD_HEIGHT) / count.max(1) as f32;
         side.floor().clamp(*CELL_RANGE.start(), *CELL_RANGE.end())

@@ -10,7 +10,6 @@ use std::path::PathBuf;
 pub struct PathField {
     pub purpose: Purpose,
     pub text: String,
-    /// Whether it stands in for a dialog that the system does not have.
     pub instead_of_dialog: bool,
     fresh: bool,
 }

@@ -188,7 +188,6 @@ fn grip_sense(many: bool) -> Sense {
 pub enum Icon {
     SplitRight,
     SplitDown,
-    /// Three lines: a menu.
     Menu,
     Close,
 }

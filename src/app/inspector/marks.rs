@@ -40,7 +40,6 @@ pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_im
     Some(place_in(pos_image, (kinds[0]?, &a.cursor), (kinds[1]?, &b.cursor), &used(model, a.side)?))
 }
 
-/// Value at `pos_image` in the picture of `shown`, which pane `id` shows.
 fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
     let picture = model.panes.get(shown)?.picture.as_ref()?;
     let canvas = widgets.get(shown)?.picture.shown()?;

@@ -113,7 +113,6 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     }
 }
 
-/// Other panes with their numbers.
 fn other_panes(model: &Model, id: PaneId) -> Vec<(PaneId, usize)> {
     let others = model.panes.shown().into_iter().filter(|other| *other != id);
     others.filter_map(|other| Some((other, model.panes.number(other)?))).collect()
@@ -154,7 +153,6 @@ fn links_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     });
 }
 
-/// Shows the menu where the secondary button was pressed on the picture of pane `id`.
 pub(super) fn picture_menu_ui(
     drawn: &Drawn,
     model: &mut Model,

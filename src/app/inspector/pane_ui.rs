@@ -31,7 +31,6 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// Whether the pointer acted on it: a click, a drag or the wheel.
     pub fn is_touched(&self, ui: &Ui) -> bool {
         let response = &self.output.response;
         let scrolled = response.contains_pointer()
@@ -95,7 +94,6 @@ pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut 
     drawn.right = Some((other, over));
 }
 
-/// Draws the names of the pictures, and the line of a wipe, which can be dragged.
 pub(super) fn over_names_ui(ui: &Ui, model: &mut Model, id: PaneId, drawn: &Drawn) {
     let name = |model: &Model, id: PaneId| {
         let number = model.panes.number(id).map_or_else(String::new, |number| format!("{number}  ·  "));
@@ -119,7 +117,6 @@ pub(super) fn over_names_ui(ui: &Ui, model: &mut Model, id: PaneId, drawn: &Draw
     }
 }
 
-/// Canvas for the picture of `id`, without the picture.
 fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {
     Canvas {
         display: model.display_of(id),
@@ -227,7 +224,6 @@ pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAx
 
 const HOW: &str = "Shift+click a place in another pane: this shows it in every frame, one row each.";
 
-/// Place of the slice's pixels in the window.
 struct Area {
     rect: Rect,
     columns: f32,

@@ -83,7 +83,6 @@ struct Inspector<'a> {
     pub model: &'a mut Model,
     pub widgets: &'a mut PaneWidgets,
     pub queue: &'a mut Queue,
-    /// Drawn panes, in the order of drawing.
     pub drawn: Vec<(PaneId, Drawn)>,
     pub changes: Vec<Change>,
 }

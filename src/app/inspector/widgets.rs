@@ -21,7 +21,6 @@ use std::collections::HashMap;
 #[derive(Default)]
 pub struct PaneWidget {
     pub picture: PictureState,
-    /// Histogram, while the pane is focused.
     pub display: DisplayState,
     pub rect_ui: Option<Rect>,
     pub(super) aside: Aside,
@@ -29,7 +28,6 @@ pub struct PaneWidget {
     pub(super) menu: MenuPlace,
 }
 
-/// Value of one pane at the place under the pointer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceValue {
     pub id: PaneId,
@@ -53,7 +51,6 @@ impl PaneWidgets {
         self.all.get(&id)
     }
 
-    /// Transform from image pixels to points of the window, as `id` was drawn last.
     pub fn ui_from_image(&self, id: PaneId) -> Option<RectTransform> {
         self.get(id)?.picture.ui_from_image
     }
@@ -75,7 +72,6 @@ impl PaneWidgets {
     }
 }
 
-/// Objects under the pointer when the menu was opened.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MenuPlace {
     pub(super) feature: Option<usize>,
@@ -100,7 +96,6 @@ pub(super) fn short_description(model: &Model, id: PaneId, tiny: bool) -> String
     }
 }
 
-/// Names the pane's burst, where there are two.
 fn side(model: &Model, pane: &Pane) -> String {
     let both = model.burst_of(Side::B).is_some() || model.workspace == Workspace::Pair;
     if both { format!("{}  ", pane.side.name()) } else { String::new() }
@@ -152,8 +147,7 @@ pub(super) fn long_description(model: &Model, id: PaneId) -> String {
     }
 }
 
-/// Name of the pane's canvas: by its number, or by its burst or method where these stand side by side. Names are unique
-/// on the screen.
+/// By its number, or by its burst or method where these stand side by side; unique on the screen.
 pub(super) fn canvas_name(model: &Model, id: PaneId) -> String {
     let (Some(pane), Some(number)) = (model.panes.get(id), model.panes.number(id)) else { return String::new() };
     let alone = model.panes.shown_of(pane.side, pane.method).len() < 2;
@@ -190,10 +184,8 @@ pub fn joined_panes(model: &Model, places: &[(PaneId, Rect)], method: Option<Con
     JoinedPanes { sides, pairs }
 }
 
-/// Pairs of `a` and `b` between which lines go, as indices; `all` are the canvases of all panes on the screen.
-///
-/// Two panes are joined where one faces the other with no third between them. Where A and B are farther apart, two
-/// panes are joined when each is the nearest to the other.
+/// Pairs of `a` and `b` between which lines go, as indices: those that face each other with none of `all` between them,
+/// and those of which each is the nearest to the other.
 fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
     let nearest = |from: &Rect, to: &[Rect]| {
         let place = |i: &usize| apart(from, &to[*i]);
@@ -218,7 +210,6 @@ fn apart(a: &Rect, b: &Rect) -> f32 {
     x.hypot(y)
 }
 
-/// Whether two rectangles stand side by side or one above the other, with nothing between them.
 fn face(a: &Rect, b: &Rect, all: &[Rect]) -> bool {
     let common = |a: egui::Rangef, b: egui::Rangef| egui::Rangef::new(a.min.max(b.min), a.max.min(b.max));
     let between = |a: egui::Rangef, b: egui::Rangef| egui::Rangef::new(a.max.min(b.max), a.min.max(b.min));

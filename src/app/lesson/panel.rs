@@ -194,7 +194,6 @@ fn dots_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
 
 const GLOSSARY: &str = "word:";
 
-/// Cache of the text widget, kept between passes.
 pub struct Captions {
     cache: CommonMarkCache,
 }
@@ -242,7 +241,6 @@ pub fn highlights_ui(ctx: &Context) {
 
 pub type Chosen = Option<Arc<Lesson>>;
 
-/// Draws the list if it is open. Returns the chosen lesson.
 pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) -> Chosen {
     if !lessons.list_is_open {
         return None;

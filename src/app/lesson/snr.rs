@@ -14,7 +14,6 @@ use egui_plot::{Line, PlotPoints, Points};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Interval between frames while they are added one by one.
 const EVERY: Duration = Duration::from_millis(450);
 const HEIGHT: f32 = 130.0;
 
@@ -24,7 +23,6 @@ pub(in crate::app) struct SnrTrace {
     measured: BTreeMap<usize, f32>,
     /// Largest ratio at any slope. It stays on the axis, so that a smaller ratio is seen to be small.
     largest: f32,
-    /// Time of the next frame, while frames are added.
     next: Option<Instant>,
 }
 

@@ -101,7 +101,6 @@ impl OpenLesson {
 }
 
 impl Lessons {
-    /// All lessons: opened ones, then built-in ones.
     pub fn all(&self) -> impl Iterator<Item = &Arc<Lesson>> {
         self.opened.iter().chain(built_in())
     }
@@ -130,7 +129,6 @@ impl Lessons {
         self.open.as_ref().map_or(shown, OpenLesson::before)
     }
 
-    /// Parts of the window that the open step highlights; none at a lesson's end.
     pub fn highlighted(&self) -> &[Part] {
         self.open.as_ref().filter(|open| !open.is_ended).map_or(&[], |open| &open.step().highlight)
     }
@@ -166,7 +164,6 @@ impl Lessons {
         Effect::ForgetWidgets
     }
 
-    /// Leaves the lesson, if one is open, and restores the project that was open before it.
     pub fn leave(&mut self, model: &mut Model, engine: &Engine) -> Option<Effect> {
         self.remember();
         let Kept { model: kept, opening } = *self.open.take()?.kept;
@@ -188,8 +185,8 @@ impl Lessons {
                 self.list_is_open = true;
             }
             Err(errors) => {
-                let text: Vec<String> = errors.iter().map(ToString::to_string).collect();
-                model.messages.error(TITLE, text.join("\n"));
+                let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
+                model.messages.error(TITLE, texts.join("\n"));
             }
         }
     }
@@ -240,7 +237,6 @@ impl Lessons {
         effects
     }
 
-    /// Begins the open step: opens its bursts where others are open.
     fn begin_step(&mut self, model: &mut Model, engine: &Engine) {
         let Some(open) = &mut self.open else { return };
         // The burst that another step requested is not needed any more.
@@ -308,12 +304,6 @@ fn show(mut other: Model, model: &mut Model) -> Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::{Bench, open};
-    use crate::app::session::Restoring;
-    use std::time::{Duration, Instant};
-
-    /// Time within which a small burst is opened.
-    const PATIENCE: Duration = Duration::from_secs(60);
 
     #[test]
     fn what_is_remembered_of_a_longer_lesson_stays_within_this_one() {
@@ -333,59 +323,5 @@ mod tests {
         lessons.add(vec![Lesson { title: "New".to_owned(), ..lesson }]);
         assert_eq!(lessons.all().count(), built_in().len() + 1);
         assert_eq!(lessons.opened[0].title, "New");
-    }
-
-    /// Makes passes in which a lesson goes on until `done`; returns the effects.
-    fn go_on_until(bench: &mut Bench, lessons: &mut Lessons, done: impl Fn(&Lessons, &Model) -> bool) -> Vec<Effect> {
-        let (mut restoring, mut others, end) = (Restoring::default(), Vec::new(), Instant::now() + PATIENCE);
-        while !done(lessons, &bench.model) {
-            assert!(Instant::now() < end, "the lesson does not go on");
-            let Bench { model, engine } = bench;
-            for effect in model.take_answers(engine) {
-                match effect {
-                    Effect::Opened(side, ended) => drop(restoring.take_opened(side, ended, model, engine)),
-                    other => others.push(other),
-                }
-            }
-            others.extend(lessons.go_on(None, false, model, engine));
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        others
-    }
-
-    #[test]
-    fn a_lesson_opens_its_bursts_and_leaves_the_project_of_the_user_as_it_was() {
-        let (mut bench, mut lessons) = (Bench::new(), Lessons::default());
-        bench.model.take_burst(open((64, 48), 5));
-        bench.model.params.levels = 3;
-        let lesson = built_in()[0].clone();
-        let effect = lessons.start(lesson.clone(), &mut bench.model, &bench.engine);
-        assert!(matches!(effect, Effect::ForgetWidgets) && bench.model.in_lesson);
-        assert_eq!(lessons.project_of_user(&bench.model).params.levels, 3);
-        go_on_until(&mut bench, &mut lessons, |lessons, _| lessons.open.as_ref().is_some_and(|open| open.is_ready));
-        assert!(lessons.is_settled(&bench.model));
-        let burst = bench.model.slots.a.burst.as_ref().map(|burst| burst.source.clone());
-        assert_eq!(burst, Some(lesson.steps[0].state.burst()));
-        // Another step, and out again.
-        let Bench { model, engine } = &mut bench;
-        lessons.go_on(Some(Wish::Step(1)), false, model, engine);
-        assert_eq!(lessons.progress_in(&lesson).step, 1);
-        let effects = lessons.go_on(Some(Wish::Leave), false, model, engine);
-        assert!(matches!(effects[..], [Effect::ForgetWidgets]) && lessons.open.is_none());
-        assert!(!model.in_lesson && model.params.levels == 3 && model.size() == (64, 48));
-    }
-
-    #[test]
-    fn opening_something_else_leaves_the_lesson_and_goes_on_outside() {
-        let (mut bench, mut lessons) = (Bench::new(), Lessons::default());
-        let effect = lessons.start(built_in()[0].clone(), &mut bench.model, &bench.engine);
-        assert!(matches!(effect, Effect::ForgetWidgets));
-        bench.model.open(Side::A, BurstSource::Paths(vec!["/no/such/burst".into()]), &bench.engine);
-        let Bench { model, engine } = &mut bench;
-        let effects = lessons.go_on(None, false, model, engine);
-        assert!(matches!(effects[..], [Effect::ForgetWidgets]) && !model.in_lesson);
-        assert!(model.slots.a.opening.is_pending());
-        go_on_until(&mut bench, &mut lessons, |_, model| !model.messages.errors().is_empty());
-        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("/no/such/burst")));
     }
 }

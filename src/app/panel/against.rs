@@ -229,7 +229,6 @@ fn marks_of(model: &Model, side: Side, shown: &Shown, picture: Option<&Picture>)
         .unzip()
 }
 
-/// Draws the comparison of `side` over the canvas of `output`, and lets the pointer choose among its rows.
 pub fn marks_ui(
     ui: &Ui,
     model: &mut Model,
@@ -268,7 +267,6 @@ pub fn marks_ui(
     }
 }
 
-/// Selects a row, and our feature in it if it is one of A's.
 fn select(model: &mut Model, side: Side, shown: &Shown, row: Option<usize>) {
     model.slots[side].against.selected = row;
     if side == Side::A {

@@ -203,7 +203,6 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
 struct Drag {
     limit: f32,
     axis: SlopeAxis,
-    /// Distance of the drag, px/frame.
     pulled: f32,
 }
 

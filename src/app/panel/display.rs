@@ -15,7 +15,6 @@ use egui::{
     Align2, Color32, Mesh, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2,
 };
 
-/// State of the panel, kept between passes: a histogram for each class of picture.
 #[derive(Default)]
 pub struct DisplayState([HistogramPanel; RangeClass::Motion as usize + 1]);
 
@@ -142,7 +141,6 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     response.on_hover_text(format!("{text}; change the range in the panel Display"));
 }
 
-/// Draws a wheel of directions.
 fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     let motion = model.panes.get(id).and_then(|pane| pane.picture.as_ref()?.motion.as_ref());
     let Some(motion) = motion.filter(|_| rect.width() >= ROOM.x && rect.height() >= ROOM.y) else { return };

@@ -22,10 +22,8 @@ pub struct FeatureOptions {
     pub legend: bool,
 }
 
-/// Features over the picture of a pane, as the canvas and a figure draw them.
 #[derive(Debug, Clone)]
 pub struct FeatureLayer {
-    /// Features, at their places at mid-burst.
     pub detection: Arc<Detection>,
     /// Features at their places in the picture where that is a frame: at its time.
     in_frame: Option<Vec<Feature>>,
@@ -42,7 +40,6 @@ pub struct FeatureLayer {
     pub orientations: bool,
     pub motions: bool,
     pub is_listed: bool,
-    /// Method that found them, where methods are compared.
     pub method: Option<Contender>,
 }
 
@@ -126,7 +123,6 @@ impl FeatureLayer {
     }
 }
 
-/// Draws the features of pane `id` over the canvas of `output`, and lets the pointer choose among A's.
 pub fn features_ui(
     ui: &mut Ui,
     model: &mut Model,

@@ -14,7 +14,6 @@ const WIDTH: f32 = 336.0;
 /// Minimum size of a picture with the card over it, in points.
 const ROOM: egui::Vec2 = vec2(400.0, 260.0);
 
-/// Whether the card is shown: over the demo, at the first start.
 pub fn is_shown(model: &Model) -> bool {
     let of_demo = model.slots.a.burst.as_ref().is_some_and(|open| open.source == BurstSource::Demo);
     model.panels.welcome && of_demo && !model.in_lesson && model.workspace == Workspace::Inspect

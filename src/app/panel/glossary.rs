@@ -11,13 +11,11 @@ pub struct GlossaryWindow {
     is_open: bool,
     text: String,
     wanted: Option<String>,
-    /// Whether the search field is to get the keyboard focus.
     focus: bool,
     captions: Captions,
 }
 
 impl GlossaryWindow {
-    /// Opens the window, at the entry `word` if one is given.
     pub fn open(&mut self, word: Option<&str>) {
         (self.is_open, self.text, self.focus) = (true, String::new(), word.is_none());
         if let Some(found) = word.and_then(|word| glossary().find(word)) {

@@ -14,7 +14,6 @@ pub enum CalibrationChoice {
     Apply(OpenOptions),
 }
 
-/// Choices of the raw frames' colours, with names and descriptions.
 const COLOURS: [(RawColour, &str, &str); 4] = [
     (RawColour::Luma, "Luma", "Mean of each 2 × 2 square of pixels: all the light"),
     (RawColour::Green, "Green", "Mean of the two green pixels of each 2 × 2 square"),
@@ -127,7 +126,6 @@ fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip
 /// Notices of software and fonts of others in the program: a list of packages, then the texts of their licences.
 const NOTICES: &str = include_str!("../../../assets/THIRD-PARTY.txt");
 
-/// Packages of others in the program, each with its name, version, licence and source.
 fn packages() -> Vec<[&'static str; 4]> {
     let heading = NOTICES.lines().skip_while(|line| *line != "name | version | licence | source");
     let rows = heading.skip(1).take_while(|line| !line.is_empty());

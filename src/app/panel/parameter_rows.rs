@@ -12,9 +12,7 @@ use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 /// Width of the names, in points.
 const LABEL_WIDTH: f32 = 106.0;
 
-/// Table of edited parameters, with their error and defaults.
 pub struct ParamTable<'a, P> {
-    /// Error in the parameters, if any.
     pub error: Option<&'a ParamError>,
     pub defaults: P,
     pub frame_count: usize,
@@ -145,7 +143,6 @@ fn word_ui(ui: &mut Ui, value: &mut dyn Word, label: Id) {
     value.set_word(chosen);
 }
 
-/// Draws the choice between slopes that are found and those given in the rows below.
 pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice) {
     let mut auto = choice.is_auto();
     if ui.checkbox(&mut auto, "Auto slopes").changed() {
@@ -186,7 +183,6 @@ fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_coun
     }
 }
 
-/// Draws the choice of the noise gate: a derived one, or a factor.
 fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, drag: &Drag, label: Id) {
     /// First value when switching to a factor: about that of the automatic gate for a small search.
     const FIRST_FACTOR: f32 = 4.5;
@@ -207,7 +203,6 @@ fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, drag: &Drag, label: Id) {
     }
 }
 
-/// Draws the choice of distinct keypoints: off, or a radius.
 fn distinct_ui(ui: &mut Ui, distinct: &mut Distinct, drag: &Drag, label: Id) {
     let mut on = *distinct != Distinct::Off;
     if ui.checkbox(&mut on, "On").changed() {
@@ -218,7 +213,6 @@ fn distinct_ui(ui: &mut Ui, distinct: &mut Distinct, drag: &Drag, label: Id) {
     }
 }
 
-/// Draws a field for a number beside another widget.
 fn narrow_ui(ui: &mut Ui, value: &mut f32, drag: &Drag, label: Id) {
     let field = dragged(DragValue::new(value).max_decimals(drag.decimals), drag);
     ui.add_sized(vec2(48.0, ui.spacing().interact_size.y), field).labelled_by(label);

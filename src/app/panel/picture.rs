@@ -43,7 +43,6 @@ impl PictureState {
         self.shown.as_ref()
     }
 
-    /// Draws the colours of a map that has its own over the picture of `output`.
     pub(in crate::app) fn paint_colours(&mut self, ui: &Ui, picture: Option<&Picture>, output: &canvas::CanvasOutput) {
         let Some(motion) = picture.and_then(|picture| picture.motion.as_ref()) else {
             self.colours = None;
@@ -165,7 +164,6 @@ pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &
     }
 }
 
-/// Returns the feature at its place `dt` frames after mid-burst.
 pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
     Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
 }

@@ -196,7 +196,6 @@ const SAMPLES: usize = 72;
 /// Half width of a patch, in σ: the reach of the descriptor's 4×4 cells of 3 σ, those of its finest scale.
 const SIGMAS: f32 = 6.0;
 
-/// Last drawn patch, kept as a texture until another one is drawn.
 #[derive(Default)]
 pub struct PatchTexture(Option<(PatchKey, TextureHandle)>);
 

@@ -170,7 +170,6 @@ fn ago(age: Duration) -> String {
     format!("{} ago", counted(count as usize, unit))
 }
 
-/// Draws the reason why there are no or few features, while the features belong to the present parameters.
 pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let advice =
         model.slots.a.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());

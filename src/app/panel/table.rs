@@ -74,13 +74,11 @@ pub(in crate::app) trait SortedColumn: Copy + PartialEq + 'static {
     fn look(self) -> Heading;
 }
 
-/// Heading of a column, and how the column looks.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::app) struct Heading {
     pub text: &'static str,
     /// Description, with the unit; may be empty.
     pub help: &'static str,
-    /// Name of the glossary entry.
     pub term: Option<&'static str>,
     /// Width that the texts need, points.
     pub width: f32,
@@ -94,14 +92,12 @@ pub(in crate::app) struct Heading {
 pub(in crate::app) struct Listed<'a> {
     pub items: &'a [usize],
     pub selected: Option<usize>,
-    /// Item under the pointer, here or elsewhere.
     pub hovered: Option<usize>,
 }
 
 pub(in crate::app) struct Pointed<C> {
     /// Order, changed by a click on a heading.
     pub order: Order<C>,
-    /// Selected item after a click, or none.
     pub selected: Option<usize>,
     pub hovered: Option<usize>,
 }

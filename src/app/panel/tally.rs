@@ -84,7 +84,6 @@ const COUNT_WIDTH: f32 = 96.0;
 struct Row<'a> {
     name: &'a str,
     samples: u64,
-    /// Samples that were candidates, as far as known.
     candidates: Option<u64>,
     /// Count shown by the bar, and whether it is that of the kept ones.
     bar: Option<(u64, bool)>,
@@ -198,7 +197,6 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
     }
 }
 
-/// Indices of the drawn marks: all of them, or the strongest.
 fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
     let mut indices: Vec<usize> = (0..survey.marks.len()).collect();
     if indices.len() > MAX_DRAWN {

@@ -21,7 +21,6 @@ const EXAMPLES: [ActionId; 8] = [
 /// Width of the examples in one line, points.
 const EXAMPLES_WIDTH: f32 = 500.0;
 
-/// Draws the first page: a description, how to open a burst, the recently opened ones. Returns the chosen lesson.
 pub fn welcome_ui(
     ui: &mut Ui,
     model: &Model,

@@ -107,7 +107,6 @@ pub fn still_plot<'a>(id: impl std::hash::Hash + std::fmt::Debug) -> Plot<'a> {
     Plot::new(id).allow_zoom(false).allow_drag(false).allow_scroll(false)
 }
 
-/// Draws a whole texture into `rect`.
 pub fn paint(painter: &Painter, texture: TextureId, rect: Rect) {
     painter.image(texture, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
 }
@@ -117,7 +116,6 @@ pub fn dashed_circle(painter: &Painter, centre: egui::Pos2, radius: f32, stroke:
     painter.extend(egui::Shape::dashed_line(&(0..=48).map(point).collect::<Vec<_>>(), stroke, dash, gap));
 }
 
-/// Draws texts in a line, each with a dot of its colour.
 pub fn dots_ui(ui: &mut Ui, texts: impl IntoIterator<Item = (Color32, String)>) {
     ui.horizontal(|ui| {
         for (colour, text) in texts {
@@ -133,7 +131,6 @@ pub struct CursorRow<'a> {
     pub help: &'a str,
     pub range: RangeInclusive<f32>,
     pub marks: &'a [f32],
-    /// Whether only whole numbers are allowed.
     pub whole: bool,
 }
 
@@ -214,7 +211,6 @@ pub fn hint(response: Response, help: impl Into<WidgetText>) -> Response {
     if response.is_pointer_button_down_on() || response.dragged() { response } else { response.on_hover_text(help) }
 }
 
-/// Text of a task's progress: its stage, the fraction done, and the remaining time.
 pub fn progress_text(running: &Running) -> String {
     stage_text(running.progress, running.time_left())
 }
@@ -235,7 +231,6 @@ pub fn in_time(elapsed: Duration) -> String {
     if elapsed < Duration::from_millis(5) { String::new() } else { format!(" in {:.2} s", elapsed.as_secs_f32()) }
 }
 
-/// Text of the progress of work that has reported `progress` and still takes `time_left`.
 pub fn stage_text(progress: Option<Progress>, time_left: Option<Duration>) -> String {
     let Some(progress) = progress else { return "Starting".to_owned() };
     let left = time_left.map_or_else(String::new, |left| format!("  {}", time_left_text(left)));
@@ -289,7 +284,6 @@ pub fn make_room(ui: &mut Ui, width: f32) {
     }
 }
 
-/// Draws a label of fixed width, so that the widgets after it are aligned.
 pub fn label_ui(ui: &mut Ui, text: impl Into<WidgetText>, width: f32) -> Response {
     let size = vec2(width, ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
@@ -320,7 +314,6 @@ pub fn dot_ui(ui: &mut Ui, colour: Color32) {
     ui.painter().circle_filled(rect.center(), 4.0, colour);
 }
 
-/// Draws a name on the left and a value on the right of a line, for tables of numbers.
 pub fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
     let response = ui.label(RichText::new(name).weak());
     response.on_hover_text(help);
@@ -330,7 +323,6 @@ pub fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
     ui.end_row();
 }
 
-/// Sets the name of a text field for screen readers and tests.
 pub fn name_field(response: &Response, name: &str, text: &str) {
     response.widget_info(|| egui::WidgetInfo {
         label: Some(name.to_owned()),

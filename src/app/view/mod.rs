@@ -67,7 +67,6 @@ impl ColourBy {
     }
 }
 
-/// What is known of a feature beside itself.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Known<'a> {
     /// Coherence and verdict, once they were computed.

@@ -4,7 +4,6 @@
 use egui::{Pos2, Rect, Vec2, pos2};
 use serde::{Deserialize, Serialize};
 
-/// The largest zoom, in points per image pixel.
 pub const MAX_POINTS_PER_PIXEL: f32 = 128.0;
 
 const FIT_MARGIN_POINTS: f32 = 6.0;
@@ -164,9 +163,8 @@ impl View {
     }
 }
 
-/// Moves the picture by less than half a pixel of the screen, so that pixel borders fall on the screen's, where all of
-/// them can: at 1:1 and at whole multiples. Otherwise a border in the middle of a screen pixel would flicker between
-/// its two neighbours.
+/// Moves the picture by less than half a pixel of the screen, so that pixel borders fall on the screen's at 1:1 and at
+/// whole multiples: one in the middle of a screen pixel would flicker between its neighbours.
 fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     let px_per_pixel = transform.scale() * pixels_per_point;
     if px_per_pixel < 0.999 || (px_per_pixel - px_per_pixel.round()).abs() > 1e-3 {
@@ -178,11 +176,8 @@ fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     transform.shifted(Pos2::new(on_screen(border_ui.x), on_screen(border_ui.y)) - border_ui)
 }
 
-/// A uniform scale and shift, as `ui_from_image` or its inverse: names say "to from".
-///
-/// It is stored as a pair of corresponding points and a scale, not as an offset: positions near the anchor, where the
-/// user looks, stay exact even at 128-fold zoom in the corner of a huge picture, where an offset would lose its
-/// fraction.
+/// A uniform scale and shift, as `ui_from_image` or its inverse: names say "to from". Stored as a pair of corresponding
+/// points, not as an offset, which would lose its fraction at 128-fold zoom in the corner of a huge picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RectTransform {
     anchor_from: Pos2,

@@ -87,7 +87,6 @@ fn layout_ui(ui: &mut Ui, model: &Model) -> Option<Change> {
     change
 }
 
-/// Draws the choice of the two methods that lie over one another in the focused pane.
 fn two_ui(ui: &mut Ui, model: &mut Model, over: Over, queue: &mut Queue) {
     let contenders = model.contenders();
     for (id, name) in [(model.focus(), "Left"), (over.other(), "Right")] {
@@ -146,7 +145,6 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
     }
 }
 
-/// Headings after the method's name, and their meanings.
 const COLUMNS: [(&str, &str); 9] = [
     ("Features A", "Features found in A"),
     ("Features B", "Features found in B"),
@@ -204,7 +202,6 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
     }
 }
 
-/// Numbers of a method; missing ones are a dash.
 fn cells(model: &Model, method: Contender) -> [String; COLUMNS.len()] {
     let found = |side| model.method_found(method, side);
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());

@@ -7,7 +7,7 @@ pub mod matches;
 pub mod pair;
 
 use crate::app::actions::menu::item_ui;
-use crate::app::actions::{ActionId, Queue, button_ui, checked};
+use crate::app::actions::{ActionId, Queue, WORKSPACES, button_ui};
 use crate::app::dataset::{cameras, errors_panel};
 use crate::app::inspector::{Change, PaneWidgets, inspector_ui};
 use crate::app::measure::RegionCache;
@@ -23,7 +23,6 @@ use crate::app::project::{BottomTab, Model};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
 use pair::PairPanels;
 
-/// State that a workspace reads and changes: the project, and the widgets' state kept between passes.
 pub struct WorkspaceParts<'a> {
     pub model: &'a mut Model,
     pub widgets: &'a mut PaneWidgets,
@@ -42,16 +41,6 @@ pub struct WorkspaceWishes {
     pub camera: Option<String>,
 }
 
-/// Actions that open the workspaces, in the order of the switch.
-const SWITCHES: [ActionId; 6] = [
-    ActionId::WorkspaceInspect,
-    ActionId::WorkspacePair,
-    ActionId::WorkspaceMethods,
-    ActionId::WorkspaceMatches,
-    ActionId::WorkspaceTrajectories,
-    ActionId::WorkspaceLab,
-];
-
 /// In points; narrower windows have a menu.
 const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
 
@@ -62,14 +51,14 @@ pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 2.0;
         let first = ui.cursor().right();
         if is_narrow {
-            let open = SWITCHES.into_iter().find(|action| checked(*action, model) == Some(true));
-            let name = open.map_or("Workspace", |action| action.action().label);
+            let open = WORKSPACES.into_iter().find(|(_, workspace)| *workspace == model.workspace);
+            let name = open.map_or("Workspace", |(id, _)| id.action().label);
             ui.menu_button(format!("{name} ⏷"), |ui| {
-                SWITCHES.into_iter().for_each(|action| item_ui(ui, model, queue, action));
+                WORKSPACES.into_iter().for_each(|(id, _)| item_ui(ui, model, queue, id));
             });
         } else {
-            for action in SWITCHES.into_iter().rev() {
-                button_ui(ui, model, queue, action, None);
+            for (id, _) in WORKSPACES.into_iter().rev() {
+                button_ui(ui, model, queue, id, None);
             }
         }
         let switch = ui.min_rect().intersect(egui::Rect::everything_left_of(first));
@@ -96,7 +85,6 @@ pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Worksp
     WorkspaceWishes { changes, ..WorkspaceWishes::default() }
 }
 
-/// Range of the height of a panel below the pictures, in points.
 const BOTTOM_HEIGHTS: std::ops::RangeInclusive<f32> = 90.0..=520.0;
 
 const PICTURES_HEIGHT: f32 = 320.0;
@@ -105,7 +93,6 @@ fn side_frame(ui: &egui::Ui) -> egui::Frame {
     egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin { left: 8, right: 5, top: 6, bottom: 4 })
 }
 
-/// Draws a panel on the left, which scrolls.
 fn left_panel(ui: &mut Ui, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
     let panel = Panel::left(id).frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0);
     panel.show(ui, |ui| scroll_ui(ui, add_contents));

@@ -117,7 +117,6 @@ fn empty_ui(ui: &mut Ui) {
     });
 }
 
-/// Shown plots, each set with its name; these are written to files.
 pub fn shown_plots(lab: &Lab) -> Vec<(String, Vec<StudyPlot>)> {
     let rows = lab.shown_results().first().map(|(.., first)| first.report.roc_rows()).unwrap_or_default();
     let row_label = rows.get(lab.roc_row).or(rows.last());
@@ -195,7 +194,6 @@ fn plot_ui(
     Some((one.set, StudyPoint { row_value: point.row_value, method: one.curve.method }, clicked))
 }
 
-/// Draws a curve, its points, and the spread of each. Kept curves are dashed.
 fn draw_curve(
     area: &mut PlotUi<'_>,
     one: &Drawn,

@@ -66,7 +66,6 @@ pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
         .on_hover_text("Otherwise strong features of the burst are left alone");
 }
 
-/// Draws the map of how faint a thing is seen, and the thing that is looked at.
 pub fn lab_planted_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, queue: &mut Queue) {
     let Some((_, report)) = model.lab.recovered() else {
         let text = "Press Run study: things are planted in copies of the open burst and searched for. Here is then how faint a thing is seen at each place.";
@@ -151,7 +150,6 @@ fn map_ui(
     clicked
 }
 
-/// The next thing in the range of the slopes that was missed, after the one that is looked at.
 fn next_missed(report: &RecoverReport, selected: Option<(u64, usize)>) -> Option<(u64, usize)> {
     let missed: Vec<(u64, usize)> = (report.planted.iter())
         .filter(|one| one.is_in_range && one.found.is_none() && one.failed != Some(Test::MaxFeatures))

@@ -86,7 +86,6 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     }
 }
 
-/// Draws a small text that ends at `at`.
 fn small_ui(ui: &Ui, at: Pos2, text: &str) {
     let font = TextStyle::Small.resolve(ui.style());
     ui.painter().text(at, Align2::RIGHT_CENTER, text, font, ui.visuals().weak_text_color());
@@ -212,7 +211,6 @@ fn area_ui(ui: &mut Ui, height: f32, cells: (usize, usize)) -> (Area, egui::Resp
     (Area { rect, cells }, response)
 }
 
-/// Draws marks at the grid's slopes, numbers at some of them, and the axis's name.
 fn grid_below(ui: &Ui, area: &Area, axis: &FineAxis, name: &str) {
     let (painter, colour) = (ui.painter(), ui.visuals().weak_text_color());
     let font = TextStyle::Small.resolve(ui.style());

@@ -33,7 +33,6 @@ pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture
         .on_hover_text("Coherence: 1 if all frames respond alike; if only some respond, about their share");
 }
 
-/// Draws the patches side by side, in time order. A click shows that frame.
 fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut PlaneTexture) {
     let shares = &answer.probe.shares;
     let fits = ((ui.available_width() / PATCH) as usize).clamp(1, IN_ROW);

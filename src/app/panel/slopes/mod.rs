@@ -48,7 +48,6 @@ pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Draws the note shown while the slopes are not known.
 fn waiting_ui(ui: &mut Ui, model: &mut Model) {
     ui.vertical_centered(|ui| {
         ui.add_space(16.0);
@@ -72,7 +71,6 @@ fn waiting_ui(ui: &mut Ui, model: &mut Model) {
     set_up::set_up_ui(ui, model);
 }
 
-/// Draws the pieces of advice, each with a button that applies it, the cost of the search, and periodic textures.
 fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
     ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
         if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
@@ -122,13 +120,11 @@ fn piece_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
     ui.add_space(6.0);
 }
 
-/// Labels and values of the changes that a piece of advice makes.
 fn changes_of(advice: &SlopeAdvice) -> String {
     let changes: Vec<String> = advice.changes.iter().map(|change| change.label()).collect();
     changes.join(", ")
 }
 
-/// Draws the button that applies a piece of advice; `name` is for screen readers.
 fn apply_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
     let changes = changes_of(advice);
     let tip = format!("Set {changes}; Ctrl+Z undoes it");

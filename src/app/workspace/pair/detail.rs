@@ -179,7 +179,6 @@ fn state_words(lost: Lost) -> String {
     }
 }
 
-/// Notes on the candidates: a second best on the same blob, slopes that disagree.
 fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchSides<'_>) -> Vec<String> {
     let mut notes = Vec::new();
     let best = unmatched.candidates.first();
@@ -277,7 +276,6 @@ fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
     ]
 }
 
-/// Describes where the geometry expects the feature, and whether a keypoint is there.
 fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
     let has_model = found.request.result.verification.as_ref().is_some_and(|v| v.model.is_some());
     if !has_model {

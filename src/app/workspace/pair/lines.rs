@@ -129,7 +129,6 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
     overlay::draw_features(output, &[feature], &style);
 }
 
-/// Draws the locus of each picture's point in the other picture.
 fn locus_ui(model: &Model, matches: &Matches, row: &MatchRow<'_>, views: &MatchViews<'_>) {
     let Some(geometry) = matches.model() else { return };
     let place = |f: &Feature| [f64::from(f.u), f64::from(f.v)];
@@ -246,7 +245,6 @@ pub struct Canvases {
     pub places: [Option<usize>; 2],
 }
 
-/// Marks the feature asked about in A, and its candidates and expected place in B.
 fn unmatched_marks_ui(model: &Model, views: &MatchViews<'_>) {
     let Some((why, found)) = model.pair.lost.why.as_ref().zip(model.losses()) else { return };
     // A selected match draws its own circles.

@@ -21,7 +21,6 @@ use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel,
 use crate::teach::Part;
 use egui::{CentralPanel, Color32, Frame, Sense, Stroke, Ui, vec2};
 
-/// State of the workspace's widgets, kept between passes.
 #[derive(Default)]
 pub struct PairPanels {
     patch_textures: [PatchTexture; 2],
@@ -169,7 +168,6 @@ pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Draws a switch for one kind of match, with a piece of its line and the number of matches.
 fn kind_ui(ui: &mut Ui, on: &mut bool, kind: LineKind, label: &str, count: Option<usize>, tip: &str) {
     ui.horizontal(|ui| {
         ui.checkbox(on, label).on_hover_text(tip);

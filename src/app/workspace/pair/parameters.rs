@@ -54,7 +54,6 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, qu
     });
 }
 
-/// Draws the section for a whole dataset, whose pairs are matched with the same parameters.
 pub fn dataset_parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));

@@ -50,7 +50,6 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<usi
     pointed.hovered
 }
 
-/// Draws the switch between matches and unmatched features, and the summary of the pair.
 pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
         let is_compared = model.slots.both().into_iter().any(|slot| slot.against.with.is_some());
@@ -100,7 +99,6 @@ fn help(lost: Lost) -> &'static str {
 const LOST_COLUMNS: [(&str, f32); 7] =
     [("#", 50.0), ("Lost to", 120.0), ("u", 60.0), ("v", 60.0), ("σ", 50.0), ("Slope", 100.0), ("SNR", 0.0)];
 
-/// Draws the table; a click asks why the feature has no match.
 pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
     let Some(found) = model.losses().cloned() else {
         ui.weak("There are no matches yet.");
@@ -138,7 +136,6 @@ pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
 
 const NAME_GAP: f32 = 4.0;
 
-/// Draws the line, or several where there is little space.
 pub fn numbers_ui(ui: &mut Ui, model: &Model) {
     ui.horizontal_wrapped(|ui| {
         let Some(matches) = &model.pair.matches else {
@@ -171,7 +168,6 @@ pub fn numbers_ui(ui: &mut Ui, model: &Model) {
     });
 }
 
-/// Name, meaning and value of each number.
 fn rows(counts: &MatchCounts) -> Vec<(&'static str, &'static str, String)> {
     let share = |x: f64| format!("{x:.3}");
     let none = || "–".to_owned();
