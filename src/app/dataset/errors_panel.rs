@@ -2,7 +2,7 @@
 //! the paper's columns.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panel::widgets::{choice_ui, error_ui, section_ui};
+use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
 use crate::app::project::Model;
 use crate::app::project::datasets::Dataset;
 use crate::app::project::trajectories::Trajectories;
@@ -35,7 +35,7 @@ pub fn errors_panel_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> boo
 fn file_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, name: &str, path: Option<&Path>) {
     ui.horizontal(|ui| {
         let response = button_ui(ui, model, queue, id, Some(&format!("{name}…")));
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, id.action().label));
+        named(&response, egui::Role::Button, id.action().label);
         let text = path.map_or("none yet".to_owned(), |p| p.display().to_string());
         ui.add(Label::new(RichText::new(&text).weak()).truncate()).on_hover_text(text);
     });

@@ -8,7 +8,7 @@ use super::widgets::PaneWidgets;
 use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
-use crate::app::panel::features::{FeatureOptions, features_ui};
+use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::readout_of;
 use crate::app::project::look::RangeClass;
 use crate::app::project::workspace::Workspace;
@@ -90,7 +90,7 @@ pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut 
     let over = canvas.show_over(ui, &drawn.output, right);
     state.paint_colours(ui, picture, &over);
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
-    features_ui(ui, model, other, &mut widgets.of(other).picture, &over, FeatureOptions { legend: false });
+    features_ui(ui, model, other, &mut widgets.of(other).picture, &over, false);
     drawn.right = Some((other, over));
 }
 

@@ -10,7 +10,7 @@ use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::measure::{draw_ui, measure_ui};
 use crate::app::pane::{Content, PaneId, arrangement_of, tree_of};
 use crate::app::panel::display::colour_bar_ui;
-use crate::app::panel::features::{FeatureOptions, features_ui};
+use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::stale_ui;
 use crate::app::panel::tally::candidates_ui;
 use crate::app::panel::widgets::{progress_ui, weak_ui};
@@ -145,9 +145,8 @@ impl Inspector<'_> {
         over_ui(ui, self.model, id, self.widgets, &mut drawn);
         let rect = drawn.output.response.rect;
         let (inspected, in_focus) = (self.model.workspace == Workspace::Inspect, self.model.focus() == id);
-        let options =
-            FeatureOptions { legend: in_focus && rect.width() > LEGEND_ROOM.x && rect.height() > LEGEND_ROOM.y };
-        features_ui(ui, self.model, drawn.shown, &mut self.widgets.of(drawn.shown).picture, &drawn.output, options);
+        let has_legend = in_focus && rect.width() > LEGEND_ROOM.x && rect.height() > LEGEND_ROOM.y;
+        features_ui(ui, self.model, drawn.shown, &mut self.widgets.of(drawn.shown).picture, &drawn.output, has_legend);
         colour_bar_ui(ui, self.model, drawn.shown, rect);
         if inspected {
             candidates_ui(ui, self.model, drawn.shown, &drawn.output);

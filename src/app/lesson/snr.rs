@@ -23,19 +23,11 @@ pub(in crate::app) struct SnrTrace {
     measured: BTreeMap<usize, f32>,
     /// Largest ratio at any slope. It stays on the axis, so that a smaller ratio is seen to be small.
     largest: f32,
-    next: Option<Instant>,
+    /// When the next frame is added, while frames are.
+    pub(super) next: Option<Instant>,
 }
 
 impl SnrTrace {
-    pub(in crate::app) fn clear(&mut self) {
-        *self = Self::default();
-    }
-
-    /// Stops adding frames; what was measured stays.
-    pub(in crate::app) fn stop(&mut self) {
-        self.next = None;
-    }
-
     fn take(&mut self, slope: Slope, frames: usize, ratio: f32) {
         if self.slope != Some(slope) {
             (self.slope, self.measured) = (Some(slope), BTreeMap::new());

@@ -70,10 +70,6 @@ impl OpenLesson {
         self.done.contains(&self.step)
     }
 
-    fn before(&self) -> &Model {
-        &self.kept.model
-    }
-
     fn select_first(&mut self, model: &mut Model) {
         if !self.selects {
             return;
@@ -126,7 +122,7 @@ impl Lessons {
 
     /// Project of the user: the one before the open lesson, or without one `shown`.
     pub fn project_of_user<'a>(&'a self, shown: &'a Model) -> &'a Model {
-        self.open.as_ref().map_or(shown, OpenLesson::before)
+        self.open.as_ref().map_or(shown, |open| &open.kept.model)
     }
 
     pub fn highlighted(&self) -> &[Part] {
@@ -203,12 +199,15 @@ impl Lessons {
                     (open.step, open.is_ended) = (step.min(open.lesson.steps.len() - 1), false);
                     // Measurements of the same spot stay from step to step.
                     let is_same = spot == open.step().state.spot;
-                    if is_same { open.snr.stop() } else { open.snr.clear() }
+                    open.snr.next = None;
+                    if !is_same {
+                        open.snr = SnrTrace::default();
+                    }
                 }
                 self.begin_step(model, engine);
             }
             Some(Wish::Again) => {
-                self.open.iter_mut().for_each(|open| open.snr.clear());
+                self.open.iter_mut().for_each(|open| open.snr = SnrTrace::default());
                 self.begin_step(model, engine);
             }
             Some(Wish::End) => self.open.iter_mut().for_each(|open| open.is_ended = true),
@@ -248,7 +247,7 @@ impl Lessons {
             let Some(source) = source.filter(|_| !is_open) else { continue };
             open.opens.push(source.clone());
             // A burst that was open before the lesson need not be opened again.
-            let mut kept = open.before().slots.both().into_iter().filter_map(|slot| slot.burst.as_ref());
+            let mut kept = open.kept.model.slots.both().into_iter().filter_map(|slot| slot.burst.as_ref());
             match (side, kept.find(|burst| burst.source == source).cloned()) {
                 (Side::A, Some(burst)) => model.take_burst(burst),
                 (Side::B, Some(burst)) => model.take_second_burst(burst),

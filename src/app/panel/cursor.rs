@@ -4,7 +4,7 @@
 
 use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panel::widgets::{CursorRow, section_ui, slider_track};
+use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track};
 use crate::app::project::Model;
 use crate::app::project::cursor::{ViewKind, level_range, octave_range, slope_limit};
 use crate::detector::localise::rim_radius;
@@ -137,11 +137,9 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
     }
     let here = ui_from_slope(model.cursor().slope);
     painter.circle_stroke(here, 5.5, Stroke::new(2.0, ui.visuals().strong_text_color()));
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Slope plane"));
-    crate::app::panel::widgets::hint(
-        response,
-        "Slope plane: u to the right, v downwards. Dots: slopes of the grid, larger where more features were found. Drag to change both.",
-    );
+    named(&response, egui::Role::Canvas, "Slope plane");
+    let help = "Slope plane: u to the right, v downwards. Dots: slopes of the grid, larger where more features were found. Drag to change both.";
+    hint(response, help);
 }
 
 /// Height of the strip, points.
@@ -168,7 +166,6 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
     let x_of = |slope: f32| egui::remap(slope, -limit..=limit, rect.x_range());
     bars_ui(ui, model, second, rect, &x_of);
     let ends = [(axis.min, "Range start"), (axis.max, "Range end")];
-    let name_of = |name: &str| format!("{name} {}", if second { "v" } else { "u" });
     for (index, (value, name)) in ends.into_iter().enumerate() {
         let x = x_of(value).clamp(rect.left() - 2.0, rect.right() + 2.0);
         let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(2.0 * REACH, rect.height()));
@@ -191,7 +188,7 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
         ui.painter().vline(x, rect.y_range(), Stroke::new(if lit { 2.5 } else { 1.5 }, colour));
         let knob = Rect::from_center_size(pos2(x, rect.top() + 3.0), vec2(6.0, 6.0));
         ui.painter().rect_filled(knob, 1.0, colour);
-        let name = name_of(name);
+        let name = format!("{name} {}", if second { "v" } else { "u" });
         response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(value), &name));
         response
             .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal)
@@ -234,8 +231,7 @@ fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) 
     let painter = ui.painter_at(rect.expand2(vec2(3.0, 0.0)));
     painter.rect_filled(rect.expand2(vec2(3.0, 0.0)), 2.0, ui.visuals().extreme_bg_color);
     let response = ui.interact(rect, ui.scope_id().with(("slope strip", second)), Sense::hover());
-    response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Features and evidence below the slider"));
+    named(&response, egui::Role::Image, "Features and evidence below the slider");
     let Some(spectrum) = model.spectrum().filter(|spectrum| !spectrum.grid.is_plane()) else { return };
     let component = |slope: Slope| if second { slope.v } else { slope.u };
     let bars: Vec<_> = on_line(spectrum).into_iter().map(|(_, bar)| bar).collect();

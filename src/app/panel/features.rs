@@ -17,11 +17,6 @@ use crate::detector::{Detection, Feature, Slope, SlopeGrid};
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
-#[derive(Debug, Clone, Copy)]
-pub struct FeatureOptions {
-    pub legend: bool,
-}
-
 #[derive(Debug, Clone)]
 pub struct FeatureLayer {
     pub detection: Arc<Detection>,
@@ -129,7 +124,7 @@ pub fn features_ui(
     id: PaneId,
     state: &mut PictureState,
     output: &CanvasOutput,
-    options: FeatureOptions,
+    has_legend: bool,
 ) {
     state.drawn_of = None;
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
@@ -139,7 +134,7 @@ pub fn features_ui(
         // The colours now show the comparison's outcome.
         let picture = pane.picture.clone();
         marks_ui(ui, model, side, &shown, picture.as_ref(), output);
-        if options.legend {
+        if has_legend {
             against::legend_ui(ui, model, side, &shown, output);
         }
         return;
@@ -177,7 +172,7 @@ pub fn features_ui(
         let feature = &layer.placed()[i];
         feature_tip_ui(ui, &name, feature, model.set_up.known(feature.slope, judged));
     }
-    if options.legend && !layer.placed().is_empty() {
+    if has_legend && !layer.placed().is_empty() {
         let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
         let notes = [has_faint.then(|| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
         let notes: Vec<String> = notes.into_iter().flatten().collect();

@@ -3,6 +3,7 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::lesson::{Chosen, Lessons};
+use crate::app::panel::widgets::named;
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
 use crate::app::style;
@@ -34,7 +35,7 @@ pub fn card_ui(ctx: &Context, model: &mut Model, lessons: &Lessons, rect_ui: Rec
                 ui.label(RichText::new("A street at night: ten dark frames").size(15.0).strong());
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     let close = ui.add(Button::new("✖").frame(false));
-                    close.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Dismiss the card"));
+                    named(&close, egui::Role::Button, "Dismiss the card");
                     model.panels.welcome &= !close.clicked();
                 });
             });

@@ -1,6 +1,7 @@
 //! Legends in a corner of the picture. A click folds one to a small chip, so that it covers nothing for good, and a
 //! click on the chip unfolds it.
 
+use crate::app::panel::widgets::named;
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 
 #[derive(Debug, Clone, Copy)]
@@ -32,7 +33,7 @@ pub fn legend_ui(ui: &mut Ui, is_open: &mut bool, size: Vec2, place: Place, add_
     let rect = place.corner(if *is_open { size } else { CHIP });
     let name = if *is_open { "Fold the legend" } else { "Show the legend" };
     let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    named(&response, egui::Role::Button, name);
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         ui.spacing_mut().item_spacing.y = 4.0;
         if *is_open {

@@ -4,7 +4,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
 use crate::app::inspector::copy_ui;
-use crate::app::panel::widgets::{instead_ui, label_ui};
+use crate::app::panel::widgets::{instead_ui, label_ui, named};
 use crate::app::project::Model;
 use crate::app::project::filter::{Interval, Order};
 use crate::app::project::side::Side;
@@ -173,8 +173,7 @@ pub(in crate::app) fn rows_ui(
                 let (_, mut cell) =
                     header.col(|ui| cell_ui(ui, heading_text(heading.text, sorted_here), heading.is_left));
                 if sorted.is_some() {
-                    let label = format!("Sort by {}", heading.text);
-                    cell.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
+                    named(&cell, egui::Role::Button, format!("Sort by {}", heading.text));
                 }
                 if !heading.help.is_empty() {
                     cell = explained(cell, heading.help, heading.term.and_then(word));
@@ -193,8 +192,7 @@ pub(in crate::app) fn rows_ui(
                     row.col(|ui| cell_ui(ui, RichText::new(text(column, item)).monospace(), heading.is_left));
                 }
                 let response = row.response();
-                let label = name(item);
-                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
+                named(&response, egui::Role::Row, name(item));
                 if response.clicked() {
                     now_selected = Some(item);
                 }

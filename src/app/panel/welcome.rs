@@ -48,10 +48,9 @@ pub fn welcome_ui(
         {
             let action = id.action();
             let keys = action.shortcut.as_ref().map_or_else(String::new, |s| keys_text(ui.ctx(), s));
-            let button =
-                egui::Button::new(action.label).min_size(vec2(280.0, 28.0)).right_text(RichText::new(keys).weak());
-            let response = ui.add(button);
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, action.label));
+            let button = egui::Button::new(action.label).right_text(RichText::new(keys).weak());
+            let response = ui.add(button.min_size(vec2(280.0, 28.0)));
+            named(&response, egui::Role::Button, action.label);
             if response.on_hover_text(tooltip(ui.ctx(), action)).clicked() {
                 queue.push(id);
             }
@@ -88,7 +87,7 @@ pub fn welcome_ui(
             for id in EXAMPLES {
                 let action = id.action();
                 let link = ui.link(action.label.trim_start_matches("Example: ")).on_hover_text(action.help);
-                link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, action.label));
+                named(&link, egui::Role::Link, action.label);
                 if link.clicked() {
                     queue.push(id);
                 }

@@ -57,7 +57,7 @@ fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut Plane
         let colour = if frame.covers { Color32::from_rgb(255, 214, 90) } else { Color32::from_gray(120) };
         ui.painter().circle_stroke(cell.center(), radius, Stroke::new(1.0, colour));
     }
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Patch of each frame"));
+    named(&response, egui::Role::Image, "Patch of each frame");
     let Some(frame) = response.hover_pos().and_then(frame_at) else { return };
     let text = if frame.covers {
         format!("Frame {}: {:+.2e} ± {:.1e}\nClick to show it", frame.frame, frame.value, frame.sigma_d)

@@ -1,12 +1,13 @@
 //! Slopes from the set-up: speed, turning, frame rate, lens and depths give the slopes to search, and slopes read as
 //! depths.
 
+use crate::app::panel::widgets::error_ui;
 use crate::app::project::Model;
 use crate::app::project::side::Side;
 use crate::app::view::{depth_text, signed_slope};
 use crate::detector::{Slope, SlopeChoice};
 use crate::inspect::set_up::{SetUp, bounds};
-use egui::{Button, CollapsingHeader, DragValue, Grid, Label, RichText, Role, Ui, WidgetInfo};
+use egui::{Button, CollapsingHeader, DragValue, Grid, Label, Role, Ui, WidgetInfo};
 
 /// Slopes of the nearest and the farthest things, while the set-up is in use: unfolded, or read for depths.
 pub(super) fn expected(model: &Model) -> Option<[Slope; 2]> {
@@ -83,7 +84,7 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     });
     match slopes {
         Ok(slopes) => ui.add(Label::new(slopes.sentence(&set_up)).wrap()),
-        Err(problem) => ui.add(Label::new(RichText::new(problem).color(ui.visuals().error_fg_color)).wrap()),
+        Err(problem) => error_ui(ui, problem),
     };
     let here = model.cursor().slope;
     let depth = set_up.depth_at(here);

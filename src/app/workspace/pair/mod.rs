@@ -112,7 +112,14 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
                 button_ui(ui, model, queue, ActionId::SwapSides, Some("Swap"));
             });
         });
-        open_menu_ui(ui, model, queue);
+        ui.menu_button("Open B…", |ui| {
+            ui.set_min_width(180.0);
+            for id in [ActionId::OpenFolderB, ActionId::OpenFilesB, ActionId::OpenPathB, ActionId::OpenDemoB] {
+                item_ui(ui, model, queue, id);
+            }
+            ui.separator();
+            item_ui(ui, model, queue, ActionId::CloseB);
+        });
         for id in [ActionId::LinkCursors, ActionId::LinkViews, ActionId::LinkRanges] {
             let mut on = checked(id, model).unwrap_or(false);
             if ui.checkbox(&mut on, id.action().label).on_hover_text(tooltip(ui.ctx(), id.action())).clicked() {
@@ -123,17 +130,6 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             let text = egui::RichText::new(format!("The parameters do not fit B: {error}")).small();
             ui.add(egui::Label::new(text.color(ui.visuals().error_fg_color)).wrap());
         }
-    });
-}
-
-fn open_menu_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    ui.menu_button("Open B…", |ui| {
-        ui.set_min_width(180.0);
-        for id in [ActionId::OpenFolderB, ActionId::OpenFilesB, ActionId::OpenPathB, ActionId::OpenDemoB] {
-            item_ui(ui, model, queue, id);
-        }
-        ui.separator();
-        item_ui(ui, model, queue, ActionId::CloseB);
     });
 }
 
