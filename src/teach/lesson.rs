@@ -1,5 +1,4 @@
-//! Lessons: reading from the text of a file and from a folder of files, with errors that name the line, and the lessons
-//! built into the program.
+//! Lessons: reading from a file or a folder, with errors that name the line, and those built into the program.
 
 use super::goal::Goal;
 use super::part::Part;

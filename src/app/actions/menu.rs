@@ -1,6 +1,4 @@
-//! Menu bar, command palette and sheet of shortcuts, drawn from the registry.
-//!
-//! The palette finds every action by parts of its name; the sheet shows the actions that have keys, by menu.
+//! Menu bar, command palette and sheet of the shortcuts, drawn from the registry.
 
 use super::{ACTIONS, Action, ActionId, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::project::Model;

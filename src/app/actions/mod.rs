@@ -1,5 +1,4 @@
-//! All actions of the user, each registered once: the menu bar, the tooltips, the command palette and the sheet of
-//! shortcuts are drawn from the rows of [`registry`].
+//! All actions of the user, each registered once in a row of [`registry`], from which menus and tooltips are drawn.
 
 mod change;
 pub mod menu;

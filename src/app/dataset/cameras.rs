@@ -1,7 +1,5 @@
-//! Cameras of an estimated and a true trajectory: in a plane, as a strip of their points and errors, and as a list.
-//!
-//! In the plane the truth is a line with rings, the estimate a dashed line with discs; their differences are drawn
-//! between them.
+//! Cameras of an estimated and a true trajectory: in a plane (the truth as a line with rings, the estimate dashed with
+//! discs, their differences between them), as a strip of their points and errors, and as a list.
 
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::panel::table::{Heading, Listed, rows_ui};

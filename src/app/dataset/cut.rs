@@ -1,5 +1,4 @@
-//! Questions before work on a dataset: how a long sequence is cut into bursts, whether a film that was opened as one
-//! burst is cut, and whether features of other parameters may be replaced.
+//! Questions before work on a dataset: whether and how a film is cut, and whether features may be replaced.
 
 use crate::app::panel::widgets::confirm_ui;
 use crate::app::project::datasets::Datasets;

@@ -1,5 +1,4 @@
-//! Panel of the trajectories' numbers: the files, the settings of the comparison, the errors, and the reconstruction in
-//! the paper's columns.
+//! Panel of the trajectories: their files, the settings of the comparison, the errors, and the reconstruction.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};

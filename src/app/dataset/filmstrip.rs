@@ -1,6 +1,4 @@
 //! Filmstrip: a dataset's bursts in order, each with a thumbnail, its state, and whether it is A or B.
-//!
-//! Thumbnails are requested as they come into view, and kept on the card up to a number.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::inspector::copy_ui;

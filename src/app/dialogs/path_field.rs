@@ -1,5 +1,4 @@
-//! Field to type a path into, where the system has no dialog or a person prefers to type, and the question whether a
-//! file there may be replaced, which the system's own dialog asks itself.
+//! Field to type a path into, and the question whether a file there may be replaced.
 
 use crate::app::panel::widgets::{confirm_ui, name_field};
 use crate::app::project::effect::Purpose;

@@ -1,5 +1,4 @@
-//! Header above a pane's picture: number, description, links, and the small drawn buttons that split and close the
-//! pane.
+//! Header above a pane's picture: number, description, links, and the drawn buttons that split and close the pane.
 
 use super::menu::{Change, pane_menu_ui};
 use super::widgets::{PaneWidgets, long_description, short_description};

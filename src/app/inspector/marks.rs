@@ -1,5 +1,4 @@
-//! Marks of places: the place under the pointer in all linked panes, with the value there, and the probed place in
-//! the panes of its burst, which is chosen by the pointer.
+//! Marks of the place under the pointer in all linked panes, and of the probed place in the panes of its burst.
 
 use super::pane_ui::{Drawn, full_scale};
 use super::widgets::{PaneWidgets, PlaceValue};

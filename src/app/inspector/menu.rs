@@ -1,5 +1,4 @@
-//! Menus of a pane: the one of its header, and the one that the secondary button opens on its picture, with items for
-//! the feature or match and the place there.
+//! Menus of a pane: of its header, and of its picture, with items for the feature or match and the place there.
 
 pub use crate::app::project::panes::Change;
 

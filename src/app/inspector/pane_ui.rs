@@ -1,8 +1,5 @@
-//! Content of one pane: a picture, with another one over it and the method's name in a corner; or a slice through the
-//! frames at the probed place.
-//!
-//! A slice has a row for each frame, along the motion or across it. Moving objects are slanted in it; the slope of
-//! the pane is a line that can be dragged.
+//! Content of one pane: a picture, with another one over it; or a slice through the frames at the probed place, with a
+//! row for each frame, in which moving objects are slanted and the slope of the pane is a line that can be dragged.
 
 use super::widgets::PaneWidgets;
 use crate::app::canvas::{Canvas, CanvasOutput};
@@ -10,6 +7,7 @@ use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::readout_of;
+use crate::app::panel::widgets::named;
 use crate::app::project::look::RangeClass;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Model, Visibility};
@@ -163,8 +161,7 @@ fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
             painter.line_segment([tip, tip + vec2(-3.0 * sign, 3.0 * turn)], Stroke::new(1.5, Color32::WHITE));
         }
     }
-    let value = f64::from(*at);
-    response.widget_info(|| egui::WidgetInfo::slider(true, value, "Wipe line"));
+    response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(*at), "Wipe line"));
     response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
 }
 
@@ -183,7 +180,7 @@ pub(in crate::app) fn chip_ui(
     painter.rect_filled(ground, 4.0, Color32::from_black_alpha(190));
     painter.galley(ground.min + vec2(7.0, 3.0), galley, Color32::WHITE);
     let response = ui.interact(ground, output.response.id.with(salt), Sense::hover());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
+    named(&response, egui::Role::Label, text);
 }
 
 /// Space for the frames' numbers on the left and the pixels below, points.
@@ -196,7 +193,7 @@ const MAX_ROW: f32 = 26.0;
 pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAxis, widgets: &mut PaneWidgets) -> bool {
     let (whole, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     let name = axis.label();
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
+    named(&response, egui::Role::Image, name);
     ui.painter().rect_filled(whole, 0.0, canvas::backdrop(ui));
     let touched = response.clicked() || response.drag_started();
     let is_probed = model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);

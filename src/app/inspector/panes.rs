@@ -1,5 +1,4 @@
-//! All panes of the open workspace, as `egui_tiles` draws them: each with its header and its content, or a page that
-//! says how to open its burst.
+//! All panes of the open workspace, as `egui_tiles` draws them, or a page that says how to open a pane's burst.
 
 use super::header::header_ui;
 use super::marks::{marks_ui, probe_ui};

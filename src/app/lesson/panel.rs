@@ -1,5 +1,4 @@
-//! Panel of the open lesson (step number, explanation, task, back and forward), the frames around what it highlights,
-//! and the list of all lessons.
+//! Panel of the open lesson, the frames around what it highlights, and the list of all lessons.
 
 use super::snr::snr_ui;
 use super::state::{Lessons, OpenLesson, Wish};
@@ -204,12 +203,6 @@ impl Default for Captions {
             cache.add_link_hook(format!("{GLOSSARY}{}", word.name));
         }
         Self { cache }
-    }
-}
-
-impl std::fmt::Debug for Captions {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Captions").finish_non_exhaustive()
     }
 }
 

@@ -1,5 +1,4 @@
-//! Panels of the measured values: the values along the line as curves; a row of statistics of the rectangle for each
-//! pane, and the histogram of the focused one.
+//! Panels of the values along the line, as curves, and of the statistics in the rectangle, for each pane.
 
 use super::{PaneRegion, measured_panes, profiles_of, region_in};
 use crate::app::actions::{ActionId, Queue, button_ui};

@@ -1,5 +1,4 @@
-//! Comparison of the features with a pinned result, with the features of a file, or with the truth: the list below the
-//! pictures, and the marks and the legend over them.
+//! Comparison of the features with a pinned result, a file or the truth: the list, and the marks over the pictures.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;

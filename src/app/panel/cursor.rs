@@ -1,6 +1,5 @@
-//! Cursor of the focused pane: sliders of frame, slope, octave and level, with the grid's slopes marked, and the
-//! buttons that move it. Below a slope slider lie bars of features and evidence, with the ends of the searched range,
-//! which can be dragged; a plane of slopes has a pad that moves both components at once.
+//! Cursor of the focused pane: its sliders and buttons; below a slope slider bars of features and evidence, with the
+//! ends of the searched range, which can be dragged; and a pad for a plane of slopes.
 
 use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};

@@ -1,5 +1,4 @@
-//! Display of the pictures: histogram, range, gamma, colour map and overlays; and the colour bar in the corner of a
-//! map.
+//! Display of the pictures: range, gamma, colour map and overlays; and the colour bar in the corner of a map.
 
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::{ColourBy, ColourScale};

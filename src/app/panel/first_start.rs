@@ -1,5 +1,4 @@
-//! Card of the first start, over the demo: what this is, and the three ways to go on. It is shown until it is
-//! dismissed, and never again.
+//! Card of the first start, over the demo: what this is, and the three ways to go on. Once dismissed it never returns.
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::lesson::{Chosen, Lessons};

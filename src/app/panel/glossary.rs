@@ -6,7 +6,7 @@ use crate::app::words::asked_for;
 use crate::teach::glossary::{Word, glossary};
 use egui::{Context, RichText, ScrollArea, Ui, vec2};
 
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct GlossaryWindow {
     is_open: bool,
     text: String,

@@ -1,5 +1,4 @@
-//! Legends in a corner of the picture. A click folds one to a small chip, so that it covers nothing for good, and a
-//! click on the chip unfolds it.
+//! Legends in a corner of the picture. A click folds one to a small chip, and unfolds it.
 
 use crate::app::panel::widgets::named;
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};

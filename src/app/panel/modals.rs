@@ -1,5 +1,4 @@
-//! Small dialogs over the window: the calibration of files (bias and flat frame, black level and full scale, linear
-//! light, raw colours), the choice of one burst in a folder of several, and the box about the program.
+//! Small dialogs: the calibration of files, the choice of one burst of several, and the box about the program.
 
 use crate::app::panel::widgets::named;
 use crate::app::project::effect::Purpose;

@@ -1,5 +1,4 @@
-//! Noise of the burst as the last detection estimated it: the variance over brightness with the fitted points, the map
-//! of the noise, and the assumptions that do not hold.
+//! Noise of the burst as the last detection estimated it: over brightness, as a map, and what is wrong with it.
 
 use crate::app::canvas::number as in_digits;
 use crate::app::panel::widgets::{instead_ui, warning_ui};

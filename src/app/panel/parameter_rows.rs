@@ -1,5 +1,4 @@
-//! Row of a parameter, made from its record: its name, the editor for its type of value, and the button that resets it
-//! to its default.
+//! Row of a parameter, made from its record: its name, its editor, and the button that resets it.
 
 use crate::app::panel::widgets::hint;
 use crate::app::words::explained;

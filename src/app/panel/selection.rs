@@ -1,5 +1,4 @@
-//! Selected feature: its numbers, its patch in the motion stack at its slope and in one frame, and its descriptor as
-//! 4 × 4 roses of eight directions. The patch and the descriptor are also drawn for matches.
+//! Selected feature: its numbers, patches and descriptor. The last two are also drawn for matches.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::signed_number;

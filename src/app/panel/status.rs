@@ -1,5 +1,4 @@
-//! Status bar with the value under the pointer, the last note and the open burst; and the messages above it: errors,
-//! the offer to restore a saved session, and advice after a detection with few or no features.
+//! Status bar, and the messages above it: errors, the offer to restore a session, and advice after a detection.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::widgets::{confirm_ui, named, progress_text, with_whole_numbers};

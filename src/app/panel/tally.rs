@@ -1,5 +1,4 @@
-//! Tests of the search: a table of how many samples each test rejected, and, over the picture, the candidates that one
-//! of them rejected, coloured by how far they failed.
+//! Tests of the search: how many samples each rejected, and the candidates that one of them rejected, over the picture.
 
 use crate::app::actions::Queue;
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};

@@ -194,8 +194,7 @@ fn subject_of(label: &str) -> (Option<Part>, Option<&'static str>) {
     }
 }
 
-/// Range of the handle's centre on the slider of a [`CursorRow`] that is drawn here, in points; and the width of the
-/// row.
+/// Range of the handle's centre on the slider of a [`CursorRow`] drawn here, and the width of the row, in points.
 pub fn slider_track(ui: &Ui) -> (egui::Rangef, f32) {
     let spacing = ui.spacing();
     let width = ui.available_width();
@@ -205,8 +204,7 @@ pub fn slider_track(ui: &Ui) -> (egui::Rangef, f32) {
     (egui::Rangef::new(left, left + slider).shrink(handle), width)
 }
 
-/// Adds a tooltip that is hidden while its widget is dragged, so that it covers neither the picture nor the next
-/// slider.
+/// Adds a tooltip that is hidden while its widget is dragged, so that it covers nothing then.
 pub fn hint(response: Response, help: impl Into<WidgetText>) -> Response {
     if response.is_pointer_button_down_on() || response.dragged() { response } else { response.on_hover_text(help) }
 }
@@ -244,8 +242,7 @@ fn time_left_text(left: Duration) -> String {
     }
 }
 
-/// Lays out a text in one line of at most `width` points. The middle of a longer text is left out: names in one dataset
-/// differ at their ends.
+/// Lays out a text in one line of at most `width` points, without the middle of a longer one: names differ at their ends.
 pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color32, width: f32) -> Arc<Galley> {
     let lay_out = |text: String| painter.layout_no_wrap(text, font.clone(), colour);
     let whole = lay_out(text.to_owned());
@@ -276,8 +273,7 @@ pub fn text_width(ui: &Ui, text: impl Into<WidgetText>) -> f32 {
     text.into().into_galley(ui, wrap, f32::INFINITY, egui::TextStyle::Body).size().x
 }
 
-/// Continues a wrapping row on its next line if `width` points do not fit into this one. Items of several parts would
-/// be cut at the line's end.
+/// Continues a wrapping row on its next line if `width` points do not fit into this one, which would cut the item.
 pub fn make_room(ui: &mut Ui, width: f32) {
     if ui.available_size_before_wrap().x < width {
         ui.end_row();
@@ -324,10 +320,8 @@ pub fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
 }
 
 pub fn name_field(response: &Response, name: &str, text: &str) {
-    response.widget_info(|| egui::WidgetInfo {
-        label: Some(name.to_owned()),
-        ..egui::WidgetInfo::text_edit(response.enabled(), text, text, name)
-    });
+    let info = || WidgetInfo::text_edit(response.enabled(), text, text, name);
+    response.widget_info(|| WidgetInfo { label: Some(name.to_owned()), ..info() });
 }
 
 #[cfg(test)]

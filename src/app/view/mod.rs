@@ -1,6 +1,5 @@
-//! How pictures and features are seen, as plain values: pan and zoom ([`View`]), transforms between coordinate systems,
-//! the quantities of features, and numbers as people read them. The project keeps these values, the canvas draws by
-//! them.
+//! How pictures and features are seen, as plain values that the project keeps and the canvas draws by: pan and zoom,
+//! transforms between coordinate systems, the quantities of features, and numbers as people read them.
 
 mod pan_zoom;
 

@@ -1,5 +1,4 @@
-//! Pan and zoom of a canvas, and the transforms between coordinate systems that follow from them: a uniform scale and
-//! a shift.
+//! Pan and zoom of a canvas, and the transforms between coordinate systems that follow from them.
 
 use egui::{Pos2, Rect, Vec2, pos2};
 use serde::{Deserialize, Serialize};

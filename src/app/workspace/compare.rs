@@ -1,5 +1,4 @@
-//! *Methods*: several methods on the same burst, in panes side by side, wiped or flipped; the matches of each, and a
-//! table of their numbers in the columns of the paper.
+//! *Methods*: several methods on the same burst, in panes side by side, and a table of their numbers.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines, drawn_lines};

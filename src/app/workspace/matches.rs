@@ -1,5 +1,4 @@
-//! Matches of a whole dataset: choice of the pairs on the left, the matrix in the centre, the list of pairs on the
-//! right.
+//! Matches of a whole dataset: choice of the pairs, the matrix, and the list of pairs.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::dataset::filmstrip::working_ui;

@@ -1,6 +1,4 @@
-//! Workspaces of the window: each lays out its panels between the toolbar above and the status bar below. *One burst*,
-//! *Trajectories* and *Lab* only arrange panels; *Two bursts*, *Methods* and *Matches* have modules with panels of
-//! their own.
+//! Workspaces of the window: each lays out its panels between the toolbar above and the status bar below.
 
 pub mod compare;
 pub mod matches;

@@ -1,5 +1,4 @@
-//! Curves of the Lab: one large plot, smaller ones beside it, with the spread of every point. Clicking a point shows
-//! its chart.
+//! Curves of the Lab: one large plot, smaller ones beside it. Clicking a point shows its chart.
 
 use super::curve_colour;
 use crate::app::panel::widgets::{named, still_plot};

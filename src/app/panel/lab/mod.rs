@@ -1,5 +1,4 @@
-//! Panels of the Lab: the settings of a study (question, charts, methods, kept curves), the curves, which grow while
-//! charts are finished, and the chart behind a point of a curve.
+//! Panels of the Lab: the settings of a study, the curves, and the chart behind a point of a curve.
 
 /// Draws a field of a grid: its name, help and widget.
 macro_rules! field {

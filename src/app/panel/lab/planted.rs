@@ -1,5 +1,4 @@
-//! Things planted in the open burst: what is planted, how faint a thing is seen at each place, and what became of the
-//! one that is looked at.
+//! Things planted in the open burst: how faint a thing is seen at each place, and what became of one.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::probe::PlaneTexture;

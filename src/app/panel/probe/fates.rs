@@ -1,5 +1,4 @@
-//! Candidates near the place: the first test that each fails, all tests of the selected one, and the one setting that
-//! would keep it.
+//! Candidates near the place: the tests that they fail, and the one setting that would keep the selected one.
 
 use super::apply_ui;
 use crate::app::actions::Queue;

@@ -1,7 +1,4 @@
-//! Probe panel: the candidates at a place, the reasons for their fates, and what would change them.
-//!
-//! It shows the answers of [`crate::inspect`]: the fates of the candidates near the place, the response over slope and
-//! scale, each frame's share, and suspicions about a feature.
+//! Probe panel, with the answers of [`crate::inspect`]: the candidates at a place, and the reasons for their fates.
 
 mod colour_bar;
 mod fates;

@@ -1,5 +1,4 @@
-//! Response over slope and scale: the peak of a blob, the gate, and the candidates of the search, as a map with numbers
-//! around it. A click moves the cursor there.
+//! Response over slope and scale, with the gate and the candidates of the search. A click moves the cursor there.
 
 use super::colour_bar::{self, ColourBar, range_of};
 use super::{PlaneTexture, strength_text};

@@ -1,5 +1,4 @@
-//! Slopes from the set-up: speed, turning, frame rate, lens and depths give the slopes to search, and slopes read as
-//! depths.
+//! Slopes from the set-up (speed, turning, frame rate, lens and depths), and slopes read as depths.
 
 use crate::app::panel::widgets::error_ui;
 use crate::app::project::Model;

@@ -1,5 +1,4 @@
-//! Selected match with its patches, descriptors and numbers; and the reason why a feature of A has this match or none:
-//! its candidates in B with their patches, and the place where the geometry expects it.
+//! Selected match, and the reason why a feature of A has this match or none: its candidates in B, its expected place.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;

@@ -1,5 +1,4 @@
-//! Lines of the matches between panes of A and panes of B: which panes face each other, and drawing, hovering and
-//! selection; the marks of an unmatched feature, its candidates and its expected place.
+//! Lines of the matches between panes of A and of B, and the marks of an unmatched feature and its candidates.
 
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{self, ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};

@@ -1,5 +1,4 @@
-//! Two bursts, and the matches between them: cursor and matching parameters on the left, panes of both bursts in the
-//! centre with the table of matches below them, the selected match with both its patches on the right.
+//! Two bursts side by side, and the matches between them.
 
 mod detail;
 pub(super) mod lines;

@@ -1,5 +1,4 @@
-//! Tables of two bursts: the matches, the features of A that are not inliers with the step at which each was lost, and
-//! the numbers of the pair in the columns of the paper.
+//! Tables of two bursts: the matches, and where the other features of A were lost; and the numbers of the pair.
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::inspector::match_menu_ui;
