@@ -1,7 +1,7 @@
 //! Glossary: the terms that the window uses, each with an explanation in a sentence or two and the paper's symbol.
 
 use super::part::parameters;
-use super::values::Text;
+use super::values::text;
 use crate::requests::ViewKind;
 use serde::Deserialize;
 use std::sync::OnceLock;
@@ -15,29 +15,22 @@ fn pictures() -> impl Iterator<Item = &'static str> {
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WordTable {
-    name: Text,
-    word: Text,
-    symbol: Option<Text>,
-    text: Text,
-    #[serde(default)]
-    pictures: Vec<String>,
-}
-
-#[derive(Debug, Clone, PartialEq)]
 pub struct Word {
     /// Name in links: lower-case letters, digits and dashes.
+    #[serde(deserialize_with = "text")]
     pub name: String,
     /// Term, as the window writes it.
+    #[serde(deserialize_with = "text")]
     pub word: String,
     /// Symbol in the paper, if there is one.
     pub symbol: Option<String>,
     /// Explanation, in CommonMark.
+    #[serde(deserialize_with = "text")]
     pub text: String,
+    #[serde(default)]
     pub pictures: Vec<String>,
 }
 
-/// All entries, in alphabetical order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glossary {
     words: Vec<Word>,
@@ -52,31 +45,23 @@ pub fn glossary() -> &'static Glossary {
 }
 
 impl Glossary {
-    /// Reads the text of a glossary.
-    ///
-    /// # Errors
-    /// When the text is no valid glossary; the message names the entry or the place.
     pub fn read(text: &str) -> Result<Self, String> {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
         struct File {
-            word: Vec<WordTable>,
+            word: Vec<Word>,
         }
         let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
-        let mut words = Vec::new();
-        for table in file.word {
-            let WordTable { name, word, symbol, text, pictures: explained } = table;
+        let mut words = file.word;
+        for Word { word, pictures: explained, .. } in &words {
             if let Some(name) = explained.iter().find(|name| !pictures().any(|picture| picture == **name)) {
-                return Err(format!("{}: there is no kind of picture '{name}'", word.0));
+                return Err(format!("{word}: there is no kind of picture '{name}'"));
             }
-            let symbol = symbol.map(|symbol| symbol.0);
-            words.push(Word { name: name.0, word: word.0, symbol, text: text.0, pictures: explained });
         }
         words.sort_by_key(|word| word.word.to_lowercase());
         Ok(Self { words })
     }
 
-    /// All entries, in alphabetical order.
     pub fn words(&self) -> &[Word] {
         &self.words
     }
@@ -109,8 +94,7 @@ impl Glossary {
                 word.text.to_lowercase().contains(&text).then_some(2)
             }
         };
-        let mut found: Vec<(i32, &Word)> =
-            self.words.iter().filter_map(|word| rank(word).map(|rank| (rank, word))).collect();
+        let mut found: Vec<_> = self.words.iter().filter_map(|word| Some((rank(word)?, word))).collect();
         // Within a rank they stay in alphabetical order.
         found.sort_by_key(|(rank, _)| *rank);
         found.into_iter().map(|(_, word)| word).collect()
@@ -155,11 +139,11 @@ mod tests {
 
     #[test]
     fn words_are_found_by_their_beginnings_parts_symbols_and_explanations() {
-        let first = |text: &str| glossary().search(text).first().map(|word| word.name.as_str());
-        assert_eq!(first("slope"), Some("slope"));
-        assert_eq!(first("λ"), Some("slope"));
-        assert_eq!(first("gate"), Some("noise-gate"));
-        assert_eq!(first("qqqq"), None);
+        for (text, first) in
+            [("slope", Some("slope")), ("λ", Some("slope")), ("gate", Some("noise-gate")), ("qqqq", None)]
+        {
+            assert_eq!(glossary().search(text).first().map(|word| word.name.as_str()), first);
+        }
         assert_eq!(glossary().search(" ").len(), glossary().words().len());
     }
 

@@ -13,9 +13,8 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Goal {
-    /// Horizontal component of the slope, px/frame.
+    /// px/frame.
     pub slope_u: Option<Between>,
-    /// Vertical component of the slope, px/frame.
     pub slope_v: Option<Between>,
     pub show: Option<ViewKind>,
     pub layout: Option<Layout>,
@@ -43,7 +42,6 @@ pub struct Goal {
 #[serde(try_from = "[f32; 3]")]
 pub struct Near {
     pub place: [f32; 2],
-    /// Maximum distance from the place, pixels.
     pub radius: f32,
 }
 
@@ -94,20 +92,17 @@ pub enum Wanted {
     Word(String),
 }
 
-/// State of the window that a goal is compared with.
 #[derive(Debug, Clone, Copy)]
 pub struct Holds<'a> {
     pub slope: Slope,
     /// Content of the focused picture; `None` where it is made of several.
     pub show: Option<ViewKind>,
-    /// Layout of the pictures, if they have one.
     pub layout: Option<Layout>,
-    /// Frame index of the focused picture, from 0.
     pub frame: usize,
     pub octave: i32,
     pub level: i32,
     pub frames_used: usize,
-    /// Number of features found with the present parameters.
+    /// With the present parameters.
     pub features: Option<usize>,
     pub selected: bool,
     /// Probed place, pixels at mid-burst, once its answer is there.

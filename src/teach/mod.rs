@@ -1,8 +1,6 @@
-//! Teaching material: lessons over the live window, and the glossary.
-//!
-//! Both are data that a teacher can write without knowing the program: a [`Lesson`] is a TOML file whose steps say what
-//! is set up, what is highlighted, what is explained (in CommonMark) and what is to be tried; the [`glossary`] explains
-//! every term of the window in a sentence or two. This module reads and checks them; the window shows them.
+//! Teaching material, which a teacher can write without knowing the program: a [`Lesson`] is a TOML file whose steps say
+//! what is set up, highlighted, explained (in CommonMark) and to be tried; the [`glossary`] explains every term of the
+//! window. This module reads and checks them.
 
 pub mod glossary;
 mod goal;

@@ -1,29 +1,22 @@
-//! State of the window in a step of a lesson: everything set up before the step begins.
-//!
-//! A lesson's file gives it in the table `set` for all of its steps, and in a step's own `set` for that step. Values
-//! absent from both are those of a newly opened window.
+//! State of the window as a step of a lesson begins, by the tables `set` of the lesson and of the step. Values absent
+//! from both are those of a newly opened window.
 
 use super::part::field_of;
 use super::values::finite;
+use crate::detector::params::ParamError;
 use crate::detector::{SearchParams, Slope};
 use crate::inspect::set_up::SetUp;
 use crate::matching::MatchParams;
 use crate::requests::{BurstSource, ViewKind};
 use serde::{Deserialize, Deserializer, Serialize, de};
 
-/// A task of the window: each workspace has its own arrangement of the middle of the window and of the panels around
-/// it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Workspace {
-    /// One burst, its pictures and features.
     #[default]
     Inspect,
-    /// Two bursts side by side, and the matches between them.
     Pair,
-    /// Several methods on the same burst.
     Methods,
-    /// The matches of a dataset's pairs.
     Matches,
     /// An estimated and a true trajectory.
     Trajectories,
@@ -62,19 +55,13 @@ pub enum Layout {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BottomTab {
-    /// Features, one row each.
     #[default]
     Table,
-    /// Numbers of candidates that each test rejected.
     Tally,
     Noise,
-    /// Slopes that the burst needs.
     Slopes,
-    /// Values along a line.
     Profile,
-    /// Values in a rectangle.
     Region,
-    /// Features compared with others.
     Compared,
 }
 
@@ -83,7 +70,6 @@ pub enum BottomTab {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "[f32; 5]")]
 pub struct Spot {
-    /// Centre: column and row at mid-burst.
     pub place: [f32; 2],
     pub inner: f32,
     /// Inner and outer radius of the background ring, pixels from the centre.
@@ -117,14 +103,12 @@ pub enum InView {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct State {
-    /// Burst; the demo by default.
     #[serde(deserialize_with = "built_in_burst")]
     pub burst: Option<BurstSource>,
     #[serde(deserialize_with = "built_in_burst")]
     pub second: Option<BurstSource>,
     pub workspace: Option<Workspace>,
     pub show: Option<ViewKind>,
-    /// Layout of the pictures, beginning with that one.
     pub layout: Option<Layout>,
     pub frame: Option<usize>,
     #[serde(deserialize_with = "slope")]
@@ -137,27 +121,21 @@ pub struct State {
     /// Detector's parameters, as in a parameter file: absent ones have their defaults.
     #[serde(deserialize_with = "params")]
     pub params: Option<SearchParams>,
-    /// Parameters of matching; absent ones have their defaults.
     #[serde(deserialize_with = "matching")]
     pub matching: Option<MatchParams>,
     pub detect: Option<bool>,
     pub features: Option<bool>,
-    /// Open tab below the pictures; the tabs are hidden without it.
     pub tab: Option<BottomTab>,
-    /// Probed place, pixels at mid-burst.
     #[serde(deserialize_with = "place")]
     pub probe: Option<[f32; 2]>,
     /// Whether the strongest feature (or, of two bursts, the best match) is selected.
     pub select: Option<bool>,
-    /// Spot where the signal-to-noise ratio is measured.
     pub spot: Option<Spot>,
-    /// Set-up of camera and scene, whose fields are unfolded.
     #[serde(deserialize_with = "set_up")]
     pub set_up: Option<SetUp>,
 }
 
 impl State {
-    /// These values, and those of `default` where a value is absent.
     #[must_use]
     pub(super) fn over(self, default: &Self) -> Self {
         let d = default.clone();
@@ -209,22 +187,14 @@ fn place<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32; 2]>,
 fn view<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<InView>, D::Error> {
     let numbers = Vec::<f32>::deserialize(deserializer)?;
     let in_view = match numbers[..] {
-        [u, v, zoom] if (0.01..=100.0).contains(&zoom) => {
-            InView::Centre(finite([u, v, zoom]).map_err(de::Error::custom)?)
-        }
-        [_, _, zoom] => {
-            let problem = format!("the zoom {zoom} is out of range; give 0.01 to 100 points per pixel");
-            return Err(de::Error::custom(problem));
-        }
+        [u, v, zoom] if (0.01..=100.0).contains(&zoom) => finite([u, v, zoom]).map(InView::Centre),
+        [_, _, zoom] => Err(format!("the zoom {zoom} is out of range; give 0.01 to 100 points per pixel")),
         [left, top, right, bottom] if left < right && top < bottom => {
-            InView::Region(finite([left, top, right, bottom]).map_err(de::Error::custom)?)
+            finite([left, top, right, bottom]).map(InView::Region)
         }
-        _ => {
-            let problem = "a view is [left, top, right, bottom] with left < right and top < bottom, or [u, v, zoom]";
-            return Err(de::Error::custom(problem));
-        }
+        _ => Err("a view is [left, top, right, bottom] with left < right and top < bottom, or [u, v, zoom]".to_owned()),
     };
-    Ok(Some(in_view))
+    in_view.map(Some).map_err(de::Error::custom)
 }
 
 fn set_up<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SetUp>, D::Error> {
@@ -235,16 +205,16 @@ fn set_up<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SetUp>, D
 
 fn params<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SearchParams>, D::Error> {
     let params = SearchParams::deserialize(deserializer)?;
-    params.validate().map_err(|error| {
-        de::Error::custom(format!("{}: {}; {}", field_of(error.parameter), error.problem, error.remedy))
-    })?;
+    params.validate().map_err(wrong)?;
     Ok(Some(params))
 }
 
 fn matching<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<MatchParams>, D::Error> {
     let params = MatchParams::deserialize(deserializer)?;
-    params.validate().map_err(|error| {
-        de::Error::custom(format!("{}: {}; {}", field_of(error.parameter), error.problem, error.remedy))
-    })?;
+    params.validate().map_err(wrong)?;
     Ok(Some(params))
+}
+
+fn wrong<E: de::Error>(error: ParamError) -> E {
+    E::custom(format!("{}: {}; {}", field_of(error.parameter), error.problem, error.remedy))
 }

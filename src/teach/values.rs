@@ -1,6 +1,6 @@
 //! Values of a lesson's file that are checked as they are read, so that a mistake is reported with its line.
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 /// Range from `min` to `max`, both included; written `[min, max]`.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -46,10 +46,11 @@ impl TryFrom<String> for Text {
     }
 }
 
-/// Returns `numbers`.
-///
-/// # Errors
-/// When one of them is not finite.
+pub(super) fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    Text::deserialize(deserializer).map(|text| text.0)
+}
+
+/// Returns `numbers` if all are finite.
 pub(super) fn finite<const N: usize>(numbers: [f32; N]) -> Result<[f32; N], String> {
     match numbers.iter().find(|x| !x.is_finite()) {
         Some(x) => Err(format!("{x} is not a finite number; give one")),

@@ -159,17 +159,18 @@ pub(super) fn layout(id: ActionId) -> Option<Preset> {
     })
 }
 
+/// The workspaces, in the order of the switch, with the actions that open them.
+pub const WORKSPACES: [(ActionId, Workspace); 6] = [
+    (ActionId::WorkspaceInspect, Workspace::Inspect),
+    (ActionId::WorkspacePair, Workspace::Pair),
+    (ActionId::WorkspaceMethods, Workspace::Methods),
+    (ActionId::WorkspaceMatches, Workspace::Matches),
+    (ActionId::WorkspaceTrajectories, Workspace::Trajectories),
+    (ActionId::WorkspaceLab, Workspace::Lab),
+];
+
 pub(super) fn workspace(id: ActionId) -> Option<Workspace> {
-    use ActionId as A;
-    Some(match id {
-        A::WorkspaceInspect => Workspace::Inspect,
-        A::WorkspacePair => Workspace::Pair,
-        A::WorkspaceMethods => Workspace::Methods,
-        A::WorkspaceMatches => Workspace::Matches,
-        A::WorkspaceTrajectories => Workspace::Trajectories,
-        A::WorkspaceLab => Workspace::Lab,
-        _ => return None,
-    })
+    WORKSPACES.into_iter().find(|(opens, _)| *opens == id).map(|(_, workspace)| workspace)
 }
 
 /// Probes the place under the pointer, or else the middle of what is seen of the picture in focus.

@@ -1,6 +1,4 @@
-//! Menu bar, command palette and sheet of shortcuts, drawn from the registry.
-//!
-//! The palette finds every action by parts of its name; the sheet shows the actions that have keys, by menu.
+//! Menu bar, command palette and sheet of the shortcuts, drawn from the registry.
 
 use super::{ACTIONS, Action, ActionId, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::project::Model;
@@ -40,10 +38,7 @@ pub fn menu_bar_ui(
 
 pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
     let action = id.action();
-    let mark = match checked(id, model) {
-        Some(true) => "✔ ",
-        Some(false) | None => "",
-    };
+    let mark = if checked(id, model) == Some(true) { "✔ " } else { "" };
     let mut button = egui::Button::new(format!("{mark}{}", action.label));
     if let Some(shortcut) = &action.shortcut {
         button = button.shortcut_text(keys_text(ui.ctx(), shortcut));
@@ -110,22 +105,15 @@ impl Palette {
         if !self.open {
             return;
         }
-        let (up, down, enter) = ctx.input_mut(|i| {
-            (
-                i.consume_key(Modifiers::NONE, Key::ArrowUp),
-                i.consume_key(Modifiers::NONE, Key::ArrowDown),
-                i.consume_key(Modifiers::NONE, Key::Enter),
-            )
-        });
+        let keys = [Key::ArrowUp, Key::ArrowDown, Key::Enter];
+        let [up, down, enter] = ctx.input_mut(|i| keys.map(|key| i.consume_key(Modifiers::NONE, key)));
         let mut run = None;
         let area = egui::Modal::default_area(egui::Id::unique("palette"))
             .anchor(egui::Align2::CENTER_TOP, egui::vec2(0.0, 72.0));
         let modal = egui::Modal::new(egui::Id::unique("palette")).area(area).show(ctx, |ui| {
             ui.set_width(440.0);
-            let edit = egui::TextEdit::singleline(&mut self.text)
-                .hint_text("Type part of an action's name")
-                .desired_width(f32::INFINITY);
-            let edit = ui.add(edit);
+            let edit = egui::TextEdit::singleline(&mut self.text).hint_text("Type part of an action's name");
+            let edit = ui.add(edit.desired_width(f32::INFINITY));
             crate::app::panel::widgets::name_field(&edit, "Find an action", &self.text);
             if edit.changed() {
                 self.chosen = 0;
@@ -157,12 +145,8 @@ impl Palette {
                 }
             });
         });
-        if let Some(action) = run {
-            queue.push(action.id);
-            self.open = false;
-        } else if modal.should_close() {
-            self.open = false;
-        }
+        queue.extend(run.map(|action| action.id));
+        self.open = run.is_none() && !modal.should_close();
     }
 }
 
@@ -180,10 +164,10 @@ fn palette_row_ui(ui: &mut egui::Ui, model: &Model, action: &Action, chosen: boo
 /// Enabled actions whose label or help contains the letters of `text` in their order; the best match first.
 fn found_by(text: &str, model: &Model) -> Vec<&'static Action> {
     let mut possible: Vec<&Action> =
-        ACTIONS.iter().filter(|a| enabled(a.id, model) && a.id != super::ActionId::Palette).collect();
+        ACTIONS.iter().filter(|a| enabled(a.id, model) && a.id != ActionId::Palette).collect();
     if text.trim().is_empty() {
         // In the order of the menus, after the most frequent action.
-        possible.sort_by_key(|a| a.id != super::ActionId::Detect);
+        possible.sort_by_key(|a| a.id != ActionId::Detect);
         return possible;
     }
     let mut scored: Vec<(i32, &Action)> = possible
@@ -302,19 +286,12 @@ fn key_ui(ui: &mut egui::Ui, keys: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::actions::ActionId;
-
-    fn first(text: &str) -> Option<ActionId> {
-        found_by(text, &Model::default()).first().map(|a| a.id)
-    }
 
     #[test]
     fn parts_of_names_find_their_action() {
-        assert_eq!(first("open dem"), Some(ActionId::OpenDemo));
-        assert_eq!(first("demo"), Some(ActionId::OpenDemo));
-        assert_eq!(first("light"), Some(ActionId::ThemeLight));
-        assert_eq!(first("keyb"), Some(ActionId::Shortcuts));
-        assert_eq!(first("opth"), Some(ActionId::OpenPath));
-        assert_eq!(first("qqqq"), None);
+        let texts = ["open dem", "light", "keyb", "opth", "qqqq"];
+        let found = texts.map(|text| found_by(text, &Model::default()).first().map(|action| action.id));
+        use ActionId as A;
+        assert_eq!(found, [Some(A::OpenDemo), Some(A::ThemeLight), Some(A::Shortcuts), Some(A::OpenPath), None]);
     }
 }

@@ -1,12 +1,11 @@
-//! All actions of the user, each registered once: the menu bar, the tooltips, the command palette and the sheet of
-//! shortcuts are drawn from the rows of [`registry`].
+//! All actions of the user, each registered once in a row of [`registry`], from which menus and tooltips are drawn.
 
 mod change;
 pub mod menu;
 pub mod registry;
 mod state_of;
 
-pub use change::{change, probe_here};
+pub use change::{WORKSPACES, change, probe_here};
 pub use registry::{ACTIONS, Action, ActionId, Menu, shown_by};
 pub use state_of::{checked, enabled};
 

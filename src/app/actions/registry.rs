@@ -330,21 +330,13 @@ mod tests {
 
     #[test]
     fn what_asks_first_ends_in_an_ellipsis() {
+        use ActionId as A;
+        let others =
+            [A::Palette, A::Lessons, A::OpenGoldA, A::OpenGoldB, A::FigureOptions, A::Calibration, A::PaperFigures];
+        let beginnings = ["Open ", "Save ", "Load ", "Export ", "Choose ", "Cut "];
         for action in ACTIONS {
-            let asks =
-                ["Open ", "Save ", "Load ", "Export ", "Choose ", "Cut "].iter().any(|p| action.label.starts_with(p))
-                    && action.id != ActionId::OpenDemo;
-            let asks = asks
-                || matches!(
-                    action.id,
-                    ActionId::Palette
-                        | ActionId::Lessons
-                        | ActionId::OpenGoldA
-                        | ActionId::OpenGoldB
-                        | ActionId::FigureOptions
-                        | ActionId::Calibration
-                        | ActionId::PaperFigures
-                );
+            let asks = beginnings.iter().any(|beginning| action.label.starts_with(beginning));
+            let asks = (asks && action.id != A::OpenDemo) || others.contains(&action.id);
             assert_eq!(action.label.ends_with('…'), asks, "{}", action.label);
         }
     }

@@ -28,11 +28,8 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::GoToFeature if in_pair => model.pair.selected.is_some(),
         A::Undo => model.history.can_undo(),
         A::Redo => model.history.can_redo(),
-        A::CopyRow => has_burst,
         A::CopyCommand => has_burst && active.param_error.is_none(),
-        A::PinResult => active.found.is_some(),
         A::UnpinResult => active.against.has(With::Pinned),
-        A::OpenFeatures => has_burst,
         A::CloseFeatures => active.against.has(With::File),
         A::ShowTruth => active.against.has(With::Truth),
         A::CopyPicture => model.picture().is_some(),
@@ -50,13 +47,10 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::RunStudy => !model.lab.wanted.is_pending() && model.lab_study().is_ok(),
         A::CancelStudy => model.lab.wanted.is_pending(),
         A::KeepCurves => model.lab.current.is_some() && !model.lab.wanted.is_pending(),
-        A::OpenDarkCopy => has_burst,
         A::OpenPlanted => model.lab.selected_thing().is_some() && has_burst,
         A::OpenChart => model.lab.selected_chart().is_some(),
         A::ExportCurvesCsv | A::ExportCurvesSvg => !model.lab.shown_results().is_empty(),
-        A::OpenGoldA => has_burst,
         A::OpenGoldB => has_burst && has_second,
-        A::OpenFolderB | A::OpenFilesB | A::OpenPathB | A::OpenDemoB => has_burst,
         A::CloseB | A::SwapSides => has_burst && has_second,
         A::OtherSide => in_pair && has_second,
         A::LinkCursors | A::LinkViews | A::LinkRanges => in_pair || many_panes,
@@ -64,7 +58,15 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Match => in_pair && !model.pair.matching.is_pending() && model.wanted_matches().is_some(),
         A::ProbeExpected => in_pair && model.expected_place().is_some(),
         A::ResetMatching => model.pair.params != MatchParams::default(),
-        A::SaveSession
+        A::CopyRow
+        | A::OpenFeatures
+        | A::OpenDarkCopy
+        | A::OpenGoldA
+        | A::OpenFolderB
+        | A::OpenFilesB
+        | A::OpenPathB
+        | A::OpenDemoB
+        | A::SaveSession
         | A::SaveCase
         | A::FilmOptions
         | A::ExportFilmGif
@@ -72,7 +74,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::OneToOne
         | A::ZoomIn
         | A::ZoomOut => has_burst,
-        A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => active.found.is_some(),
+        A::PinResult | A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => active.found.is_some(),
         A::ExportMatches => model.pair.matches.is_some(),
         A::ExportMatchPicture => model.pair.matches.is_some() && model.picture_of(Side::B).is_some(),
         A::ExportTiff | A::ExportPng | A::ExportSvg | A::ExportFigurePng | A::FigureOptions => {

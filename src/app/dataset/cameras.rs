@@ -1,10 +1,9 @@
-//! Cameras of an estimated and a true trajectory: in a plane, as a strip of their points and errors, and as a list.
-//!
-//! In the plane the truth is a line with rings, the estimate a dashed line with discs; their differences are drawn
-//! between them.
+//! Cameras of an estimated and a true trajectory: in a plane (the truth as a line with rings, the estimate dashed with
+//! discs, their differences between them), as a strip of their points and errors, and as a list.
 
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
+use crate::app::panel::widgets::instead_ui;
 use crate::app::project::trajectories::{PlaneScene, Spot, Trajectories, round_length};
 use crate::app::style;
 use crate::evaluate::poses::{PairReport, Trajectory};
@@ -79,12 +78,8 @@ fn spot_text(trajectories: &Trajectories, of_truth: bool, spot: &Spot) -> String
         return pair_text(trajectories, &report.pairs[pair]);
     }
     let label = label_of(trajectories, of_truth, spot);
-    let why = if of_truth && trajectories.report().is_some() {
-        "\nnot registered: the estimate has no camera here"
-    } else {
-        ""
-    };
-    format!("{label}{why}")
+    let is_missing = of_truth && trajectories.report().is_some();
+    format!("{label}{}", if is_missing { "\nnot registered: the estimate has no camera here" } else { "" })
 }
 
 pub fn pair_text(trajectories: &Trajectories, pair: &PairReport) -> String {
@@ -176,13 +171,8 @@ fn frame_ui(
     let text = format!("{} (the {whose}'s unit)", crate::app::canvas::number(length as f32, 3));
     painter.text(from + vec2(0.0, -5.0), Align2::LEFT_BOTTOM, text, font.clone(), weak);
     let [right, up] = trajectories.projection.axis_names();
-    painter.text(
-        rect.right_bottom() + vec2(-10.0, -8.0),
-        Align2::RIGHT_BOTTOM,
-        format!("{right}: to the right,  {up}: up"),
-        font,
-        weak,
-    );
+    let text = format!("{right}: to the right,  {up}: up");
+    painter.text(rect.right_bottom() + vec2(-10.0, -8.0), Align2::RIGHT_BOTTOM, text, font, weak);
 }
 
 #[derive(Clone, Copy)]
@@ -208,31 +198,18 @@ fn bars(trajectories: &Trajectories) -> Vec<Bar> {
     if estimate.model.is_none() {
         return Vec::new();
     }
-    match (&compared.truth, trajectories.report()) {
-        (Some((_, truth)), Some(report)) => {
-            let mut bars: Vec<Bar> =
-                truth.poses.iter().map(|p| Bar { label: p.label.clone(), points: None, pair: None }).collect();
-            for (index, pair) in report.pairs.iter().enumerate() {
-                bars[pair.truth] = Bar {
-                    label: pair.label.clone(),
-                    points: points_of(trajectories, pair.estimate),
-                    pair: Some(index),
-                };
-            }
-            bars
-        }
-        _ => {
-            let bar = |(index, pose): (usize, &crate::evaluate::poses::Pose)| Bar {
-                label: pose.label.clone(),
-                points: points_of(trajectories, index),
-                pair: None,
-            };
-            estimate.poses.iter().enumerate().map(bar).collect()
-        }
+    let bar = |label: &str, points, pair| Bar { label: label.to_owned(), points, pair };
+    let (Some((_, truth)), Some(report)) = (&compared.truth, trajectories.report()) else {
+        let poses = estimate.poses.iter().enumerate();
+        return poses.map(|(index, pose)| bar(&pose.label, points_of(trajectories, index), None)).collect();
+    };
+    let mut bars: Vec<Bar> = truth.poses.iter().map(|pose| bar(&pose.label, None, None)).collect();
+    for (index, pair) in report.pairs.iter().enumerate() {
+        bars[pair.truth] = bar(&pair.label, points_of(trajectories, pair.estimate), Some(index));
     }
+    bars
 }
 
-/// Draws the strip in the available space; without points it says what is missing.
 pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     let bars = bars(trajectories);
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(40.0, 40.0)), Sense::click());
@@ -249,14 +226,12 @@ pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     let step = plot.width() / bars.len() as f32;
     let gap = if step > 6.0 { 1.0 } else { 0.0 };
     let bar_at = |k: usize| {
-        Rect::from_x_y_ranges(
-            plot.left() + k as f32 * step + gap..=plot.left() + (k + 1) as f32 * step - gap,
-            plot.y_range(),
-        )
+        let at = |k: usize| plot.left() + k as f32 * step;
+        Rect::from_x_y_ranges(at(k) + gap..=at(k + 1) - gap, plot.y_range())
     };
-    for (text, y, align) in
-        [(most.to_string(), plot.top(), Align2::RIGHT_TOP), ("0".to_owned(), plot.bottom(), Align2::RIGHT_BOTTOM)]
-    {
+    let ends = [(most, plot.top(), Align2::RIGHT_TOP), (0, plot.bottom(), Align2::RIGHT_BOTTOM)];
+    for (number, y, align) in ends {
+        let text = number.to_string();
         painter.text(pos2(plot.left() - 6.0, y), align, text, font.clone(), visuals.weak_text_color());
     }
     let pointed = response.hover_pos().filter(|p| plot.contains(*p)).map(|p| ((p.x - plot.left()) / step) as usize);
@@ -294,7 +269,6 @@ pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     }
 }
 
-/// Headings of the list, and their meanings.
 const HEADINGS: [(&str, &str); 4] = [
     ("image", "The image's name, or the time"),
     ("error", "Distance of the camera's centre from the true one, in the truth's unit"),
@@ -304,7 +278,7 @@ const HEADINGS: [(&str, &str); 4] = [
 
 pub fn camera_list_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     let Some(report) = trajectories.report().cloned() else {
-        ui.centered_and_justified(|ui| ui.weak("Cameras that have a true one are listed here"));
+        instead_ui(ui, "Cameras that have a true one are listed here");
         return;
     };
     let (mut clicked, mut hovered, mut opened) = (None, None, None);

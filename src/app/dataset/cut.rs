@@ -1,6 +1,6 @@
-//! Questions before work on a dataset: how a long sequence is cut into bursts, whether a film that was opened as one
-//! burst is cut, and whether features of other parameters may be replaced.
+//! Questions before work on a dataset: whether and how a film is cut, and whether features may be replaced.
 
+use crate::app::panel::widgets::confirm_ui;
 use crate::app::project::datasets::Datasets;
 use crate::burst::SequenceCut;
 use crate::dataset::DatasetSource;
@@ -108,15 +108,18 @@ pub fn cut_offer_ui(ui: &mut Ui, frames: usize, length: usize) -> Option<CutChoi
     ui.horizontal_wrapped(|ui| {
         let text = format!("{} are long for one burst: nothing moves evenly for so long.", counted(frames, "frame"));
         ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
-        let cut = ui.button(format!("Cut into bursts of {length}"));
-        if cut.on_hover_text("Open them as a dataset, one burst after another").clicked() {
-            choice = Some(CutChoice::Cut);
-        }
-        if ui.button("Cut…").on_hover_text("Choose length and step of the bursts first").clicked() {
-            choice = Some(CutChoice::Ask);
-        }
-        if ui.button("Keep as one").on_hover_text("Look at all frames as one burst").clicked() {
-            choice = Some(CutChoice::Keep);
+        for (text, tip, wanted) in [
+            (
+                &*format!("Cut into bursts of {length}"),
+                "Open them as a dataset, one burst after another",
+                CutChoice::Cut,
+            ),
+            ("Cut…", "Choose length and step of the bursts first", CutChoice::Ask),
+            ("Keep as one", "Look at all frames as one burst", CutChoice::Keep),
+        ] {
+            if ui.button(text).on_hover_text(tip).clicked() {
+                choice = Some(wanted);
+            }
         }
     });
     choice
@@ -131,11 +134,7 @@ pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Data
         *open = false;
         return false;
     };
-    let mut replace = false;
-    let modal = egui::Modal::new(egui::Id::unique("replace features")).show(ctx, |ui| {
-        ui.set_width(420.0);
-        ui.heading("Replace features?");
-        ui.add_space(4.0);
+    let answer = confirm_ui(ctx, "replace features", "Replace features?", "Replace", |ui| {
         let folder = dataset.folder.as_ref().map_or_else(String::new, |f| f.display().to_string());
         ui.label(format!("The folder {folder} has features that were found with other parameters."));
         ui.add_space(4.0);
@@ -145,20 +144,9 @@ pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Data
              the old ones, burst by burst. Cancelled, it keeps the new features of the bursts that are finished. The bursts \
              themselves are not touched. To keep the old features, cancel and choose another folder."
         ));
-        ui.add_space(6.0);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.button("Replace").clicked() {
-                replace = true;
-            }
-            if ui.button("Cancel").clicked() {
-                ui.close();
-            }
-        });
     });
-    if replace || modal.should_close() {
-        *open = false;
-    }
-    replace
+    *open = answer.is_none();
+    answer == Some(true)
 }
 
 #[cfg(test)]
@@ -174,15 +162,13 @@ mod tests {
             contiguous: step.is_none(),
             step: step.unwrap_or(length),
         };
-        assert_eq!(
-            dialog(40, 7, None).consequence(),
-            "5 bursts, each named after its middle frame; the last 5 frames are left out"
-        );
-        assert_eq!(
-            dialog(8, 7, None).consequence(),
-            "1 burst, each named after its middle frame; the last frame is left out"
-        );
-        assert_eq!(dialog(9, 3, Some(2)).consequence(), "4 bursts, each named after its middle frame");
+        for (dialog, count, rest) in [
+            (dialog(40, 7, None), "5 bursts", "; the last 5 frames are left out"),
+            (dialog(8, 7, None), "1 burst", "; the last frame is left out"),
+            (dialog(9, 3, Some(2)), "4 bursts", ""),
+        ] {
+            assert_eq!(dialog.consequence(), format!("{count}, each named after its middle frame{rest}"));
+        }
         assert_eq!(dialog(9, 3, Some(2)).source().burst_step, Some(2));
         assert_eq!(dialog(9, 3, None).source().burst_step, None);
     }

@@ -1,14 +1,13 @@
-//! Panel of the trajectories' numbers: the files, the settings of the comparison, the errors, and the reconstruction in
-//! the paper's columns.
+//! Panel of the trajectories: their files, the settings of the comparison, the errors, and the reconstruction.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panel::widgets::section_ui;
+use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
 use crate::app::project::Model;
 use crate::app::project::datasets::Dataset;
 use crate::app::project::trajectories::Trajectories;
 use crate::evaluate::poses::{Association, ErrorSummary, ModelSummary, PoseReport, Projection};
 use crate::matching::ImageCounts;
-use egui::{ComboBox, DragValue, Grid, Label, RichText, Ui};
+use egui::{DragValue, Grid, Label, RichText, Ui};
 use std::path::Path;
 
 /// Draws the panel; returns whether the comparison must be made again.
@@ -23,7 +22,7 @@ pub fn errors_panel_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> boo
         again = study_ui(ui, &mut model.trajectories);
     });
     if let Some(problem) = model.trajectories.problem() {
-        ui.add(Label::new(RichText::new(problem).color(ui.visuals().error_fg_color)).wrap());
+        error_ui(ui, problem);
     }
     if let Some(report) = model.trajectories.report().cloned() {
         section_ui(ui, "Errors", |ui| errors_ui(ui, &report));
@@ -35,7 +34,7 @@ pub fn errors_panel_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> boo
 fn file_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, name: &str, path: Option<&Path>) {
     ui.horizontal(|ui| {
         let response = button_ui(ui, model, queue, id, Some(&format!("{name}…")));
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, id.action().label));
+        named(&response, egui::Role::Button, id.action().label);
         let text = path.map_or("none yet".to_owned(), |p| p.display().to_string());
         ui.add(Label::new(RichText::new(&text).weak()).truncate()).on_hover_text(text);
     });
@@ -46,29 +45,14 @@ fn study_ui(ui: &mut Ui, trajectories: &mut Trajectories) -> bool {
     let before = trajectories.study;
     Grid::new("study").num_columns(2).show(ui, |ui| {
         let label = ui.label("Seen from").on_hover_text("The plane in which the cameras are drawn");
-        ComboBox::from_id_salt("projection")
-            .selected_text(trajectories.projection.name())
-            .show_ui(ui, |ui| {
-                for projection in Projection::ALL {
-                    ui.selectable_value(&mut trajectories.projection, projection, projection.name());
-                }
-            })
-            .response
-            .labelled_by(label.id);
+        let projection = &mut trajectories.projection;
+        choice_ui(ui, "projection", label.id, None, projection, Projection::ALL, Projection::name);
         ui.end_row();
         let label = ui.label("Paired").on_hover_text("How estimated and true cameras are paired");
         let name = |by: Option<Association>| by.map_or("as it fits", Association::phrase);
         let study = &mut trajectories.study;
-        ComboBox::from_id_salt("associate")
-            .selected_text(name(study.associate))
-            .show_ui(ui, |ui| {
-                let rules = [None, Some(Association::Name), Some(Association::Time), Some(Association::Order)];
-                for by in rules {
-                    ui.selectable_value(&mut study.associate, by, name(by));
-                }
-            })
-            .response
-            .labelled_by(label.id);
+        let rules = [None, Some(Association::Name), Some(Association::Time), Some(Association::Order)];
+        choice_ui(ui, "associate", label.id, None, &mut study.associate, rules, name);
         ui.end_row();
         let label =
             ui.label("Time difference").on_hover_text("Max difference of the times of a pair, in the files' unit");
@@ -98,33 +82,14 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
         ui.end_row();
         let PoseReport { absolute, relative, .. } = report;
         let rows: [(&str, &str, &ErrorSummary, usize); 4] = [
-            (
-                "ATE",
-                "Absolute trajectory error: distances of the camera centres, in the truth's unit",
-                &absolute.translation,
-                4,
-            ),
-            (
-                "ATE °",
-                "Absolute trajectory error: angles between the cameras' directions, degrees",
-                &absolute.rotation_deg,
-                3,
-            ),
-            (
-                "RPE",
-                "Relative pose error: difference between estimated and true motions, in the truth's unit",
-                &relative.translation,
-                4,
-            ),
-            (
-                "RPE °",
-                "Relative pose error: difference between estimated and true motions, degrees",
-                &relative.rotation_deg,
-                3,
-            ),
+            ("ATE", "distances of the camera centres, in the truth's unit", &absolute.translation, 4),
+            ("ATE °", "angles between the cameras' directions, degrees", &absolute.rotation_deg, 3),
+            ("RPE", "difference between estimated and true motions, in the truth's unit", &relative.translation, 4),
+            ("RPE °", "difference between estimated and true motions, degrees", &relative.rotation_deg, 3),
         ];
         for (name, help, errors, digits) in rows {
-            ui.label(name).on_hover_text(help);
+            let whose = if name.starts_with('A') { "Absolute trajectory" } else { "Relative pose" };
+            ui.label(name).on_hover_text(format!("{whose} error: {help}"));
             for value in [errors.rmse, errors.mean, errors.median, errors.max] {
                 let text = if value.is_nan() { "–".to_owned() } else { format!("{value:.digits$}") };
                 ui.label(RichText::new(text).monospace());
@@ -134,7 +99,6 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
     });
 }
 
-/// Draws the columns of the paper's table, as far as they are known.
 fn reconstruction_ui(ui: &mut Ui, model: &Model) {
     let estimate = model.trajectories.compared.estimate.as_ref();
     let summary = estimate.and_then(|(_, t)| t.model.as_ref()).map(|m| m.summary());

@@ -1,10 +1,8 @@
 //! Filmstrip: a dataset's bursts in order, each with a thumbnail, its state, and whether it is A or B.
-//!
-//! Thumbnails are requested as they come into view, and kept on the card up to a number.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::inspector::copy_ui;
-use crate::app::panel::widgets::{middle_elided, progress_text};
+use crate::app::panel::widgets::{middle_elided, named, paint, progress_text};
 use crate::app::project::Model;
 use crate::app::project::datasets::{BurstState, Dataset, Datasets};
 use crate::app::style;
@@ -27,7 +25,6 @@ const CELL_HEIGHT: f32 = PICTURE_HEIGHT + 2.0 * TEXT_HEIGHT;
 
 pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 
-/// Letters of the two bursts that are matched.
 pub const SIDES: [&str; 2] = ["A", "B"];
 
 /// Draws the strip; returns the place of the burst to open.
@@ -120,12 +117,10 @@ fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 /// Draws a button whose text is shorter than its label for screen readers.
 fn short_button_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, text: &str) {
-    let label = id.action().label;
     let response = button_ui(ui, model, queue, id, Some(text));
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, label));
+    named(&response, egui::Role::Button, id.action().label);
 }
 
-/// Draws the folder's problem, or a note that the features are not those of the present parameters.
 fn notice_ui(ui: &mut Ui, model: &Model, dataset: &Dataset, queue: &mut Queue) {
     let warning = |text: &str| RichText::new(text).color(style::warning(ui));
     if let Some(error) = &dataset.folder_error {
@@ -152,10 +147,11 @@ fn summary(dataset: &Dataset) -> String {
 
 pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
     let Some(work) = datasets.work else { return };
-    let fraction = datasets.wanted.running().and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
-    let text = datasets.wanted.running().as_ref().map_or_else(|| work.title().to_owned(), progress_text);
+    let running = datasets.wanted.running();
+    let fraction = running.and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
+    let text = running.as_ref().map_or_else(|| work.title().to_owned(), progress_text);
     let bar = ui.add(ProgressBar::new(fraction).desired_width(280.0).text(text));
-    bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, work.title()));
+    named(&bar, egui::Role::ProgressIndicator, work.title());
 }
 
 fn cell_ui(
@@ -230,15 +226,13 @@ fn picture_ui(ui: &Ui, area: Rect, picture: Option<&ThumbnailState>) {
         Some(ThumbnailState::Picture(texture)) => {
             let size = texture.size_vec2();
             let size = size * (area.width() / size.x).min(area.height() / size.y);
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            painter.image(texture.id(), Rect::from_center_size(area.center(), size), whole, Color32::WHITE);
+            paint(&painter, texture.id(), Rect::from_center_size(area.center(), size));
         }
         Some(ThumbnailState::Failed(_)) => say("no picture", ui.visuals().error_fg_color),
         Some(ThumbnailState::Asked) | None => say("…", ui.visuals().weak_text_color()),
     }
 }
 
-/// Draws the state below the picture, and a progress bar over it while the burst is searched.
 fn state_ui(ui: &Ui, state: &BurstState, area: Rect, rect: Rect, fraction: f32) {
     let painter = ui.painter_at(rect);
     let visuals = ui.visuals();
@@ -299,13 +293,11 @@ pub enum ThumbnailState {
 #[derive(Default)]
 pub struct Thumbnails {
     shown: HashMap<String, ThumbnailState>,
-    /// Bursts that came into view in this pass.
     in_view: Vec<BurstFiles>,
     wanted: Wanted<ThumbnailsRequest>,
 }
 
 impl Thumbnails {
-    /// Removes all thumbnails: another dataset was opened.
     pub fn clear(&mut self) {
         *self = Self::default();
     }

@@ -1,9 +1,5 @@
-//! Many bursts in one window: a dataset's filmstrip, the matches of its pairs, and the resulting trajectories.
-//!
-//! The data is in [`datasets`](crate::app::project::datasets) and [`trajectories`](crate::app::project::trajectories)
-//! of the project. [`filmstrip`] shows the bursts with their states, [`cut`] asks how a long sequence is cut into
-//! bursts; [`pairs`] shows the matches of all pairs; [`cameras`] and [`errors_panel`] show an estimated trajectory
-//! beside the true one.
+//! Many bursts in one window: a dataset's [`filmstrip`], how a long sequence is [`cut`] into one, the matches of its
+//! [`pairs`], and the estimated trajectory beside the true one ([`cameras`], [`errors_panel`]).
 
 pub mod cameras;
 pub mod cut;

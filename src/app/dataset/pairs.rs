@@ -1,11 +1,9 @@
-//! Matches of all pairs of bursts, as a matrix and as a list.
-//!
-//! The matrix has a row and a column for each burst; each cell shows the inliers of two bursts as a colour and a
-//! number. In the list a click on a heading sorts, a click on a row selects, a second one opens.
+//! Matches of all pairs of bursts: as a matrix, whose cells show the inliers of two bursts as a colour and a number, and
+//! as a list.
 
 use super::filmstrip::{SIDES, side_colour};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
-use crate::app::panel::widgets::middle_elided;
+use crate::app::panel::widgets::{instead_ui, middle_elided};
 use crate::app::project::datasets::pairs::{BurstPair, PairColumn, PairTable, pair_of};
 use crate::app::project::datasets::{BurstState, Dataset};
 use crate::app::style;
@@ -31,7 +29,6 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Side of a cell when `count` bursts are shown in `room` points.
     fn cell_side(count: usize, room: egui::Vec2) -> f32 {
         let side = (room.x - NAMES_WIDTH).min(room.y - HEAD_HEIGHT) / count.max(1) as f32;
         side.floor().clamp(*CELL_RANGE.start(), *CELL_RANGE.end())
@@ -245,7 +242,7 @@ fn names(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)
 /// Draws the list. Returns the double-clicked pair.
 pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
     if dataset.matches.is_empty() {
-        ui.centered_and_justified(|ui| ui.weak("Match pairs to see them here"));
+        instead_ui(ui, "Match pairs to see them here");
         return None;
     }
     // The table lists numbers: a pair is the place of its cell in the matrix.
@@ -302,8 +299,7 @@ mod tests {
         for outside in [pos2(99.0, 30.0), pos2(120.0, 10.0), pos2(181.0, 30.0), pos2(f32::NAN, 30.0)] {
             assert_eq!(grid.cell_at(outside), None);
         }
-        assert_eq!(Grid::cell_side(5, vec2(900.0, 700.0)), 64.0);
-        assert_eq!(Grid::cell_side(1000, vec2(900.0, 700.0)), 7.0);
+        assert_eq!([5, 1000].map(|count| Grid::cell_side(count, vec2(900.0, 700.0))), [64.0, 7.0]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
-//! Field to type a path into, where the system has no dialog or a person prefers to type, and the question whether a
-//! file there may be replaced, which the system's own dialog asks itself.
+//! Field to type a path into, and the question whether a file there may be replaced.
 
+use crate::app::panel::widgets::{confirm_ui, name_field};
 use crate::app::project::effect::Purpose;
 use crate::export::is_ours;
 use std::path::PathBuf;
@@ -9,7 +9,6 @@ use std::path::PathBuf;
 pub struct PathField {
     pub purpose: Purpose,
     pub text: String,
-    /// Whether it stands in for a dialog that the system does not have.
     pub instead_of_dialog: bool,
     fresh: bool,
 }
@@ -31,7 +30,7 @@ impl PathField {
             let edit = ui.add(
                 egui::TextEdit::singleline(&mut self.text).hint_text(self.purpose.hint()).desired_width(f32::INFINITY),
             );
-            crate::app::panel::widgets::name_field(&edit, "Path", &self.text);
+            name_field(&edit, "Path", &self.text);
             if std::mem::take(&mut self.fresh) {
                 edit.request_focus();
                 select_stem(ctx, edit.id, &self.text);
@@ -105,25 +104,11 @@ impl ReplaceFile {
     }
 
     pub fn ui(&self, ctx: &egui::Context) -> Option<bool> {
-        let mut answer = None;
-        let modal = egui::Modal::new(egui::Id::unique("replace file")).show(ctx, |ui| {
-            ui.set_width(420.0);
-            ui.heading("Replace this file?");
-            ui.add_space(4.0);
+        confirm_ui(ctx, "replace file", "Replace this file?", "Replace", |ui| {
             ui.label(self.path.display().to_string());
             ui.add_space(4.0);
             ui.label(self.about);
-            ui.add_space(6.0);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.button("Replace").clicked() {
-                    answer = Some(true);
-                }
-                if ui.button("Cancel").clicked() {
-                    answer = Some(false);
-                }
-            });
-        });
-        answer.or_else(|| modal.should_close().then_some(false))
+        })
     }
 }
 
@@ -133,10 +118,9 @@ mod tests {
 
     #[test]
     fn pasted_paths_are_understood() {
-        assert_eq!(path_from_text("  /data/night "), PathBuf::from("/data/night"));
-        assert_eq!(path_from_text("'/data/a b.tiff'"), PathBuf::from("/data/a b.tiff"));
-        assert_eq!(path_from_text("\"/data/x\""), PathBuf::from("/data/x"));
-        assert_eq!(path_from_text("file:///data/x.npy"), PathBuf::from("/data/x.npy"));
+        for text in ["  /data/a b ", "'/data/a b'", "\"/data/a b\"", "file:///data/a b"] {
+            assert_eq!(path_from_text(text), PathBuf::from("/data/a b"));
+        }
         if let Some(home) = std::env::home_dir() {
             assert_eq!(path_from_text("~/bursts"), home.join("bursts"));
         }

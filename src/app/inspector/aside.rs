@@ -1,5 +1,4 @@
-//! A picture that stays where it is while a panel comes beside it: the panel on the right comes with a selection, and
-//! what was clicked stays under the pointer.
+//! A picture that stays where it is while a panel comes beside it, so that what was clicked stays under the pointer.
 
 use crate::app::view::View;
 use egui::Rect;

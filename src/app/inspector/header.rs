@@ -1,10 +1,10 @@
-//! Header above a pane's picture: number, description, links, and the small drawn buttons that split and close the
-//! pane.
+//! Header above a pane's picture: number, description, links, and the drawn buttons that split and close the pane.
 
 use super::menu::{Change, pane_menu_ui};
 use super::widgets::{PaneWidgets, long_description, short_description};
 use crate::app::actions::Queue;
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
+use crate::app::panel::display::features_shown_ui;
 use crate::app::project::Model;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::workspace::Workspace;
@@ -14,18 +14,15 @@ use egui::{
     Ui, pos2, vec2,
 };
 
-/// Minimum width of a header on one line, in points; narrower ones have the links on a second line.
+// Minimum widths of headers, in points: on one line (others have the links on a second one), with range and zoom, and
+// with split buttons (others have them in the menu only).
 const ONE_LINE: f32 = 440.0;
-/// Minimum width of a header with range and zoom, in points.
 const ROOM_FOR_NUMBERS: f32 = 560.0;
-/// As `ROOM_FOR_NUMBERS`, for a single pane, which has no links.
-const ROOM_FOR_NUMBERS_ALONE: f32 = 400.0;
-/// Minimum width of a single pane's header with the switch of its features, in points.
-const ROOM_FOR_FEATURES: f32 = 620.0;
-/// Minimum width of a single pane's header with that switch and the range, in points.
-const ROOM_FOR_ALL: f32 = 800.0;
-/// Minimum width of a header with the split buttons, in points; narrower ones have them in the menu only.
 const ROOM_FOR_SPLITS: f32 = 190.0;
+// Those of a single pane's header, which has no links: with range and zoom, with the switch of features, with all.
+const ROOM_FOR_NUMBERS_ALONE: f32 = 400.0;
+const ROOM_FOR_FEATURES: f32 = 620.0;
+const ROOM_FOR_ALL: f32 = 800.0;
 
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HeaderResponse {
@@ -116,15 +113,10 @@ fn drawn_ui(ui: &mut Ui, model: &mut Model, drawn_of: Option<(usize, usize)>, ha
     }
     if has_switch && model.workspace == Workspace::Inspect {
         // From the right end of the line the buttons are drawn in reverse.
-        for choice in FeaturesShown::ALL.into_iter().rev() {
-            let text = RichText::new(choice.label()).small();
-            let button = ui.selectable_value(&mut model.look.overlay, choice, text);
-            button.on_hover_text(format!("{} (O)", choice.help()));
-        }
+        features_shown_ui(ui, &mut model.look.overlay, FeaturesShown::ALL.into_iter().rev());
     }
 }
 
-/// Draws the zoom and, where there is room, the range.
 fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId, has_range: bool) {
     let Some(pane) = model.panes.get(id) else { return };
     let display = model.display_of(id);
@@ -195,12 +187,10 @@ fn grip_sense(many: bool) -> Sense {
 pub enum Icon {
     SplitRight,
     SplitDown,
-    /// Three lines: a menu.
     Menu,
     Close,
 }
 
-/// Size of a button, in points.
 pub const ICON_SIZE: egui::Vec2 = vec2(20.0, 18.0);
 
 pub fn icon_button_ui(ui: &mut Ui, icon: Icon, name: &str, tip: &str, enabled: bool) -> Response {

@@ -1,11 +1,11 @@
-//! Marks of places: the place under the pointer in all linked panes, with the value there, and the probed place in
-//! the panes of its burst, which is chosen by the pointer.
+//! Marks of the place under the pointer in all linked panes, and of the probed place in the panes of its burst.
 
 use super::pane_ui::{Drawn, full_scale};
 use super::widgets::{PaneWidgets, PlaceValue};
 use crate::app::canvas::CanvasOutput;
 use crate::app::pane::{Link, PaneId, place_in};
 use crate::app::panel::picture::readout_of;
+use crate::app::panel::widgets::dashed_circle;
 use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::pair::Side;
@@ -36,11 +36,9 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
 pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let (a, b) = (model.panes.get(from)?, model.panes.get(to)?);
     let kinds = [a, b].map(|pane| pane.picture.as_ref().map(|picture| picture.request.kind));
-    let used = model.slots[a.side].usable_params.used_frames(model.burst_of(a.side)?.burst.len());
-    Some(place_in(pos_image, (kinds[0]?, &a.cursor), (kinds[1]?, &b.cursor), &used))
+    Some(place_in(pos_image, (kinds[0]?, &a.cursor), (kinds[1]?, &b.cursor), &used(model, a.side)?))
 }
 
-/// Value at `pos_image` in the picture of `shown`, which pane `id` shows.
 fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
     let picture = model.panes.get(shown)?.picture.as_ref()?;
     let canvas = widgets.get(shown)?.picture.shown()?;
@@ -164,7 +162,6 @@ fn probe_marks_ui(model: &Model, drawn: &[(PaneId, Drawn)]) {
 const MARK: Color32 = Color32::from_rgb(80, 220, 255);
 const RIVAL: Color32 = Color32::from_rgb(255, 120, 90);
 
-/// Draws four strokes that point at the place and leave it free.
 fn probe_mark(output: &CanvasOutput, pos_image: Pos2) {
     let centre = output.ui_from_image.pos(pos_image);
     if !output.response.rect.contains(centre) {
@@ -173,9 +170,8 @@ fn probe_mark(output: &CanvasOutput, pos_image: Pos2) {
     for (width, colour) in [(4.0, Color32::from_black_alpha(170)), (2.0, MARK)] {
         for direction in [vec2(1.0, 1.0), vec2(-1.0, 1.0), vec2(1.0, -1.0), vec2(-1.0, -1.0)] {
             let direction = direction.normalized();
-            output
-                .painter
-                .line_segment([centre + 5.0 * direction, centre + 14.0 * direction], Stroke::new(width, colour));
+            let ends = [centre + 5.0 * direction, centre + 14.0 * direction];
+            output.painter.line_segment(ends, Stroke::new(width, colour));
         }
     }
 }
@@ -187,7 +183,5 @@ fn blob(output: &CanvasOutput, pos_image: Pos2, sigma: f32, colour: Color32) {
     if !output.response.rect.expand(radius).contains(centre) {
         return;
     }
-    let points: Vec<Pos2> =
-        (0..=48).map(|i| centre + radius * egui::Vec2::angled(i as f32 / 48.0 * std::f32::consts::TAU)).collect();
-    output.painter.extend(egui::Shape::dashed_line(&points, Stroke::new(1.6, colour), 5.0, 4.0));
+    dashed_circle(&output.painter, centre, radius, Stroke::new(1.6, colour), (5.0, 4.0));
 }

@@ -1,5 +1,4 @@
-//! Menus of a pane: the one of its header, and the one that the secondary button opens on its picture, with items for
-//! the feature or match and the place there.
+//! Menus of a pane: of its header, and of its picture, with items for the feature or match and the place there.
 
 pub use crate::app::project::panes::Change;
 
@@ -57,7 +56,12 @@ pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: 
 }
 
 fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
-    let others: Vec<(PaneId, usize)> = other_panes(model, id);
+    let mut others = other_panes(model, id);
+    // A difference is made of panes that show pictures of their own.
+    others.retain(|(other, _)| {
+        let pane = model.panes.get(*other);
+        pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))
+    });
     let both = model.burst_of(Side::B).is_some();
     let methods = model.contenders();
     let Some(pane) = model.panes.get_mut(id) else { return };
@@ -108,23 +112,13 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     }
 }
 
-/// Other panes that show pictures of their own, with their numbers.
 fn other_panes(model: &Model, id: PaneId) -> Vec<(PaneId, usize)> {
-    let own = |other: &PaneId| {
-        let pane = model.panes.get(*other);
-        *other != id && pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))
-    };
-    model.panes.shown().into_iter().filter(own).filter_map(|other| Some((other, model.panes.number(other)?))).collect()
+    let others = model.panes.shown().into_iter().filter(|other| *other != id);
+    others.filter_map(|other| Some((other, model.panes.number(other)?))).collect()
 }
 
 fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
-    let others: Vec<(PaneId, usize)> = model
-        .panes
-        .shown()
-        .into_iter()
-        .filter(|other| *other != id)
-        .filter_map(|other| Some((other, model.panes.number(other)?)))
-        .collect();
+    let others = other_panes(model, id);
     let Some(pane) = model.panes.get_mut(id) else { return };
     ui.add_enabled_ui(!others.is_empty(), |ui| {
         let wipe = |other| Over::Wipe { other, at: 0.5 };
@@ -146,8 +140,7 @@ fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
 }
 
 fn links_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
-    let many = model.panes.are_many();
-    ui.add_enabled_ui(many, |ui| {
+    ui.add_enabled_ui(model.panes.are_many(), |ui| {
         ui.menu_button("Links", |ui| {
             for link in Link::ALL {
                 let mut on = model.panes.get(id).is_some_and(|pane| pane.links.has(link));
@@ -159,7 +152,6 @@ fn links_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     });
 }
 
-/// Shows the menu where the secondary button was pressed on the picture of pane `id`.
 pub(super) fn picture_menu_ui(
     drawn: &Drawn,
     model: &mut Model,
@@ -198,8 +190,7 @@ pub(super) fn picture_menu_ui(
             ui.separator();
         }
         if let Some((side, place)) = place.mid_burst {
-            let button = ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help);
-            if button.clicked() {
+            if ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help).clicked() {
                 model.probe_place(side, place);
             }
         }
@@ -246,10 +237,7 @@ pub(in crate::app) fn copy_ui(ui: &mut Ui, label: &str, text: impl FnOnce() -> S
 pub(in crate::app) fn match_menu_ui(ui: &mut Ui, row: &MatchRow<'_>) -> bool {
     ui.set_min_width(150.0);
     ui.label(RichText::new(format!("Match {}", row.index + 1)).small().weak());
-    let go = ui
-        .button("Go to match")
-        .on_hover_text("Show both features, each in the motion stack at its own slope")
-        .clicked();
+    let go = ui.button("Go to match").on_hover_text("Show both features, each in the motion stack at its own slope");
     copy_ui(ui, "Copy row", || clipboard::match_text(row));
-    go
+    go.clicked()
 }

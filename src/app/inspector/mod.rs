@@ -1,9 +1,6 @@
-//! Centre of *Inspect*, *Two bursts* and *Methods*: panes in any arrangement, their content and links.
-//!
-//! `egui_tiles` draws the arrangement and lets it be dragged; this module draws the content of a pane: its header, its
-//! picture with features, another picture over it, and the mark of the place under the pointer of another pane.
-//! Requests of a pane's menu or buttons that change other panes are collected as [`Change`]s and run after all panes
-//! are drawn.
+//! Centre of *Inspect*, *Two bursts* and *Methods*: panes in any arrangement, which `egui_tiles` draws and lets be
+//! dragged, their content and links. What a pane's menu or buttons change in other panes is collected as [`Change`]s, and
+//! run after all panes are drawn.
 
 mod aside;
 mod header;
@@ -13,8 +10,7 @@ mod pane_ui;
 mod panes;
 mod widgets;
 
-pub(in crate::app) use marks::is_with_shift;
-pub(in crate::app) use marks::same_place;
+pub(in crate::app) use marks::{is_with_shift, same_place};
 pub use menu::Change;
 pub(in crate::app) use menu::{copy_ui, match_menu_ui};
 pub use pane_ui::Drawn;

@@ -1,15 +1,13 @@
-//! Content of one pane: a picture, with another one over it and the method's name in a corner; or a slice through the
-//! frames at the probed place.
-//!
-//! A slice has a row for each frame, along the motion or across it. Moving objects are slanted in it; the slope of
-//! the pane is a line that can be dragged.
+//! Content of one pane: a picture, with another one over it; or a slice through the frames at the probed place, with a
+//! row for each frame, in which moving objects are slanted and the slope of the pane is a line that can be dragged.
 
 use super::widgets::PaneWidgets;
 use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
-use crate::app::panel::features::{FeatureOptions, features_ui};
+use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::readout_of;
+use crate::app::panel::widgets::named;
 use crate::app::project::look::RangeClass;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Model, Visibility};
@@ -31,7 +29,6 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// Whether the pointer acted on it: a click, a drag or the wheel.
     pub fn is_touched(&self, ui: &Ui) -> bool {
         let response = &self.output.response;
         let scrolled = response.contains_pointer()
@@ -91,11 +88,10 @@ pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut 
     let over = canvas.show_over(ui, &drawn.output, right);
     state.paint_colours(ui, picture, &over);
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
-    features_ui(ui, model, other, &mut widgets.of(other).picture, &over, FeatureOptions { legend: false });
+    features_ui(ui, model, other, &mut widgets.of(other).picture, &over, false);
     drawn.right = Some((other, over));
 }
 
-/// Draws the names of the pictures, and the line of a wipe, which can be dragged.
 pub(super) fn over_names_ui(ui: &Ui, model: &mut Model, id: PaneId, drawn: &Drawn) {
     let name = |model: &Model, id: PaneId| {
         let number = model.panes.number(id).map_or_else(String::new, |number| format!("{number}  ·  "));
@@ -119,7 +115,6 @@ pub(super) fn over_names_ui(ui: &Ui, model: &mut Model, id: PaneId, drawn: &Draw
     }
 }
 
-/// Canvas for the picture of `id`, without the picture.
 fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {
     Canvas {
         display: model.display_of(id),
@@ -166,8 +161,7 @@ fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
             painter.line_segment([tip, tip + vec2(-3.0 * sign, 3.0 * turn)], Stroke::new(1.5, Color32::WHITE));
         }
     }
-    let value = f64::from(*at);
-    response.widget_info(|| egui::WidgetInfo::slider(true, value, "Wipe line"));
+    response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(*at), "Wipe line"));
     response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
 }
 
@@ -186,7 +180,7 @@ pub(in crate::app) fn chip_ui(
     painter.rect_filled(ground, 4.0, Color32::from_black_alpha(190));
     painter.galley(ground.min + vec2(7.0, 3.0), galley, Color32::WHITE);
     let response = ui.interact(ground, output.response.id.with(salt), Sense::hover());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
+    named(&response, egui::Role::Label, text);
 }
 
 /// Space for the frames' numbers on the left and the pixels below, points.
@@ -199,7 +193,7 @@ const MAX_ROW: f32 = 26.0;
 pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAxis, widgets: &mut PaneWidgets) -> bool {
     let (whole, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     let name = axis.label();
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
+    named(&response, egui::Role::Image, name);
     ui.painter().rect_filled(whole, 0.0, canvas::backdrop(ui));
     let touched = response.clicked() || response.drag_started();
     let is_probed = model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);
@@ -227,7 +221,6 @@ pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAx
 
 const HOW: &str = "Shift+click a place in another pane: this shows it in every frame, one row each.";
 
-/// Place of the slice's pixels in the window.
 struct Area {
     rect: Rect,
     columns: f32,
@@ -328,7 +321,6 @@ fn reading(answer: &Probed, slice: &Slice, area: &Area, pos: Pos2) -> String {
     format!("Frame {}: {value}{way}", slice.frames[row])
 }
 
-/// Draws it for pane `id`, if methods are compared. A pane under another one has its name drawn there already.
 pub(super) fn method_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn) {
     let Some(pane) = model.panes.get(id) else { return };
     let Some(method) = pane.method.filter(|_| model.panes.over(id).is_none()) else { return };

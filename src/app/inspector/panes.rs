@@ -1,5 +1,4 @@
-//! All panes of the open workspace, as `egui_tiles` draws them: each with its header and its content, or a page that
-//! says how to open its burst.
+//! All panes of the open workspace, as `egui_tiles` draws them, or a page that says how to open a pane's burst.
 
 use super::header::header_ui;
 use super::marks::{marks_ui, probe_ui};
@@ -10,14 +9,15 @@ use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::measure::{draw_ui, measure_ui};
 use crate::app::pane::{Content, PaneId, arrangement_of, tree_of};
 use crate::app::panel::display::colour_bar_ui;
-use crate::app::panel::features::{FeatureOptions, features_ui};
+use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::stale_ui;
 use crate::app::panel::tally::candidates_ui;
+use crate::app::panel::widgets::{progress_ui, weak_ui};
 use crate::app::project::Model;
 use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
-use egui::{ProgressBar, RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
+use egui::{RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
 pub struct Inspected {
@@ -42,19 +42,11 @@ pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, q
     Inspected { drawn, changes }
 }
 
-fn empty_ui(ui: &mut Ui, model: &Model, side: Side, method: Option<Contender>, queue: &mut Queue) {
-    if method == Some(Contender::Gold) {
-        gold_ui(ui, side, queue);
-    } else {
-        second_ui(ui, model, queue);
-    }
-}
-
 fn gold_ui(ui: &mut Ui, side: Side, queue: &mut Queue) {
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.2).max(12.0));
         let text = format!("Open a sharp image of {}'s view, taken with enough light", side.name());
-        ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+        weak_ui(ui, text);
         let id = if side == Side::A { ActionId::OpenGoldA } else { ActionId::OpenGoldB };
         if ui.button(id.action().label).on_hover_text(tooltip(ui.ctx(), id.action())).clicked() {
             queue.push(id);
@@ -66,16 +58,10 @@ fn second_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.2).max(12.0));
         ui.label(RichText::new("Open a second burst").size(18.0).strong());
-        ui.add(
-            egui::Label::new(
-                RichText::new("of the same place: its features are matched with those of the first").weak(),
-            )
-            .wrap(),
-        );
+        weak_ui(ui, "of the same place: its features are matched with those of the first");
         ui.add_space(12.0);
         if let Some(running) = model.slots.b.opening.running() {
-            let fraction = running.progress.map_or(0.0, |p| p.fraction);
-            ui.add(ProgressBar::new(fraction).desired_width(220.0).text("Opening B…"));
+            progress_ui(ui, &running, Some(220.0), "Opening B…");
             return;
         }
         for id in [ActionId::OpenFolderB, ActionId::OpenFilesB, ActionId::OpenPathB, ActionId::OpenDemoB] {
@@ -90,13 +76,12 @@ fn second_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 /// Minimum size of a picture with a legend, in points.
-const LEGEND_ROOM: egui::Vec2 = egui::vec2(250.0, 170.0);
+const LEGEND_ROOM: egui::Vec2 = vec2(250.0, 170.0);
 
 struct Inspector<'a> {
     pub model: &'a mut Model,
     pub widgets: &'a mut PaneWidgets,
     pub queue: &'a mut Queue,
-    /// Drawn panes, in the order of drawing.
     pub drawn: Vec<(PaneId, Drawn)>,
     pub changes: Vec<Change>,
 }
@@ -114,7 +99,10 @@ impl Behavior<PaneId> for Inspector<'_> {
         let touched = match content {
             Content::Slice(axis) => slice_ui(ui, self.model, id, axis, self.widgets),
             _ if !is_open => {
-                empty_ui(ui, self.model, side, method, self.queue);
+                match method {
+                    Some(Contender::Gold) => gold_ui(ui, side, self.queue),
+                    _ => second_ui(ui, self.model, self.queue),
+                }
                 false
             }
             _ => self.picture_ui(ui, id),
@@ -123,7 +111,10 @@ impl Behavior<PaneId> for Inspector<'_> {
         if header.clicked || touched {
             self.model.panes.set_focus(id);
         }
-        self.frame_ui(ui, id, whole);
+        if self.model.panes.are_many() && self.model.focus() == id {
+            let stroke = Stroke::new(1.0, crate::app::style::ACCENT);
+            ui.painter().rect_stroke(whole, 0.0, stroke, StrokeKind::Inside);
+        }
         if header.dragged { UiResponse::DragStarted } else { UiResponse::None }
     }
 
@@ -153,9 +144,8 @@ impl Inspector<'_> {
         over_ui(ui, self.model, id, self.widgets, &mut drawn);
         let rect = drawn.output.response.rect;
         let (inspected, in_focus) = (self.model.workspace == Workspace::Inspect, self.model.focus() == id);
-        let options =
-            FeatureOptions { legend: in_focus && rect.width() > LEGEND_ROOM.x && rect.height() > LEGEND_ROOM.y };
-        features_ui(ui, self.model, drawn.shown, &mut self.widgets.of(drawn.shown).picture, &drawn.output, options);
+        let has_legend = in_focus && rect.width() > LEGEND_ROOM.x && rect.height() > LEGEND_ROOM.y;
+        features_ui(ui, self.model, drawn.shown, &mut self.widgets.of(drawn.shown).picture, &drawn.output, has_legend);
         colour_bar_ui(ui, self.model, drawn.shown, rect);
         if inspected {
             candidates_ui(ui, self.model, drawn.shown, &drawn.output);
@@ -173,12 +163,5 @@ impl Inspector<'_> {
         let touched = drawn.is_touched(ui);
         self.drawn.push((id, drawn));
         touched
-    }
-
-    fn frame_ui(&self, ui: &Ui, id: PaneId, whole: egui::Rect) {
-        if self.model.panes.are_many() && self.model.focus() == id {
-            let stroke = Stroke::new(1.0, crate::app::style::ACCENT);
-            ui.painter().rect_stroke(whole, 0.0, stroke, StrokeKind::Inside);
-        }
     }
 }

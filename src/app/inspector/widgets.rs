@@ -1,6 +1,5 @@
-//! State and names that the panes of the inspector share: their widgets between passes, their names (in headers, on
-//! tabs, for screen readers and tests), and the pairs of panes of A and of B that face each other, between which
-//! match lines are drawn.
+//! What the panes of the inspector share: their widgets between passes, their names (in headers, on tabs, for screen
+//! readers and tests), and the pairs of panes of A and of B between which match lines are drawn.
 
 use super::aside::Aside;
 use crate::app::canvas;
@@ -20,24 +19,17 @@ use std::collections::HashMap;
 
 #[derive(Default)]
 pub struct PaneWidget {
-    /// Picture on the card, and the place where it was drawn.
     pub picture: PictureState,
-    /// Histogram, while the pane is focused.
     pub display: DisplayState,
-    /// Rectangle of the whole pane in the window, if it was drawn in this pass.
     pub rect_ui: Option<Rect>,
-    /// Place of the picture beside a panel that comes and goes.
     pub(super) aside: Aside,
-    /// Slice, if the pane shows one.
     pub(super) slice: PlaneTexture,
     pub(super) menu: MenuPlace,
 }
 
-/// Value of one pane at the place under the pointer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceValue {
     pub id: PaneId,
-    /// Number of the pane, from 1.
     pub number: usize,
     pub readout: Readout,
 }
@@ -54,22 +46,18 @@ impl PaneWidgets {
         self.all.entry(id).or_default()
     }
 
-    /// State of `id`, if it was drawn.
     pub fn get(&self, id: PaneId) -> Option<&PaneWidget> {
         self.all.get(&id)
     }
 
-    /// Transform from image pixels to points of the window, as `id` was drawn last.
     pub fn ui_from_image(&self, id: PaneId) -> Option<RectTransform> {
         self.get(id)?.picture.ui_from_image
     }
 
-    /// Position of an image place in the window, as `id` was drawn last.
     pub fn pos_ui(&self, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
         self.ui_from_image(id).map(|t| t.pos(pos_image))
     }
 
-    /// Rectangle of pane `id` in the window, if it is visible.
     pub fn rect_ui(&self, id: PaneId) -> Option<Rect> {
         self.get(id)?.rect_ui
     }
@@ -83,7 +71,6 @@ impl PaneWidgets {
     }
 }
 
-/// Objects under the pointer when the menu was opened.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MenuPlace {
     pub(super) feature: Option<usize>,
@@ -108,7 +95,6 @@ pub(super) fn short_description(model: &Model, id: PaneId, tiny: bool) -> String
     }
 }
 
-/// Names the pane's burst, where there are two.
 fn side(model: &Model, pane: &Pane) -> String {
     let both = model.burst_of(Side::B).is_some() || model.workspace == Workspace::Pair;
     if both { format!("{}  ", pane.side.name()) } else { String::new() }
@@ -160,8 +146,7 @@ pub(super) fn long_description(model: &Model, id: PaneId) -> String {
     }
 }
 
-/// Name of the pane's canvas: by its number, or by its burst or method where these stand side by side. Names are unique
-/// on the screen.
+/// By its number, or by its burst or method where these stand side by side; unique on the screen.
 pub(super) fn canvas_name(model: &Model, id: PaneId) -> String {
     let (Some(pane), Some(number)) = (model.panes.get(id), model.panes.number(id)) else { return String::new() };
     let alone = model.panes.shown_of(pane.side, pane.method).len() < 2;
@@ -198,10 +183,8 @@ pub fn joined_panes(model: &Model, places: &[(PaneId, Rect)], method: Option<Con
     JoinedPanes { sides, pairs }
 }
 
-/// Pairs of `a` and `b` between which lines go, as indices; `all` are the canvases of all panes on the screen.
-///
-/// Two panes are joined where one faces the other with no third between them. Where A and B are farther apart, two
-/// panes are joined when each is the nearest to the other.
+/// Pairs of `a` and `b` between which lines go, as indices: those that face each other with none of `all` between them,
+/// and those of which each is the nearest to the other.
 fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
     let nearest = |from: &Rect, to: &[Rect]| {
         let place = |i: &usize| apart(from, &to[*i]);
@@ -226,7 +209,6 @@ fn apart(a: &Rect, b: &Rect) -> f32 {
     x.hypot(y)
 }
 
-/// Whether two rectangles stand side by side or one above the other, with nothing between them.
 fn face(a: &Rect, b: &Rect, all: &[Rect]) -> bool {
     let common = |a: egui::Rangef, b: egui::Rangef| egui::Rangef::new(a.min.max(b.min), a.max.min(b.max));
     let between = |a: egui::Rangef, b: egui::Rangef| egui::Rangef::new(a.max.min(b.max), a.min.max(b.min));

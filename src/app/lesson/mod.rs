@@ -1,8 +1,5 @@
-//! Lessons over the live window.
-//!
-//! A lesson (see [`crate::teach`]) takes the window over: the previous content is kept whole and put back when the
-//! lesson is left. Each step sets the window up, highlights a part of it, explains it in a panel on the right, and
-//! detects when its task is done.
+//! Lessons (see [`crate::teach`]) over the live window, whose content is kept whole and put back when the lesson is left.
+//! Each step sets the window up, highlights a part, explains it in a panel, and detects when its task is done.
 
 mod panel;
 mod snr;

@@ -1,9 +1,9 @@
-//! Panel of the open lesson (step number, explanation, task, back and forward), the frames around what it highlights,
-//! and the list of all lessons.
+//! Panel of the open lesson, the frames around what it highlights, and the list of all lessons.
 
 use super::snr::snr_ui;
 use super::state::{Lessons, OpenLesson, Wish};
 use crate::app::actions::{ActionId, Queue};
+use crate::app::panel::widgets::{named, weak_ui};
 use crate::app::project::Model;
 use crate::app::{parts, style};
 use crate::teach::Lesson;
@@ -70,12 +70,12 @@ fn header_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
         ui.weak("Lesson");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let leave = ui.button("Leave").on_hover_text("Close the lesson; what was open before it comes back");
-            leave.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Leave lesson"));
+            named(&leave, egui::Role::Button, "Leave lesson");
             if leave.clicked() {
                 clicks.wish = Some(Wish::Leave);
             }
             let again = ui.button("↺").on_hover_text("Set this step up again, as it began");
-            again.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Set the step up again"));
+            named(&again, egui::Role::Button, "Set the step up again");
             if again.clicked() {
                 clicks.wish = Some(Wish::Again);
             }
@@ -156,13 +156,11 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicks
             false => ("Next", "Next step", Wish::Step(step + 1)),
         };
         let is_done = open.is_ended || open.is_done() || open.step().task.is_none();
-        let mut next =
-            Button::new(RichText::new(label).color(if is_done { Color32::WHITE } else { ui.visuals().text_color() }));
-        if is_done {
-            next = next.fill(style::ACCENT);
-        }
+        let colour = if is_done { Color32::WHITE } else { ui.visuals().text_color() };
+        let next = Button::new(RichText::new(label).color(colour));
+        let next = if is_done { next.fill(style::ACCENT) } else { next };
         let next = ui.add(next.min_size(size));
-        next.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+        named(&next, egui::Role::Button, name);
         if next.clicked() {
             clicks.wish = Some(wish);
         }
@@ -194,7 +192,6 @@ fn dots_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
 
 const GLOSSARY: &str = "word:";
 
-/// Cache of the text widget, kept between passes.
 pub struct Captions {
     cache: CommonMarkCache,
 }
@@ -206,12 +203,6 @@ impl Default for Captions {
             cache.add_link_hook(format!("{GLOSSARY}{}", word.name));
         }
         Self { cache }
-    }
-}
-
-impl std::fmt::Debug for Captions {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Captions").finish_non_exhaustive()
     }
 }
 
@@ -242,7 +233,6 @@ pub fn highlights_ui(ctx: &Context) {
 
 pub type Chosen = Option<Arc<Lesson>>;
 
-/// Draws the list if it is open. Returns the chosen lesson.
 pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) -> Chosen {
     if !lessons.list_is_open {
         return None;
@@ -261,8 +251,7 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
             if ui.button("Close").clicked() {
                 ui.close();
             }
-            let own = ui.button("Open lessons…").on_hover_text("A folder of your own lessons (TOML files)");
-            if own.clicked() {
+            if ui.button("Open lessons…").on_hover_text("A folder of your own lessons (TOML files)").clicked() {
                 queue.push(ActionId::OpenLessons);
                 ui.close();
             }
@@ -284,15 +273,13 @@ pub fn rows_ui(ui: &mut Ui, lessons: &Lessons) -> Chosen {
             done if done == count => "✔ done".to_owned(),
             _ => format!("step {} of {count}", progress.step + 1),
         };
-        let button =
-            egui::Button::new(RichText::new(&lesson.title).strong()).min_size(vec2(ui.available_width(), 26.0));
-        let response = ui.add(button);
-        response
-            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Lesson: {}", lesson.title)));
+        let button = Button::new(RichText::new(&lesson.title).strong());
+        let response = ui.add(button.min_size(vec2(ui.available_width(), 26.0)));
+        named(&response, egui::Role::Button, format!("Lesson: {}", lesson.title));
         if response.on_hover_text(&lesson.about).clicked() {
             chosen = Some(lesson.clone());
         }
-        ui.add(egui::Label::new(RichText::new(format!("{state} · {}", lesson.about)).weak()).wrap());
+        weak_ui(ui, format!("{state} · {}", lesson.about));
         ui.add_space(6.0);
     }
     chosen

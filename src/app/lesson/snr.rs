@@ -1,7 +1,7 @@
 //! Signal-to-noise ratio of a spot, measured in the shown picture, while frames are added one by one.
 
 use crate::app::pane::Content;
-use crate::app::panel::widgets::CursorRow;
+use crate::app::panel::widgets::{CursorRow, still_plot};
 use crate::app::parts;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
@@ -10,11 +10,10 @@ use crate::inspect::spot::{SpotSnr, spot_snr};
 use crate::requests::PictureKind;
 use crate::teach::{Part, Spot};
 use egui::{Color32, RichText, Ui};
-use egui_plot::{Line, Plot, PlotPoints, Points};
+use egui_plot::{Line, PlotPoints, Points};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Interval between frames while they are added one by one.
 const EVERY: Duration = Duration::from_millis(450);
 const HEIGHT: f32 = 130.0;
 
@@ -24,20 +23,11 @@ pub(in crate::app) struct SnrTrace {
     measured: BTreeMap<usize, f32>,
     /// Largest ratio at any slope. It stays on the axis, so that a smaller ratio is seen to be small.
     largest: f32,
-    /// Time of the next frame, while frames are added.
-    next: Option<Instant>,
+    /// When the next frame is added, while frames are.
+    pub(super) next: Option<Instant>,
 }
 
 impl SnrTrace {
-    pub(in crate::app) fn clear(&mut self) {
-        *self = Self::default();
-    }
-
-    /// Stops adding frames; what was measured stays.
-    pub(in crate::app) fn stop(&mut self) {
-        self.next = None;
-    }
-
     fn take(&mut self, slope: Slope, frames: usize, ratio: f32) {
         if self.slope != Some(slope) {
             (self.slope, self.measured) = (Some(slope), BTreeMap::new());
@@ -130,15 +120,8 @@ fn show_frames(model: &mut Model, count: usize) {
 fn frames_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace) {
     let all = model.frame_count();
     let mut count = frames_shown(model) as f32;
-    let row = CursorRow {
-        label: "Frames",
-        help: "How many frames are shifted and added, from the first one on",
-        range: 1.0..=all.max(1) as f32,
-        marks: &[],
-        whole: true,
-        suffix: "",
-    };
-    if row.ui(ui, &mut count) {
+    let help = "How many frames are shifted and added, from the first one on";
+    if CursorRow::whole("Frames", help, 1.0..=all.max(1) as f32).ui(ui, &mut count) {
         trace.next = None;
         show_frames(model, count as usize);
     }
@@ -167,13 +150,10 @@ fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
     let highest = f64::from(trace.largest).max(0.1);
     let one = trace.of_one_frame().unwrap_or(0.0);
     let top = 1.15 * highest.max(one * (all as f64).sqrt());
-    Plot::new("snr over frames")
+    still_plot("snr over frames")
         .height(HEIGHT)
         .show_x(false)
         .show_y(false)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
         .x_axis_label("frames N")
         .y_axis_label("SNR")
         .y_grid_spacer(crate::app::ticks::of_height)

@@ -39,7 +39,6 @@ pub struct Lessons {
     pub progress: BTreeMap<String, Progress>,
 }
 
-/// State before the lesson, to be restored.
 #[derive(Debug)]
 struct Kept {
     model: Model,
@@ -49,7 +48,6 @@ struct Kept {
 #[derive(Debug)]
 pub struct OpenLesson {
     pub lesson: Arc<Lesson>,
-    /// The step, from 0.
     pub step: usize,
     pub done: BTreeSet<usize>,
     /// Whether the lesson's end is shown, after its last step.
@@ -58,7 +56,6 @@ pub struct OpenLesson {
     pub is_ready: bool,
     /// Whether the first feature or match is to be selected as soon as there is one.
     selects: bool,
-    /// Bursts that the step opens itself.
     opens: Vec<BurstSource>,
     pub(super) snr: SnrTrace,
     kept: Box<Kept>,
@@ -73,11 +70,6 @@ impl OpenLesson {
         self.done.contains(&self.step)
     }
 
-    fn before(&self) -> &Model {
-        &self.kept.model
-    }
-
-    /// Selects the first feature or match once there is one, if the step begins with one selected.
     fn select_first(&mut self, model: &mut Model) {
         if !self.selects {
             return;
@@ -105,12 +97,10 @@ impl OpenLesson {
 }
 
 impl Lessons {
-    /// All lessons: opened ones, then built-in ones.
     pub fn all(&self) -> impl Iterator<Item = &Arc<Lesson>> {
         self.opened.iter().chain(built_in())
     }
 
-    /// Adds lessons opened from files; each replaces an opened one of its name.
     pub fn add(&mut self, lessons: Vec<Lesson>) {
         for lesson in lessons {
             self.opened.retain(|other| other.name != lesson.name);
@@ -118,13 +108,11 @@ impl Lessons {
         }
     }
 
-    /// The lesson after the open one in the list, if there is one.
     pub fn next_lesson(&self) -> Option<Arc<Lesson>> {
         let open = self.open.as_ref()?;
         self.all().skip_while(|lesson| lesson.name != open.lesson.name).nth(1).cloned()
     }
 
-    /// Progress in `lesson`, limited to the steps that it has.
     pub fn progress_in(&self, lesson: &Lesson) -> Progress {
         let mut progress = self.progress.get(&lesson.name).cloned().unwrap_or_default();
         progress.step = progress.step.min(lesson.steps.len() - 1);
@@ -134,15 +122,13 @@ impl Lessons {
 
     /// Project of the user: the one before the open lesson, or without one `shown`.
     pub fn project_of_user<'a>(&'a self, shown: &'a Model) -> &'a Model {
-        self.open.as_ref().map_or(shown, OpenLesson::before)
+        self.open.as_ref().map_or(shown, |open| &open.kept.model)
     }
 
-    /// Parts of the window that the open step highlights; none at a lesson's end.
     pub fn highlighted(&self) -> &[Part] {
         self.open.as_ref().filter(|open| !open.is_ended).map_or(&[], |open| &open.step().highlight)
     }
 
-    /// Whether the open lesson waits for nothing.
     pub fn is_settled(&self, model: &Model) -> bool {
         let failed = !model.messages.errors().is_empty();
         self.open.as_ref().is_none_or(|open| open.is_ready || failed)
@@ -174,7 +160,6 @@ impl Lessons {
         Effect::ForgetWidgets
     }
 
-    /// Leaves the lesson, if one is open, and restores the project that was open before it.
     pub fn leave(&mut self, model: &mut Model, engine: &Engine) -> Option<Effect> {
         self.remember();
         let Kept { model: kept, opening } = *self.open.take()?.kept;
@@ -187,7 +172,6 @@ impl Lessons {
         Some(Effect::ForgetWidgets)
     }
 
-    /// Opens the lessons of a folder or a file, or shows the error in them.
     pub fn open_at(&mut self, path: &Path, model: &mut Model) {
         const TITLE: &str = "Open lessons";
         match lessons_at(path) {
@@ -197,8 +181,8 @@ impl Lessons {
                 self.list_is_open = true;
             }
             Err(errors) => {
-                let text: Vec<String> = errors.iter().map(ToString::to_string).collect();
-                model.messages.error(TITLE, text.join("\n"));
+                let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
+                model.messages.error(TITLE, texts.join("\n"));
             }
         }
     }
@@ -215,12 +199,15 @@ impl Lessons {
                     (open.step, open.is_ended) = (step.min(open.lesson.steps.len() - 1), false);
                     // Measurements of the same spot stay from step to step.
                     let is_same = spot == open.step().state.spot;
-                    if is_same { open.snr.stop() } else { open.snr.clear() }
+                    open.snr.next = None;
+                    if !is_same {
+                        open.snr = SnrTrace::default();
+                    }
                 }
                 self.begin_step(model, engine);
             }
             Some(Wish::Again) => {
-                self.open.iter_mut().for_each(|open| open.snr.clear());
+                self.open.iter_mut().for_each(|open| open.snr = SnrTrace::default());
                 self.begin_step(model, engine);
             }
             Some(Wish::End) => self.open.iter_mut().for_each(|open| open.is_ended = true),
@@ -249,7 +236,6 @@ impl Lessons {
         effects
     }
 
-    /// Begins the open step: opens its bursts where others are open.
     fn begin_step(&mut self, model: &mut Model, engine: &Engine) {
         let Some(open) = &mut self.open else { return };
         // The burst that another step requested is not needed any more.
@@ -261,7 +247,7 @@ impl Lessons {
             let Some(source) = source.filter(|_| !is_open) else { continue };
             open.opens.push(source.clone());
             // A burst that was open before the lesson need not be opened again.
-            let mut kept = open.before().slots.both().into_iter().filter_map(|slot| slot.burst.as_ref());
+            let mut kept = open.kept.model.slots.both().into_iter().filter_map(|slot| slot.burst.as_ref());
             match (side, kept.find(|burst| burst.source == source).cloned()) {
                 (Side::A, Some(burst)) => model.take_burst(burst),
                 (Side::B, Some(burst)) => model.take_second_burst(burst),
@@ -317,12 +303,6 @@ fn show(mut other: Model, model: &mut Model) -> Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::{Bench, open};
-    use crate::app::session::Restoring;
-    use std::time::{Duration, Instant};
-
-    /// Time within which a small burst is opened.
-    const PATIENCE: Duration = Duration::from_secs(60);
 
     #[test]
     fn what_is_remembered_of_a_longer_lesson_stays_within_this_one() {
@@ -342,59 +322,5 @@ mod tests {
         lessons.add(vec![Lesson { title: "New".to_owned(), ..lesson }]);
         assert_eq!(lessons.all().count(), built_in().len() + 1);
         assert_eq!(lessons.opened[0].title, "New");
-    }
-
-    /// Makes passes in which a lesson goes on until `done`; returns the effects.
-    fn go_on_until(bench: &mut Bench, lessons: &mut Lessons, done: impl Fn(&Lessons, &Model) -> bool) -> Vec<Effect> {
-        let (mut restoring, mut others, end) = (Restoring::default(), Vec::new(), Instant::now() + PATIENCE);
-        while !done(lessons, &bench.model) {
-            assert!(Instant::now() < end, "the lesson does not go on");
-            let Bench { model, engine } = bench;
-            for effect in model.take_answers(engine) {
-                match effect {
-                    Effect::Opened(side, ended) => drop(restoring.take_opened(side, ended, model, engine)),
-                    other => others.push(other),
-                }
-            }
-            others.extend(lessons.go_on(None, false, model, engine));
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        others
-    }
-
-    #[test]
-    fn a_lesson_opens_its_bursts_and_leaves_the_project_of_the_user_as_it_was() {
-        let (mut bench, mut lessons) = (Bench::new(), Lessons::default());
-        bench.model.take_burst(open((64, 48), 5));
-        bench.model.params.levels = 3;
-        let lesson = built_in()[0].clone();
-        let effect = lessons.start(lesson.clone(), &mut bench.model, &bench.engine);
-        assert!(matches!(effect, Effect::ForgetWidgets) && bench.model.in_lesson);
-        assert_eq!(lessons.project_of_user(&bench.model).params.levels, 3);
-        go_on_until(&mut bench, &mut lessons, |lessons, _| lessons.open.as_ref().is_some_and(|open| open.is_ready));
-        assert!(lessons.is_settled(&bench.model));
-        let burst = bench.model.slots.a.burst.as_ref().map(|burst| burst.source.clone());
-        assert_eq!(burst, Some(lesson.steps[0].state.burst()));
-        // Another step, and out again.
-        let Bench { model, engine } = &mut bench;
-        lessons.go_on(Some(Wish::Step(1)), false, model, engine);
-        assert_eq!(lessons.progress_in(&lesson).step, 1);
-        let effects = lessons.go_on(Some(Wish::Leave), false, model, engine);
-        assert!(matches!(effects[..], [Effect::ForgetWidgets]) && lessons.open.is_none());
-        assert!(!model.in_lesson && model.params.levels == 3 && model.size() == (64, 48));
-    }
-
-    #[test]
-    fn opening_something_else_leaves_the_lesson_and_goes_on_outside() {
-        let (mut bench, mut lessons) = (Bench::new(), Lessons::default());
-        let effect = lessons.start(built_in()[0].clone(), &mut bench.model, &bench.engine);
-        assert!(matches!(effect, Effect::ForgetWidgets));
-        bench.model.open(Side::A, BurstSource::Paths(vec!["/no/such/burst".into()]), &bench.engine);
-        let Bench { model, engine } = &mut bench;
-        let effects = lessons.go_on(None, false, model, engine);
-        assert!(matches!(effects[..], [Effect::ForgetWidgets]) && !model.in_lesson);
-        assert!(model.slots.a.opening.is_pending());
-        go_on_until(&mut bench, &mut lessons, |_, model| !model.messages.errors().is_empty());
-        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("/no/such/burst")));
     }
 }

@@ -10,7 +10,6 @@ use crate::app::project::{Model, Panels, Visibility};
 use crate::detector::DetectorParams;
 use crate::teach::{Holds, InView, Layout, Part, State, Step, Workspace};
 
-/// Panels of the window that a step needs, by its state and the parts that it highlights.
 fn panels_of(step: &Step) -> Panels {
     let Step { state, highlight, .. } = step;
     let points_at = |parts: &[Part]| highlight.iter().any(|part| parts.contains(part));

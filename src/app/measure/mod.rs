@@ -1,5 +1,4 @@
-//! Measuring line and rectangle, drawn on a picture: the values along the line and the statistics in the rectangle, for
-//! all linked panes together.
+//! Measuring line and rectangle, drawn on a picture, whose values are measured in all linked panes together.
 
 mod panels;
 

@@ -1,5 +1,4 @@
-//! Panels of the measured values: the values along the line as curves; a row of statistics of the rectangle for each
-//! pane, and the histogram of the focused one.
+//! Panels of the values along the line, as curves, and of the statistics in the rectangle, for each pane.
 
 use super::{PaneRegion, measured_panes, profiles_of, region_in};
 use crate::app::actions::{ActionId, Queue, button_ui};
@@ -7,13 +6,14 @@ use crate::app::canvas::number;
 use crate::app::gpu::PictureId;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
+use crate::app::panel::widgets::{named, still_plot};
 use crate::app::project::Model;
 use crate::app::ticks;
 use crate::app::view::fixed;
 use crate::plane::sample::{RegionStatistics, region_statistics};
 use crate::plane::statistics::{Histogram, Region, histogram};
 use egui::{Color32, RichText, ScrollArea, Ui};
-use egui_plot::{Bar, BarChart, Corner, Legend, Line, Plot, PlotPoints};
+use egui_plot::{Bar, BarChart, Corner, Legend, Line, PlotPoints};
 use std::collections::HashMap;
 
 const BINS: usize = 64;
@@ -69,10 +69,8 @@ pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut 
         ui.weak("Let go to measure");
         return;
     }
-    let regions: Vec<PaneRegion> = measured_panes(model, region.pane)
-        .into_iter()
-        .filter_map(|id| region_in(model, widgets, &region, id))
-        .collect();
+    let panes = measured_panes(model, region.pane).into_iter();
+    let regions: Vec<PaneRegion> = panes.filter_map(|id| region_in(model, widgets, &region, id)).collect();
     let rows: Vec<[String; COLUMNS.len()]> = regions.iter().map(|of| row(of, cache.of(of).statistics)).collect();
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::MeasureRegion, Some("Draw a rectangle"));
@@ -84,11 +82,8 @@ pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut 
         let (from, to) = (place_text(rect.min), place_text(rect.max));
         ui.weak(format!("{from} to {to}: {:.1} × {:.1} px", rect.width(), rect.height()));
     });
-    let histogram = regions
-        .iter()
-        .find(|of| of.id == model.focus())
-        .or(regions.first())
-        .and_then(|of| Some((of.number, cache.of(of).histogram.clone()?)));
+    let focused = regions.iter().find(|of| of.id == model.focus()).or(regions.first());
+    let histogram = focused.and_then(|of| Some((of.number, cache.of(of).histogram.clone()?)));
     ui.horizontal_top(|ui| {
         let width = (0.72 * ui.available_width()).max(300.0);
         ui.allocate_ui(egui::vec2(width, ui.available_height()), |ui| {
@@ -143,20 +138,13 @@ fn table_ui(ui: &mut Ui, rows: &[[String; COLUMNS.len()]]) {
 
 fn histogram_ui(ui: &mut Ui, pane: usize, histogram: &Histogram) {
     let width = f64::from(histogram.bin_width());
-    let bars: Vec<Bar> = histogram
-        .counts
-        .iter()
-        .enumerate()
-        .map(|(i, &count)| {
-            let (from, to) = histogram.bin_range(i);
-            Bar::new(0.5 * f64::from(from + to), count as f64).width(width)
-        })
-        .collect();
+    let bar = |(i, &count): (usize, &u64)| {
+        let (from, to) = histogram.bin_range(i);
+        Bar::new(0.5 * f64::from(from + to), count as f64).width(width)
+    };
+    let bars: Vec<Bar> = histogram.counts.iter().enumerate().map(bar).collect();
     let colour = ui.visuals().hyperlink_color;
-    let drawn = Plot::new("region histogram")
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_drag(false)
+    let drawn = still_plot("region histogram")
         .x_axis_label(format!("Values of picture {pane}"))
         .x_axis_formatter(|mark, _| number(mark.value as f32, 3))
         .height(ui.available_height().max(60.0))
@@ -192,11 +180,8 @@ pub fn profile_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
         button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Clear line"));
         ui.weak(format!("{} to {}, {:.1} px", place_text(from), place_text(to), from.distance(to)));
     });
-    let plot = Plot::new("profile")
+    let plot = still_plot("profile")
         .legend(Legend::default().position(Corner::RightTop))
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_drag(false)
         .x_axis_label("Distance along the line, px")
         .y_grid_spacer(ticks::of_height)
         .y_axis_formatter(|mark, _| number(mark.value as f32, 3))
@@ -214,8 +199,7 @@ pub fn profile_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
             plot.line(Line::new(name, points).color(colour).width(1.5));
         }
     });
-    let text = format!("Profile of {} pictures", profiles.len());
-    drawn.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+    named(&drawn.response, egui::Role::Image, format!("Profile of {} pictures", profiles.len()));
 }
 
 #[cfg(test)]

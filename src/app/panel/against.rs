@@ -1,5 +1,4 @@
-//! Comparison of the features with a pinned result, with the features of a file, or with the truth: the list below the
-//! pictures, and the marks and the legend over them.
+//! Comparison of the features with a pinned result, a file or the truth: the list, and the marks over the pictures.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
@@ -8,14 +7,14 @@ use crate::app::inspector::PaneWidgets;
 use crate::app::panel::legend;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::table::ROW_HEIGHT;
-use crate::app::panel::widgets::progress_text;
+use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_ui, tip_ui};
 use crate::app::project::Model;
 use crate::app::project::against::{Kind, Row, Shown, With};
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::view::{fixed, signed_slope};
 use crate::requests::Picture;
-use egui::{Align, Button, Color32, Label, Layout, ProgressBar, RichText, Sense, Ui, pos2, vec2};
+use egui::{Align, Button, Color32, Label, Layout, RichText, Sense, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder};
 
 /// Colour of a comparison's outcome: distinct in hue and in lightness, and visible over a grey picture.
@@ -45,18 +44,16 @@ fn switch_ui(ui: &mut Ui, model: &mut Model, side: Side, queue: &mut Queue) {
     }
     ui.separator();
     button_ui(ui, model, queue, ActionId::PinResult, Some("Pin"));
-    match model.slots[side].against.with {
-        Some(With::Pinned) => {
-            button_ui(ui, model, queue, ActionId::UnpinResult, Some("Unpin"));
-        }
-        Some(With::File) => {
-            button_ui(ui, model, queue, ActionId::CloseFeatures, Some("Close"));
-        }
-        Some(With::Truth) | None => {}
+    let ends = match model.slots[side].against.with {
+        Some(With::Pinned) => Some((ActionId::UnpinResult, "Unpin")),
+        Some(With::File) => Some((ActionId::CloseFeatures, "Close")),
+        Some(With::Truth) | None => None,
+    };
+    if let Some((id, text)) = ends {
+        button_ui(ui, model, queue, id, Some(text));
     }
     if let Some(running) = &model.slots[side].against.wanted.running() {
-        let fraction = running.progress.map_or(0.0, |p| p.fraction);
-        ui.add(ProgressBar::new(fraction).desired_width(220.0).text(progress_text(running)));
+        progress_ui(ui, running, Some(220.0), progress_text(running));
     }
 }
 
@@ -90,10 +87,9 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
             let text = format!("{} {}", shown.label(kind), shown.count(kind));
             key_ui(ui, &shown, kind);
             if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
-                model.slots[side].against.hidden.retain(|hidden| *hidden != kind);
-                if !on {
-                    model.slots[side].against.hidden.push(kind);
-                }
+                let hidden = &mut model.slots[side].against.hidden;
+                hidden.retain(|hidden| *hidden != kind);
+                hidden.extend((!on).then_some(kind));
             }
         }
     });
@@ -119,7 +115,7 @@ fn what_to_do(model: &Model, side: Side) -> &'static str {
     }
 }
 
-/// Draws the rows; returns the clicked row, and the one whose place is to be probed.
+/// Returns the clicked row, and the one whose place is to be probed.
 fn table_ui(ui: &mut Ui, model: &mut Model, side: Side, shown: &Shown) -> (Option<usize>, Option<usize>) {
     let listed: Vec<usize> =
         (0..shown.rows.len()).filter(|&row| model.slots[side].against.shows(shown.rows[row].kind)).collect();
@@ -164,8 +160,7 @@ fn table_ui(ui: &mut Ui, model: &mut Model, side: Side, shown: &Shown) -> (Optio
                     ui.add(Label::new(&row.note).selectable(false).truncate());
                 });
                 let response = table_row.response();
-                let name = format!("{} {}", shown.label(row.kind), index + 1);
-                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &name));
+                named(&response, egui::Role::Row, format!("{} {}", shown.label(row.kind), index + 1));
                 if response.hovered() {
                     hovered = Some(index);
                 }
@@ -233,7 +228,6 @@ fn marks_of(model: &Model, side: Side, shown: &Shown, picture: Option<&Picture>)
         .unzip()
 }
 
-/// Draws the comparison of `side` over the canvas of `output`, and lets the pointer choose among its rows.
 pub fn marks_ui(
     ui: &Ui,
     model: &mut Model,
@@ -268,11 +262,10 @@ pub fn marks_ui(
         select(model, side, shown, pointed.map(|mark| rows[mark]));
     }
     if let Some(mark) = pointed.filter(|_| !output.response.dragged()) {
-        tip_ui(ui, shown, &shown.rows[rows[mark]]);
+        row_tip_ui(ui, shown, &shown.rows[rows[mark]]);
     }
 }
 
-/// Selects a row, and our feature in it if it is one of A's.
 fn select(model: &mut Model, side: Side, shown: &Shown, row: Option<usize>) {
     model.slots[side].against.selected = row;
     if side == Side::A {
@@ -280,14 +273,13 @@ fn select(model: &mut Model, side: Side, shown: &Shown, row: Option<usize>) {
     }
 }
 
-fn tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
+fn row_tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
     let slope = row.slope.map_or_else(String::new, |s| format!("  slope ({}) px/frame", signed_slope(s, 2)));
     let note = if row.note.is_empty() { String::new() } else { format!("\n{}", row.note) };
     let text = format!("{}  σ {:.2} px{slope}{note}", shown.label(row.kind), row.sigma);
-    let (id, anchor) = (egui::Id::unique("compared tip"), egui::PopupAnchor::Pointer);
-    egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor).gap(14.0).show(|ui| {
+    tip_ui(ui, "compared tip", |ui| {
         ui.set_max_width(420.0);
-        ui.label(text)
+        ui.label(text);
     });
 }
 
@@ -313,10 +305,7 @@ fn key_ui(ui: &mut Ui, shown: &Shown, kind: Kind) {
     ui.painter().rect_filled(rect, 3.0, egui::Color32::from_gray(40));
     let stroke = egui::Stroke::new(1.6, colour(shown.with, kind));
     if kind == Kind::Theirs {
-        let points: Vec<egui::Pos2> = (0..=24)
-            .map(|k| rect.center() + 4.5 * egui::Vec2::angled(std::f32::consts::TAU * k as f32 / 24.0))
-            .collect();
-        ui.painter().extend(egui::Shape::dashed_line(&points, stroke, 3.0, 2.0));
+        dashed_circle(ui.painter(), rect.center(), 4.5, stroke, (3.0, 2.0));
     } else {
         ui.painter().circle_stroke(rect.center(), 4.5, stroke);
     }

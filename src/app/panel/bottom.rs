@@ -3,6 +3,7 @@
 use crate::app::actions::Queue;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
+use crate::app::panel::{against, noise, slopes, status, table, tally};
 use crate::app::parts::mark;
 use crate::app::project::{BottomTab, Model, Visibility};
 use crate::teach::Part;
@@ -40,6 +41,10 @@ pub fn closed_ui(ui: &mut Ui, model: &mut Model) {
     mark(ui, Part::Tabs, tabs.response.rect);
 }
 
+fn line_ui(ui: &mut Ui, model: &Model, summary_ui: fn(&mut Ui, &Model)) {
+    ui.with_layout(Layout::left_to_right(Align::Center), |ui| summary_ui(ui, model));
+}
+
 pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
     // Widgets beside the tabs go below them where there is no space.
     let tabs = ui.horizontal_wrapped(|ui| {
@@ -49,22 +54,10 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         tabs_ui(ui, model);
         ui.separator();
         match model.bottom_tab {
-            BottomTab::Table => crate::app::panel::table::filter_bar_ui(ui, model, queue),
-            BottomTab::Tally => {
-                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    crate::app::panel::tally::summary_ui(ui, model);
-                });
-            }
-            BottomTab::Noise => {
-                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    crate::app::panel::noise::summary_ui(ui, model);
-                });
-            }
-            BottomTab::Slopes => {
-                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    crate::app::panel::slopes::summary_ui(ui, model);
-                });
-            }
+            BottomTab::Table => table::filter_bar_ui(ui, model, queue),
+            BottomTab::Tally => line_ui(ui, model, tally::summary_ui),
+            BottomTab::Noise => line_ui(ui, model, noise::summary_ui),
+            BottomTab::Slopes => line_ui(ui, model, slopes::summary_ui),
             BottomTab::Profile | BottomTab::Region | BottomTab::Compared => {}
         }
     });
@@ -75,15 +68,15 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
         BottomTab::Table => {
             // Usually it stands below the parameters.
             if !model.shows_left() {
-                crate::app::panel::status::advice_ui(ui, model, queue);
+                status::advice_ui(ui, model, queue);
             }
-            crate::app::panel::table::table_ui(ui, model, queue);
+            table::table_ui(ui, model, queue);
         }
-        BottomTab::Tally => crate::app::panel::tally::tally_ui(ui, model, queue),
-        BottomTab::Noise => crate::app::panel::noise::noise_ui(ui, model),
-        BottomTab::Slopes => crate::app::panel::slopes::slopes_ui(ui, model),
+        BottomTab::Tally => tally::tally_ui(ui, model, queue),
+        BottomTab::Noise => noise::noise_ui(ui, model),
+        BottomTab::Slopes => slopes::slopes_ui(ui, model),
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
         BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
-        BottomTab::Compared => crate::app::panel::against::against_ui(ui, model, widgets, queue),
+        BottomTab::Compared => against::against_ui(ui, model, widgets, queue),
     }
 }

@@ -1,10 +1,9 @@
-//! Cursor of the focused pane: sliders of frame, slope, octave and level, with the grid's slopes marked, and the
-//! buttons that move it. Below a slope slider lie bars of features and evidence, with the ends of the searched range,
-//! which can be dragged; a plane of slopes has a pad that moves both components at once.
+//! Cursor of the focused pane: its sliders and buttons; below a slope slider bars of features and evidence, with the
+//! ends of the searched range, which can be dragged; and a pad for a plane of slopes.
 
 use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panel::widgets::{CursorRow, section_ui, slider_track};
+use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track};
 use crate::app::project::Model;
 use crate::app::project::cursor::{ViewKind, level_range, octave_range, slope_limit};
 use crate::detector::localise::rim_radius;
@@ -27,15 +26,8 @@ pub fn cursor_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 fn frame_row(ui: &mut Ui, model: &mut Model) {
     let last = model.focused_frame_count().saturating_sub(1) as f32;
     let mut frame = model.cursor().frame as f32;
-    let row = CursorRow {
-        label: "Frame",
-        help: "Index of the shown frame, from 0. Moving it shows the frame.",
-        range: 0.0..=last,
-        marks: &[],
-        whole: true,
-        suffix: "",
-    };
-    if row.ui(ui, &mut frame) {
+    let help = "Index of the shown frame, from 0. Moving it shows the frame.";
+    if CursorRow::whole("Frame", help, 0.0..=last).ui(ui, &mut frame) {
         let pane = model.focused_mut();
         pane.cursor.frame = frame.max(0.0) as usize;
         pane.show(ViewKind::Frame);
@@ -54,26 +46,18 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
     };
     let before = model.cursor().slope;
     let mut slope = before;
-    let (marks_u, marks_v) = (marks(|s| s.u), marks(|s| s.v));
-    fn row<'a>(label: &'a str, help: &'a str, limit: f32, marks: &'a [f32]) -> CursorRow<'a> {
-        CursorRow { label, help, range: -limit..=limit, marks, whole: false, suffix: "" }
+    let rows = [
+        ("Slope u", "to the right", &mut slope.u, marks(|s| s.u)),
+        ("Slope v", "downwards", &mut slope.v, marks(|s| s.v)),
+    ];
+    for (label, way, component, marks) in rows {
+        let help = &format!(
+            "Apparent motion {way}, px/frame. Marks: slopes of the grid; any slope between them can be shown."
+        );
+        let row = CursorRow { label, help, range: -limit..=limit, marks: &marks, whole: false };
+        row.ui(ui, component);
+        strip_ui(ui, model, label == "Slope v");
     }
-    row(
-        "Slope u",
-        "Apparent motion to the right, px/frame. Marks: slopes of the grid; any slope between them can be shown.",
-        limit,
-        &marks_u,
-    )
-    .ui(ui, &mut slope.u);
-    strip_ui(ui, model, false);
-    row(
-        "Slope v",
-        "Apparent motion downwards, px/frame. Marks: slopes of the grid; any slope between them can be shown.",
-        limit,
-        &marks_v,
-    )
-    .ui(ui, &mut slope.v);
-    strip_ui(ui, model, true);
     if slope != before {
         model.playing = false;
         let pane = model.focused_mut();
@@ -97,27 +81,13 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     let octaves = octave_range(model.cursor_params(), model.focused_size());
     let levels = level_range(model.cursor_params());
     let (mut octave, mut level) = (model.cursor().octave as f32, model.cursor().level as f32);
-    let row = |label, help, range: std::ops::RangeInclusive<i32>| CursorRow {
-        label,
-        help,
-        range: *range.start() as f32..=*range.end() as f32,
-        marks: &[],
-        whole: true,
-        suffix: "",
+    let mut row = |label, help, range: std::ops::RangeInclusive<i32>, value| {
+        CursorRow::whole(label, help, *range.start() as f32..=*range.end() as f32).ui(ui, value)
     };
-    let a = row(
-        "Octave",
-        "Octave of the DoG: each is twice as coarse as the one before. Moving it shows the DoG, unless the pane shows a map at this octave.",
-        octaves,
-    )
-    .ui(ui, &mut octave);
-    let b = row(
-        "Level",
-        "Level within the octave. Features lie at levels 0 and up; the two outermost levels are only compared with. Moving it shows the DoG, unless the pane shows a map at this level.",
-        levels,
-    )
-    .ui(ui, &mut level);
-    if a || b {
+    let help = "Octave of the DoG: each is twice as coarse as the one before. Moving it shows the DoG, unless the pane shows a map at this octave.";
+    let is_other_octave = row("Octave", help, octaves, &mut octave);
+    let help = "Level within the octave. Features lie at levels 0 and up; the two outermost levels are only compared with. Moving it shows the DoG, unless the pane shows a map at this level.";
+    if row("Level", help, levels, &mut level) || is_other_octave {
         let pane = model.focused_mut();
         (pane.cursor.octave, pane.cursor.level) = (octave as i32, level as i32);
         pane.show_scale();
@@ -150,16 +120,12 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
     painter.rect_stroke(rect, 4.0, ui.visuals().widgets.noninteractive.bg_stroke, StrokeKind::Inside);
     let axis = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
-    painter.line_segment([pos2(rect.left(), rect.center().y), pos2(rect.right(), rect.center().y)], axis);
-    painter.line_segment([pos2(rect.center().x, rect.top()), pos2(rect.center().x, rect.bottom())], axis);
+    painter.hline(rect.x_range(), rect.center().y, axis);
+    painter.vline(rect.center().x, rect.y_range(), axis);
     let mut counts = vec![0usize; grid.len()];
     let found = model.found_of(model.focused().side).filter(|f| f.detection.slopes == grid);
-    if let Some(found) = found {
-        for feature in &found.detection.features {
-            if let Some(count) = counts.get_mut(feature.slope_index) {
-                *count += 1;
-            }
-        }
+    for feature in found.iter().flat_map(|found| &found.detection.features) {
+        counts.get_mut(feature.slope_index).into_iter().for_each(|count| *count += 1);
     }
     let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
     let largest = (0.45 * grid.u.step().min(grid.v.step()) * scale).clamp(2.0, 8.0);
@@ -170,11 +136,9 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
     }
     let here = ui_from_slope(model.cursor().slope);
     painter.circle_stroke(here, 5.5, Stroke::new(2.0, ui.visuals().strong_text_color()));
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Slope plane"));
-    crate::app::panel::widgets::hint(
-        response,
-        "Slope plane: u to the right, v downwards. Dots: slopes of the grid, larger where more features were found. Drag to change both.",
-    );
+    named(&response, egui::Role::Canvas, "Slope plane");
+    let help = "Slope plane: u to the right, v downwards. Dots: slopes of the grid, larger where more features were found. Drag to change both.";
+    hint(response, help);
 }
 
 /// Height of the strip, points.
@@ -201,7 +165,6 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
     let x_of = |slope: f32| egui::remap(slope, -limit..=limit, rect.x_range());
     bars_ui(ui, model, second, rect, &x_of);
     let ends = [(axis.min, "Range start"), (axis.max, "Range end")];
-    let name_of = |name: &str| format!("{name} {}", if second { "v" } else { "u" });
     for (index, (value, name)) in ends.into_iter().enumerate() {
         let x = x_of(value).clamp(rect.left() - 2.0, rect.right() + 2.0);
         let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(2.0 * REACH, rect.height()));
@@ -224,7 +187,7 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
         ui.painter().vline(x, rect.y_range(), Stroke::new(if lit { 2.5 } else { 1.5 }, colour));
         let knob = Rect::from_center_size(pos2(x, rect.top() + 3.0), vec2(6.0, 6.0));
         ui.painter().rect_filled(knob, 1.0, colour);
-        let name = name_of(name);
+        let name = format!("{name} {}", if second { "v" } else { "u" });
         response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(value), &name));
         response
             .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal)
@@ -236,7 +199,6 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
 struct Drag {
     limit: f32,
     axis: SlopeAxis,
-    /// Distance of the drag, px/frame.
     pulled: f32,
 }
 
@@ -268,8 +230,7 @@ fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) 
     let painter = ui.painter_at(rect.expand2(vec2(3.0, 0.0)));
     painter.rect_filled(rect.expand2(vec2(3.0, 0.0)), 2.0, ui.visuals().extreme_bg_color);
     let response = ui.interact(rect, ui.scope_id().with(("slope strip", second)), Sense::hover());
-    response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Features and evidence below the slider"));
+    named(&response, egui::Role::Image, "Features and evidence below the slider");
     let Some(spectrum) = model.spectrum().filter(|spectrum| !spectrum.grid.is_plane()) else { return };
     let component = |slope: Slope| if second { slope.v } else { slope.u };
     let bars: Vec<_> = on_line(spectrum).into_iter().map(|(_, bar)| bar).collect();

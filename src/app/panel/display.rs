@@ -1,12 +1,12 @@
-//! Display of the pictures: histogram, range, gamma, colour map and overlays; and the colour bar in the corner of a
-//! map.
+//! Display of the pictures: range, gamma, colour map and overlays; and the colour bar in the corner of a map.
 
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::{ColourBy, ColourScale};
 use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
-use crate::app::panel::widgets::{hint, label_ui, section_ui};
+use crate::app::panel::legend::ground;
+use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui};
 use crate::app::project::Model;
 use crate::app::project::look::{FeaturesShown, RangeClass, SMOOTHING_PX};
 use crate::plane::display::Display;
@@ -14,15 +14,8 @@ use egui::{
     Align2, Color32, Mesh, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2,
 };
 
-/// State of the panel, kept between passes: a histogram for each class of picture.
 #[derive(Default)]
-pub struct DisplayState {
-    intensity: HistogramPanel,
-    response: HistogramPanel,
-    difference: HistogramPanel,
-    noise: HistogramPanel,
-    share: HistogramPanel,
-}
+pub struct DisplayState([HistogramPanel; RangeClass::Motion as usize + 1]);
 
 pub fn display_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     section_ui(ui, "Display", |ui| {
@@ -54,14 +47,8 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
         ui.add(egui::Label::new("Colour: direction of the winning slope; bright where it is certain").wrap());
         return;
     }
-    let panel = match class {
-        RangeClass::Intensity => &mut state.intensity,
-        RangeClass::Response => &mut state.response,
-        RangeClass::Difference => &mut state.difference,
-        RangeClass::Noise => &mut state.noise,
-        RangeClass::Share | RangeClass::Motion => &mut state.share,
-    };
-    panel.ui(ui, pictures.shown(), pictures.visible_image, model.focused_ranges_mut().display_mut(class));
+    let display = model.focused_ranges_mut().display_mut(class);
+    state.0[class as usize].ui(ui, pictures.shown(), pictures.visible_image, display);
 }
 
 fn smoothing_ui(ui: &mut Ui, model: &mut Model) {
@@ -95,12 +82,12 @@ fn overlay_ui(ui: &mut Ui, model: &mut Model) {
     });
     ui.horizontal(|ui| {
         label_ui(ui, "Features", 69.0);
-        features_shown_ui(ui, &mut model.look.overlay);
+        features_shown_ui(ui, &mut model.look.overlay, FeaturesShown::ALL);
     });
 }
 
-pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown) {
-    for choice in FeaturesShown::ALL {
+pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown, choices: impl IntoIterator<Item = FeaturesShown>) {
+    for choice in choices {
         let button = ui.selectable_value(shown, choice, RichText::new(choice.label()).small());
         button.on_hover_text(format!("{} (O)", choice.help()));
     }
@@ -109,20 +96,12 @@ pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown) {
 fn colouring_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         let label = label_ui(ui, "Colour by", 69.0);
-        egui::ComboBox::from_id_salt("colour by")
-            .selected_text(model.colour_by.name())
-            .width(ui.available_width() - 6.0)
-            .truncate()
-            .show_ui(ui, |ui| {
-                for by in ColourBy::choices(model.set_up.reads_depths) {
-                    if ui.selectable_value(&mut model.colour_by, by, by.name()).clicked() {
-                        // Choosing a quantity again starts its computation again, if that was cancelled.
-                        model.coherence.try_again();
-                    }
-                }
-            })
-            .response
-            .labelled_by(label.id);
+        let (width, choices) = (Some(ui.available_width() - 6.0), ColourBy::choices(model.set_up.reads_depths));
+        let clicked = choice_ui(ui, "colour by", label.id, width, &mut model.colour_by, choices, ColourBy::name);
+        if clicked {
+            // Choosing a quantity again starts its computation again, if that was cancelled.
+            model.coherence.try_again();
+        }
     });
 }
 
@@ -145,8 +124,7 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     }
     let display = model.display_of(id);
     let background = Rect::from_min_size(rect.right_bottom() - SIZE - vec2(10.0, 10.0), SIZE);
-    let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
-    ui.painter().rect_filled(background, 5.0, fill);
+    ui.painter().rect_filled(background, 5.0, ground(ui));
     let inner = background.shrink2(vec2(8.0, 5.0));
     let font = TextStyle::Small.resolve(ui.style());
     let (strong, weak) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
@@ -158,19 +136,17 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     ui.painter().text(inner.right_bottom(), Align2::RIGHT_BOTTOM, &high, font, weak);
     let response = ui.interact(background, ui.scope_id().with(("colour bar", id)), Sense::hover());
     let text = format!("Colour bar: {title}, from {low} to {high}");
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+    named(&response, egui::Role::Image, &text);
     response.on_hover_text(format!("{text}; change the range in the panel Display"));
 }
 
-/// Draws the key of winning slopes: a wheel of directions.
 fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     let motion = model.panes.get(id).and_then(|pane| pane.picture.as_ref()?.motion.as_ref());
     let Some(motion) = motion.filter(|_| rect.width() >= ROOM.x && rect.height() >= ROOM.y) else { return };
     let scale = ColourScale::with_range(ColourBy::SlopeDirection, 0.0, motion.grid.max_magnitude());
     let size = vec2(140.0, 66.0);
     let background = Rect::from_min_size(rect.right_bottom() - size - vec2(10.0, 10.0), size);
-    let fill = if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) };
-    ui.painter().rect_filled(background, 5.0, fill);
+    ui.painter().rect_filled(background, 5.0, ground(ui));
     ui.scope_builder(UiBuilder::new().max_rect(background.shrink2(vec2(8.0, 6.0))), |ui| {
         scale.legend_ui(ui);
     });

@@ -5,6 +5,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::against::{self, marks_ui};
 use crate::app::panel::legend;
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
+use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
 use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::look::FeaturesShown;
@@ -16,15 +17,8 @@ use crate::detector::{Detection, Feature, Slope, SlopeGrid};
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
-#[derive(Debug, Clone, Copy)]
-pub struct FeatureOptions {
-    pub legend: bool,
-}
-
-/// Features over the picture of a pane, as the canvas and a figure draw them.
 #[derive(Debug, Clone)]
 pub struct FeatureLayer {
-    /// Features, at their places at mid-burst.
     pub detection: Arc<Detection>,
     /// Features at their places in the picture where that is a frame: at its time.
     in_frame: Option<Vec<Feature>>,
@@ -35,15 +29,12 @@ pub struct FeatureLayer {
     /// not to be fainter.
     pub slope: Option<Slope>,
     pub selected: Option<usize>,
-    /// The feature under the pointer.
     pub hovered: Option<usize>,
     /// Whether the features belong to other parameters than the present ones.
     pub stale: bool,
     pub orientations: bool,
     pub motions: bool,
-    /// Whether the table, the filter and the selection refer to these features.
     pub is_listed: bool,
-    /// Method that found them, where methods are compared.
     pub method: Option<Contender>,
 }
 
@@ -94,7 +85,6 @@ impl FeatureLayer {
         Some(layer)
     }
 
-    /// Features at their places in the picture: in a frame at its time, otherwise at mid-burst.
     pub fn placed(&self) -> &[Feature] {
         self.in_frame.as_deref().unwrap_or(&self.detection.features)
     }
@@ -128,14 +118,13 @@ impl FeatureLayer {
     }
 }
 
-/// Draws the features of pane `id` over the canvas of `output`, and lets the pointer choose among A's.
 pub fn features_ui(
     ui: &mut Ui,
     model: &mut Model,
     id: PaneId,
     state: &mut PictureState,
     output: &CanvasOutput,
-    options: FeatureOptions,
+    has_legend: bool,
 ) {
     state.drawn_of = None;
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
@@ -145,7 +134,7 @@ pub fn features_ui(
         // The colours now show the comparison's outcome.
         let picture = pane.picture.clone();
         marks_ui(ui, model, side, &shown, picture.as_ref(), output);
-        if options.legend {
+        if has_legend {
             against::legend_ui(ui, model, side, &shown, output);
         }
         return;
@@ -181,9 +170,9 @@ pub fn features_ui(
         let name = layer.method.map_or_else(|| format!("#{}", i + 1), |method| method.label().to_owned());
         let judged = model.coherence.of(&layer.detection).and_then(|values| values.get(i));
         let feature = &layer.placed()[i];
-        tip_ui(ui, &name, feature, model.set_up.known(feature.slope, judged));
+        feature_tip_ui(ui, &name, feature, model.set_up.known(feature.slope, judged));
     }
-    if options.legend && !layer.placed().is_empty() {
+    if has_legend && !layer.placed().is_empty() {
         let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
         let notes = [has_faint.then(|| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
         let notes: Vec<String> = notes.into_iter().flatten().collect();
@@ -237,8 +226,7 @@ fn near_slope(grid: &SlopeGrid) -> f32 {
     (0.55 * grid.u.step().max(grid.v.step())).max(0.1)
 }
 
-/// Shows the numbers of the feature under the pointer.
-fn tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
+fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
     let Known { judged, depth_m } = known;
     let depth = depth_m.map_or_else(String::new, |_| format!("  depth {} m", depth_text(depth_m)));
     let coherence = judged.map_or_else(String::new, |j| format!("\ncoherence {}", coherence_words(j.coherence)));
@@ -249,8 +237,7 @@ fn tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
         signed_number(f.response, 3),
         f.snr
     );
-    let (id, anchor) = (egui::Id::unique("feature tip"), egui::PopupAnchor::Pointer);
-    egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor).gap(14.0).show(|ui| {
+    tip_ui(ui, "feature tip", |ui| {
         ui.label(RichText::new(text).monospace());
         if let Some(judged) = judged {
             ui.set_max_width(TIP_WIDTH);
@@ -262,7 +249,6 @@ fn tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
 /// Width of the sentence in a feature's tip, points.
 const TIP_WIDTH: f32 = 320.0;
 
-/// Reason why features are grey, if some are.
 fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) -> Option<String> {
     if scale.by == overlay::ColourBy::Depth {
         return scale.has_unknown().then(|| "Grey: Slopes, Slopes from the set-up gives depths".to_owned());
@@ -279,7 +265,6 @@ fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) 
     scale.has_unknown().then(|| format!("Grey: {why}"))
 }
 
-/// Draws the legend of the features' colours; without its texts where the picture is small.
 fn features_legend_ui(
     ui: &mut Ui,
     is_open: &mut bool,

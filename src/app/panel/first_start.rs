@@ -1,8 +1,8 @@
-//! Card of the first start, over the demo: what this is, and the three ways to go on. It is shown until it is
-//! dismissed, and never again.
+//! Card of the first start, over the demo: what this is, and the three ways to go on. Once dismissed it never returns.
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::lesson::{Chosen, Lessons};
+use crate::app::panel::widgets::named;
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
 use crate::app::style;
@@ -14,7 +14,6 @@ const WIDTH: f32 = 336.0;
 /// Minimum size of a picture with the card over it, in points.
 const ROOM: egui::Vec2 = vec2(400.0, 260.0);
 
-/// Whether the card is shown: over the demo, at the first start.
 pub fn is_shown(model: &Model) -> bool {
     let of_demo = model.slots.a.burst.as_ref().is_some_and(|open| open.source == BurstSource::Demo);
     model.panels.welcome && of_demo && !model.in_lesson && model.workspace == Workspace::Inspect
@@ -35,7 +34,7 @@ pub fn card_ui(ctx: &Context, model: &mut Model, lessons: &Lessons, rect_ui: Rec
                 ui.label(RichText::new("A street at night: ten dark frames").size(15.0).strong());
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     let close = ui.add(Button::new("✖").frame(false));
-                    close.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Dismiss the card"));
+                    named(&close, egui::Role::Button, "Dismiss the card");
                     model.panels.welcome &= !close.clicked();
                 });
             });

@@ -6,18 +6,16 @@ use crate::app::words::asked_for;
 use crate::teach::glossary::{Word, glossary};
 use egui::{Context, RichText, ScrollArea, Ui, vec2};
 
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct GlossaryWindow {
     is_open: bool,
     text: String,
     wanted: Option<String>,
-    /// Whether the search field is to get the keyboard focus.
     focus: bool,
     captions: Captions,
 }
 
 impl GlossaryWindow {
-    /// Opens the window, at the entry `word` if one is given.
     pub fn open(&mut self, word: Option<&str>) {
         (self.is_open, self.text, self.focus) = (true, String::new(), word.is_none());
         if let Some(found) = word.and_then(|word| glossary().find(word)) {

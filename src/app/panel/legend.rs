@@ -1,18 +1,16 @@
-//! Legends in a corner of the picture. A click folds one to a small chip, so that it covers nothing for good, and a
-//! click on the chip unfolds it.
+//! Legends in a corner of the picture. A click folds one to a small chip, and unfolds it.
 
+use crate::app::panel::widgets::named;
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
-    /// The picture, in points.
     pub rect_ui: Rect,
     /// Whether the colour bar of a map lies in the lower right corner, so that the legend takes the left one.
     pub has_colour_bar: bool,
 }
 
 impl Place {
-    /// Rectangle of `size` points in the corner of the legend.
     fn corner(self, size: Vec2) -> Rect {
         let (align, inwards) = if self.has_colour_bar {
             (Align2::LEFT_BOTTOM, vec2(10.0, -10.0))
@@ -23,7 +21,6 @@ impl Place {
     }
 }
 
-/// Size of the chip of a folded legend, in points.
 const CHIP: Vec2 = vec2(62.0, 20.0);
 
 pub fn ground(ui: &Ui) -> Color32 {
@@ -35,7 +32,7 @@ pub fn legend_ui(ui: &mut Ui, is_open: &mut bool, size: Vec2, place: Place, add_
     let rect = place.corner(if *is_open { size } else { CHIP });
     let name = if *is_open { "Fold the legend" } else { "Show the legend" };
     let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    named(&response, egui::Role::Button, name);
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         ui.spacing_mut().item_spacing.y = 4.0;
         if *is_open {

@@ -1,6 +1,6 @@
-//! Small dialogs over the window: the calibration of files (bias and flat frame, black level and full scale, linear
-//! light, raw colours), the choice of one burst in a folder of several, and the box about the program.
+//! Small dialogs: the calibration of files, the choice of one burst of several, and the box about the program.
 
+use crate::app::panel::widgets::named;
 use crate::app::project::effect::Purpose;
 use crate::burst::{OpenOptions, RawColour};
 use crate::requests::BurstSource;
@@ -13,7 +13,6 @@ pub enum CalibrationChoice {
     Apply(OpenOptions),
 }
 
-/// Choices of the raw frames' colours, with names and descriptions.
 const COLOURS: [(RawColour, &str, &str); 4] = [
     (RawColour::Luma, "Luma", "Mean of each 2 × 2 square of pixels: all the light"),
     (RawColour::Green, "Green", "Mean of the two green pixels of each 2 × 2 square"),
@@ -64,11 +63,8 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             .on_hover_text("Decode them as far as possible; the rest of the frame is grey");
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            if ui
-                .button("Apply")
-                .on_hover_text("Open the present bursts again with these options, and use them for all later bursts")
-                .clicked()
-            {
+            let tip = "Open the present bursts again with these options, and use them for all later bursts";
+            if ui.button("Apply").on_hover_text(tip).clicked() {
                 choice = Some(CalibrationChoice::Apply(options.clone()));
                 close = true;
             }
@@ -113,11 +109,7 @@ fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>) -> bool {
 fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip: &str) {
     let mut own = level.is_some();
     ui.checkbox(&mut own, label).on_hover_text(tip);
-    match (own, *level) {
-        (true, None) => *level = Some(default),
-        (false, _) => *level = None,
-        _ => {}
-    }
+    *level = own.then_some(level.unwrap_or(default));
     match level {
         Some(value) => {
             let field = ui.add(DragValue::new(value).range(-1e9..=1e9).speed(1.0).max_decimals(3));
@@ -133,14 +125,12 @@ fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip
 /// Notices of software and fonts of others in the program: a list of packages, then the texts of their licences.
 const NOTICES: &str = include_str!("../../../assets/THIRD-PARTY.txt");
 
-/// Packages of others in the program, each with its name, version, licence and source.
 fn packages() -> Vec<[&'static str; 4]> {
     let heading = NOTICES.lines().skip_while(|line| *line != "name | version | licence | source");
     let rows = heading.skip(1).take_while(|line| !line.is_empty());
     rows.filter_map(|row| row.split(" | ").collect::<Vec<_>>().try_into().ok()).collect()
 }
 
-/// Draws the list of packages of others, folded until it is asked for.
 fn notices_ui(ui: &mut Ui) {
     egui::CollapsingHeader::new("Software of others").show(ui, |ui| {
         let packages = packages();
@@ -156,14 +146,12 @@ fn notices_ui(ui: &mut Ui) {
                 }
             });
         });
-        let copy = ui.button("Copy licences").on_hover_text("Copy this list and the texts of all licences");
-        if copy.clicked() {
+        if ui.button("Copy licences").on_hover_text("Copy this list and the texts of all licences").clicked() {
             ui.copy_text(NOTICES.to_owned());
         }
     });
 }
 
-/// Draws the box if it is open.
 pub fn about_ui(ctx: &egui::Context, open: &mut bool) {
     if !*open {
         return;
@@ -224,21 +212,12 @@ pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<
 
 fn row_ui(ui: &mut Ui, burst: &BurstSource) -> egui::Response {
     // Stacks of one name in several folders are distinguished by their folders.
-    let folder = match burst {
-        BurstSource::Paths(paths) => paths.first().and_then(|p| p.parent()?.file_name()),
-        BurstSource::Demo
-        | BurstSource::DemoLater
-        | BurstSource::Example(_)
-        | BurstSource::Chart(_)
-        | BurstSource::DarkCopy { .. }
-        | BurstSource::Planted { .. } => None,
-    };
-    let folder = folder.map_or_else(String::new, |f| f.to_string_lossy().into_owned());
-    let name = format!("{} in {folder}", burst.label());
+    let paths = if let BurstSource::Paths(paths) = burst { &paths[..] } else { &[] };
+    let folder = paths.first().and_then(|path| path.parent()?.file_name()).unwrap_or_default().to_string_lossy();
     let button = egui::Button::new(burst.label())
         .min_size(vec2(ui.available_width(), 24.0))
         .right_text(RichText::new(format!("in {folder}")).weak());
     let response = ui.add(button);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    named(&response, egui::Role::Button, format!("{} in {folder}", burst.label()));
     response
 }

@@ -1,13 +1,13 @@
-//! Noise of the burst as the last detection estimated it: the variance over brightness with the fitted points, the map
-//! of the noise, and the assumptions that do not hold.
+//! Noise of the burst as the last detection estimated it: over brightness, as a map, and what is wrong with it.
 
 use crate::app::canvas::number as in_digits;
+use crate::app::panel::widgets::{instead_ui, warning_ui};
 use crate::app::project::side::Side;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::noise_model::NoiseModel;
 use crate::plane::display::ColourMap;
 use crate::requests::ViewKind;
-use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, pos2, vec2};
+use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, vec2};
 
 fn number(value: f32) -> String {
     in_digits(value, 3)
@@ -38,7 +38,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 
 pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
     let Some(found) = model.slots.a.found.clone() else {
-        ui.centered_and_justified(|ui| ui.weak(model.without_features(Side::A, "Press Detect to measure the noise")));
+        instead_ui(ui, model.without_features(Side::A, "Press Detect to measure the noise"));
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -74,8 +74,7 @@ fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
 pub fn warnings_ui(ui: &mut Ui, found: &FoundFeatures) {
     for warning in &found.detection.noise.warnings {
         ui.add_space(4.0);
-        let text = RichText::new(format!("Noise: {}.", warning.text)).color(crate::app::style::warning(ui));
-        ui.add(egui::Label::new(text).wrap());
+        warning_ui(ui, format!("Noise: {}.", warning.text));
     }
 }
 
@@ -104,16 +103,14 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
         points.iter().map(|p| p.variance.sqrt()).chain([sigma_at(low), sigma_at(high)]).fold(1e-6, f32::max) * 1.15;
     let inner = rect.shrink2(vec2(8.0, 18.0));
     let place = |brightness: f32, sigma: f32| -> Pos2 {
-        pos2(
-            inner.left() + (brightness - low) / (high - low) * inner.width(),
-            inner.bottom() - sigma / top * inner.height(),
-        )
+        let part = vec2((brightness - low) / (high - low), -sigma / top);
+        inner.left_bottom() + part * inner.size()
     };
-    let line: Vec<Pos2> = (0..=60)
-        .map(|i| low + (high - low) * i as f32 / 60.0)
-        .map(|brightness| place(brightness, sigma_at(brightness)))
-        .collect();
-    painter.line(line, Stroke::new(1.5, crate::app::style::ACCENT));
+    let steps = (0..=60).map(|i| low + (high - low) * i as f32 / 60.0);
+    painter.line(
+        steps.map(|brightness| place(brightness, sigma_at(brightness))).collect(),
+        Stroke::new(1.5, crate::app::style::ACCENT),
+    );
     for point in points {
         painter.circle_filled(place(point.brightness, point.variance.sqrt()), 2.5, ui.visuals().text_color());
     }
@@ -149,11 +146,6 @@ fn map_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel) {
         format!("{} everywhere", number(max))
     };
     let font = TextStyle::Small.resolve(ui.style());
-    painter.text(
-        rect.left_bottom() + vec2(4.0, -2.0),
-        Align2::LEFT_BOTTOM,
-        range,
-        font,
-        ui.visuals().weak_text_color(),
-    );
+    let colour = ui.visuals().weak_text_color();
+    painter.text(rect.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, range, font, colour);
 }

@@ -1,5 +1,4 @@
-//! Row of a parameter, made from its record: its name, the editor for its type of value, and the button that resets it
-//! to its default.
+//! Row of a parameter, made from its record: its name, its editor, and the button that resets it.
 
 use crate::app::panel::widgets::hint;
 use crate::app::words::explained;
@@ -12,9 +11,7 @@ use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 /// Width of the names, in points.
 const LABEL_WIDTH: f32 = 106.0;
 
-/// Table of edited parameters, with their error and defaults.
 pub struct ParamTable<'a, P> {
-    /// Error in the parameters, if any.
     pub error: Option<&'a ParamError>,
     pub defaults: P,
     pub frame_count: usize,
@@ -98,14 +95,12 @@ fn dragged<'a>(field: DragValue<'a>, drag: &Drag) -> DragValue<'a> {
 
 pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
     let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
-    let help = help_text(doc);
+    let help = format!("{}\n--{}", doc.help(), doc.name);
     ui.allocate_ui_with_layout(size, egui::Layout::top_down(egui::Align::Min), |ui| {
         ui.set_width(LABEL_WIDTH);
         ui.spacing_mut().item_spacing.y = -1.0;
-        let mut text = RichText::new(doc.label);
-        if wrong {
-            text = text.color(ui.visuals().error_fg_color);
-        }
+        let text = RichText::new(doc.label);
+        let text = if wrong { text.color(ui.visuals().error_fg_color) } else { text };
         let label = ui.add(egui::Label::new(text).truncate());
         let label = explained(label, &help, glossary().of_parameter(doc.name));
         if !doc.unit.is_empty() {
@@ -117,12 +112,7 @@ pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
     .inner
 }
 
-fn help_text(doc: &ParamDoc) -> String {
-    format!("{}\n--{}", doc.help(), doc.name)
-}
-
-/// Draws a button that resets the parameter, visible only when the value differs from the default; returns whether it
-/// was clicked.
+/// Draws the button, visible only when the value differs from the default; returns whether it was clicked.
 pub fn reset_ui(ui: &mut Ui, doc: &ParamDoc, differs: bool) -> bool {
     let name = format!("Reset {}", doc.label);
     let button = egui::Button::new(RichText::new("↺").weak()).frame(false).min_size(vec2(14.0, 0.0));
@@ -137,16 +127,13 @@ fn number_ui(ui: &mut Ui, field: DragValue<'_>, label: Id) {
 
 fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, names: &[(T, &str)]) {
     let chosen = names.iter().find(|(v, _)| v == value).map_or("", |(_, name)| name);
-    let response = egui::ComboBox::from_id_salt(label)
-        .selected_text(chosen)
-        .width(86.0)
-        .show_ui(ui, |ui| {
-            for (choice, name) in names {
-                ui.selectable_value(value, *choice, *name);
-            }
-        })
-        .response;
-    response.labelled_by(label);
+    let list = egui::ComboBox::from_id_salt(label).selected_text(chosen).width(86.0);
+    let shown = list.show_ui(ui, |ui| {
+        for (choice, name) in names {
+            ui.selectable_value(value, *choice, *name);
+        }
+    });
+    shown.response.labelled_by(label);
 }
 
 fn word_ui(ui: &mut Ui, value: &mut dyn Word, label: Id) {
@@ -155,7 +142,6 @@ fn word_ui(ui: &mut Ui, value: &mut dyn Word, label: Id) {
     value.set_word(chosen);
 }
 
-/// Draws the choice between slopes that are found and those given in the rows below.
 pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice) {
     let mut auto = choice.is_auto();
     if ui.checkbox(&mut auto, "Auto slopes").changed() {
@@ -187,17 +173,15 @@ fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_coun
     }
     if let Some(range) = frames {
         let size = vec2(34.0, ui.spacing().interact_size.y);
-        ui.add_sized(size, DragValue::new(&mut range.start).speed(0.05))
-            .labelled_by(label)
-            .on_hover_text("First frame used, counted from 0");
+        let number = |value| DragValue::new(value).speed(0.05);
+        let start = ui.add_sized(size, number(&mut range.start)).labelled_by(label);
+        start.on_hover_text("First frame used, counted from 0");
         ui.weak("..");
-        ui.add_sized(size, DragValue::new(&mut range.end).speed(0.05))
-            .labelled_by(label)
-            .on_hover_text("One past the last frame used");
+        let end = ui.add_sized(size, number(&mut range.end)).labelled_by(label);
+        end.on_hover_text("One past the last frame used");
     }
 }
 
-/// Draws the choice of the noise gate: a derived one, or a factor.
 fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, drag: &Drag, label: Id) {
     /// First value when switching to a factor: about that of the automatic gate for a small search.
     const FIRST_FACTOR: f32 = 4.5;
@@ -213,36 +197,22 @@ fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, drag: &Drag, label: Id) {
     ];
     choice_ui(ui, gate, label, &names);
     if let NoiseGate::Factor(_) = gate {
-        let size = vec2(48.0, ui.spacing().interact_size.y);
-        let field = DragValue::new(&mut factor).max_decimals(drag.decimals);
-        ui.add_sized(size, dragged(field, drag)).labelled_by(label);
+        narrow_ui(ui, &mut factor, drag, label);
         *gate = NoiseGate::Factor(factor);
     }
 }
 
-/// Draws the choice of distinct keypoints: off, or a radius.
 fn distinct_ui(ui: &mut Ui, distinct: &mut Distinct, drag: &Drag, label: Id) {
     let mut on = *distinct != Distinct::Off;
     if ui.checkbox(&mut on, "On").changed() {
         *distinct = if on { Distinct::default() } else { Distinct::Off };
     }
     if let Distinct::Radius(radius) = distinct {
-        let size = vec2(48.0, ui.spacing().interact_size.y);
-        let field = DragValue::new(radius).max_decimals(drag.decimals);
-        ui.add_sized(size, dragged(field, drag)).labelled_by(label);
+        narrow_ui(ui, radius, drag, label);
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::detector::params::doc;
-
-    #[test]
-    fn the_help_of_a_parameter_ends_with_its_option() {
-        for parameter in &doc::ALL {
-            let help = help_text(parameter);
-            assert!(help.ends_with(&format!("\n--{}", parameter.name)) && help.len() > 20, "{help}");
-        }
-    }
+fn narrow_ui(ui: &mut Ui, value: &mut f32, drag: &Drag, label: Id) {
+    let field = dragged(DragValue::new(value).max_decimals(drag.decimals), drag);
+    ui.add_sized(vec2(48.0, ui.spacing().interact_size.y), field).labelled_by(label);
 }

@@ -1,5 +1,4 @@
-//! Parameters of the detector: slopes, gate and number of features, and folded below them all others; each with unit,
-//! default, effect of raising it, and error.
+//! Parameters of the detector: slopes, gate and number of features, and folded below them all others.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::parameter_rows as rows;

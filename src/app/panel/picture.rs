@@ -2,6 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{self, Quantity, Readout, overlay};
+use crate::app::panel::widgets::paint;
 use crate::app::project::look::{FeaturesShown, RangeClass};
 use crate::app::project::{Model, Stale};
 use crate::app::style;
@@ -12,14 +13,10 @@ use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
-/// State of the picture's widget, kept between passes.
 #[derive(Default)]
 pub struct PictureState {
-    /// The value under the pointer.
     pub readout: Option<Readout>,
-    /// Visible part of the image plane, in image pixels.
     pub visible_image: Option<Rect>,
-    /// Transform from image pixels to points of the window, as last drawn.
     pub ui_from_image: Option<canvas::RectTransform>,
     shown: Option<canvas::Picture>,
     colours: Option<(Arc<MotionMap>, egui::TextureHandle)>,
@@ -46,7 +43,6 @@ impl PictureState {
         self.shown.as_ref()
     }
 
-    /// Draws the colours of a map that has its own over the picture of `output`.
     pub(in crate::app) fn paint_colours(&mut self, ui: &Ui, picture: Option<&Picture>, output: &canvas::CanvasOutput) {
         let Some(motion) = picture.and_then(|picture| picture.motion.as_ref()) else {
             self.colours = None;
@@ -69,8 +65,7 @@ impl PictureState {
             self.colours = Some((motion.clone(), texture));
         }
         if let Some((_, texture)) = &self.colours {
-            let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            output.painter.image(texture.id(), output.ui_from_image.rect(rect_image), whole, egui::Color32::WHITE);
+            paint(&output.painter, texture.id(), output.ui_from_image.rect(rect_image));
         }
     }
 
@@ -169,7 +164,6 @@ pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &
     }
 }
 
-/// Returns the feature at its place `dt` frames after mid-burst.
 pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
     Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
 }
@@ -186,15 +180,13 @@ pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     let room = Rect::from_min_max(rect.left_top() + vec2(10.0, 10.0), rect.right_top() + vec2(-10.0, 44.0));
     ui.scope_builder(UiBuilder::new().max_rect(room).layout(Layout::left_to_right(Align::Min)), |ui| {
         let colour = style::warning(ui);
-        Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, colour)).inner_margin(Margin::symmetric(8, 4)).show(
-            ui,
-            |ui| {
-                ui.label(RichText::new(text).color(colour));
-                if stale == Stale::Parameters && ui.small_button("Detect again").clicked() {
-                    queue.push(ActionId::Detect);
-                }
-            },
-        );
+        let frame = Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, colour));
+        frame.inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
+            ui.label(RichText::new(text).color(colour));
+            if stale == Stale::Parameters && ui.small_button("Detect again").clicked() {
+                queue.push(ActionId::Detect);
+            }
+        });
     });
 }
 
@@ -204,8 +196,7 @@ mod tests {
     use crate::app::project::tests::open;
     use crate::detector::{DetectorParams, FrameRange};
     use crate::monitor::Monitor;
-    use crate::requests::ViewKind;
-    use crate::requests::{Request, Work};
+    use crate::requests::{Request, ViewKind, Work};
 
     fn line(kind: PictureKind, params: DetectorParams, minus: Option<PictureKind>) -> String {
         let burst = open((40, 30), 5);
@@ -226,7 +217,6 @@ mod tests {
         let dog = PictureKind::Dog { octave, level, slope };
         assert_eq!(of(dog), "DoG  ·  octave 0, level 1  ·  slope (-1.00, 0.50) px/frame");
         let map = |map| of(PictureKind::Map { map, octave, level, slope });
-        assert_eq!(map(ViewKind::Noise), "Local noise  ·  octave 0, level 1  ·  slope (-1.00, 0.50) px/frame");
         assert_eq!(map(ViewKind::Coverage), "Coverage  ·  slope (-1.00, 0.50) px/frame");
         assert_eq!(map(ViewKind::Motion), "Winning slope  ·  octave 0, level 1");
         let frames = Some(FrameRange { start: 1, end: 4 });

@@ -1,9 +1,8 @@
-//! Selected feature: its numbers, its patch in the motion stack at its slope and in one frame, and its descriptor as
-//! 4 × 4 roses of eight directions. The patch and the descriptor are also drawn for matches.
+//! Selected feature: its numbers, patches and descriptor. The last two are also drawn for matches.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::signed_number;
-use crate::app::panel::widgets::{number_row_ui, section_ui};
+use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
 use crate::app::project::Model;
 use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::workspace::Workspace;
@@ -15,11 +14,10 @@ use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::sample_patch;
 use crate::requests::PictureKind;
 use egui::{
-    Color32, Label, Rect, RichText, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
+    Color32, Label, Rect, RichText, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, vec2,
 };
 use std::sync::Arc;
 
-/// State of the panel, kept between passes: the two patches.
 #[derive(Default)]
 pub struct SelectionState {
     stack: PatchTexture,
@@ -137,16 +135,8 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
     ui.horizontal(|ui| {
         ui.vertical(|ui| {
             ui.set_width(side);
-            match stack {
-                Some(picture) => {
-                    let name = "Patch in the motion stack";
-                    let view = PatchView { name, plane: &picture.plane, feature: *feature, turned: false, display };
-                    view.ui(ui, &mut state.stack, side);
-                }
-                None => {
-                    ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
-                }
-            }
+            let view = PatchView { name: "Patch in the motion stack", feature: *feature, turned: false, display };
+            view.ui(ui, stack.map(|picture| &picture.plane), &mut state.stack, side);
             ui.label(RichText::new("Motion stack").small().weak());
         });
         ui.vertical(|ui| {
@@ -156,10 +146,9 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
             // In a frame the feature lies further along its slope, away from the middle of the frames used.
             let dt = t as f32 - (used.start + used.end - 1) as f32 / 2.0;
             let (u, v) = (feature.u + dt * feature.slope.u, feature.v + dt * feature.slope.v);
-            let plane = &burst.burst.frames[t];
-            let name = "Patch in one frame";
             let feature = Feature { u, v, ..*feature };
-            PatchView { name, plane, feature, turned: false, display }.ui(ui, &mut state.frame, side);
+            let view = PatchView { name: "Patch in one frame", feature, turned: false, display };
+            view.ui(ui, Some(&burst.burst.frames[t]), &mut state.frame, side);
             ui.label(RichText::new(format!("Frame {t}")).small().weak());
         });
     });
@@ -190,14 +179,14 @@ pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32
         }
     }
     painter.rect_stroke(rect, 2.0, grid, StrokeKind::Inside);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
+    named(&response, Role::Image, name);
     response.on_hover_text(
         "Descriptor: strength of the gradients in 8 directions in each of 4 × 4 cells, summed over the scales that Describe scales says. The feature's orientation points to the right.",
     );
 }
 
-/// Direction of a descriptor's element within its cell, radians from +u towards +v of the feature's own frame. In UBC's
-/// layout the directions run the other way round; the first one stays.
+/// Direction of a descriptor's element within its cell, radians from +u towards +v of the feature's own frame: in UBC's
+/// layout the directions run the other way round.
 fn angle_of(direction: usize) -> f32 {
     -std::f32::consts::TAU * direction as f32 / DIRECTIONS as f32
 }
@@ -206,7 +195,6 @@ const SAMPLES: usize = 72;
 /// Half width of a patch, in σ: the reach of the descriptor's 4×4 cells of 3 σ, those of its finest scale.
 const SIGMAS: f32 = 6.0;
 
-/// Last drawn patch, kept as a texture until another one is drawn.
 #[derive(Default)]
 pub struct PatchTexture(Option<(PatchKey, TextureHandle)>);
 
@@ -222,8 +210,6 @@ struct PatchKey {
 
 pub struct PatchView<'a> {
     pub name: &'a str,
-    /// Picture that the patch is cut from, on the input image's pixels.
-    pub plane: &'a Arc<Plane>,
     pub feature: Feature,
     /// Whether the patch is rotated so that the feature's orientation points to the right, as its descriptor sees it.
     pub turned: bool,
@@ -231,17 +217,15 @@ pub struct PatchView<'a> {
 }
 
 impl PatchView<'_> {
-    /// Half width of the patch, pixels.
-    fn half_width_px(&self) -> f32 {
-        (SIGMAS * self.feature.sigma).max(4.0)
-    }
-
-    /// Draws the patch into a square of `side` points.
-    pub fn ui(&self, ui: &mut Ui, texture: &mut PatchTexture, side: f32) -> egui::Response {
-        let half_width_px = self.half_width_px();
+    /// Draws the patch of `plane`, on the input image's pixels, into a square of `side` points; without it the square
+    /// stays empty.
+    pub fn ui(&self, ui: &mut Ui, plane: Option<&Arc<Plane>>, texture: &mut PatchTexture, side: f32) {
+        let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
+        let Some(plane) = plane else { return };
+        let half_width_px = (SIGMAS * self.feature.sigma).max(4.0);
         let angle_rad = if self.turned { self.feature.orientation } else { 0.0 };
         let key = PatchKey {
-            plane: Arc::as_ptr(self.plane) as usize,
+            plane: Arc::as_ptr(plane) as usize,
             centre: (self.feature.u, self.feature.v),
             half_width_px,
             angle_rad,
@@ -249,12 +233,11 @@ impl PatchView<'_> {
             dark: ui.visuals().dark_mode,
         };
         if texture.0.as_ref().is_none_or(|(k, _)| *k != key) {
-            texture.0 = Some((key, self.load(ui, &key)));
+            let patch = sample_patch(plane, key.centre, key.half_width_px, key.angle_rad, SAMPLES);
+            texture.0 = Some((key, texture_of(ui, self.name, &patch, &self.display)));
         }
-        let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
         if let Some((_, texture)) = &texture.0 {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
+            paint(ui.painter(), texture.id(), rect);
         }
         let radius = self.feature.circle_radius_px() * 0.5 * side / half_width_px;
         let tip = rect.center() + radius * Vec2::angled(self.feature.orientation - angle_rad);
@@ -262,24 +245,23 @@ impl PatchView<'_> {
             ui.painter().circle_stroke(rect.center(), radius, Stroke::new(width, colour));
             ui.painter().line_segment([rect.center(), tip], Stroke::new(width, colour));
         }
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, self.name));
+        named(&response, Role::Image, self.name);
         let turned = if self.turned { ", turned so that the orientation points to the right" } else { "" };
-        response.on_hover_text(format!("{}: {half_width_px:.0} px to each side{turned}", self.name))
+        response.on_hover_text(format!("{}: {half_width_px:.0} px to each side{turned}", self.name));
     }
+}
 
-    fn load(&self, ui: &Ui, key: &PatchKey) -> TextureHandle {
-        let patch = sample_patch(self.plane, key.centre, key.half_width_px, key.angle_rad, SAMPLES);
-        let mut rgba = to_rgba8(&patch, &key.display);
-        let beside = if key.dark { 20 } else { 206 };
-        for (pixel, value) in rgba.pixels_mut().zip(patch.data()) {
-            if value.is_nan() {
-                // Outside the picture: the neutral grey that surrounds pictures.
-                pixel.0 = [beside, beside, beside, 255];
-            }
+/// Makes a texture of sharp pixels; NaN, as outside a picture, has the grey of the canvas's backdrop.
+pub fn texture_of(ui: &Ui, name: &str, plane: &Plane, display: &Display) -> TextureHandle {
+    let mut rgba = to_rgba8(plane, display);
+    let beside = if ui.visuals().dark_mode { 20 } else { 206 };
+    for (pixel, value) in rgba.pixels_mut().zip(plane.data()) {
+        if value.is_nan() {
+            pixel.0 = [beside, beside, beside, 255];
         }
-        let image = egui::ColorImage::from_rgba_unmultiplied([SAMPLES; 2], rgba.as_raw());
-        ui.ctx().load_texture(self.name, image, TextureOptions::NEAREST)
     }
+    let image = egui::ColorImage::from_rgba_unmultiplied(plane.size().into(), rgba.as_raw());
+    ui.ctx().load_texture(name, image, TextureOptions::NEAREST)
 }
 
 #[cfg(test)]

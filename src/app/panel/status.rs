@@ -1,8 +1,7 @@
-//! Status bar with the value under the pointer, the last note and the open burst; and the messages above it: errors,
-//! the offer to restore a saved session, and advice after a detection with few or no features.
+//! Status bar, and the messages above it: errors, the offer to restore a session, and advice after a detection.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panel::widgets::{progress_text, with_whole_numbers};
+use crate::app::panel::widgets::{confirm_ui, named, progress_text, with_whole_numbers};
 use crate::app::project::Model;
 use crate::app::project::messages::Messages;
 use crate::app::project::side::Side;
@@ -42,19 +41,16 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
                 }
                 ui.label(format!("{what} {percent:.0} %"));
             }
-            if let Some(running) = &model.coherence.running() {
-                if ui.small_button("Cancel coherence").clicked() {
-                    queue.push(ActionId::Cancel);
+            let coherence = "Computing how well the single frames agree on each feature";
+            for (what, running, cancel, tip) in [
+                ("Coherence", model.coherence.running(), ActionId::Cancel, coherence),
+                ("Figures", model.figures.running(), ActionId::CancelFigures, "Remaking the figures of the paper"),
+            ] {
+                let Some(running) = running else { continue };
+                if ui.small_button(format!("Cancel {}", what.to_lowercase())).clicked() {
+                    queue.push(cancel);
                 }
-                let text = format!("Coherence  {}", progress_text(running));
-                ui.label(text).on_hover_text("Computing how well the single frames agree on each feature");
-            }
-            if let Some(running) = &model.figures.running() {
-                if ui.small_button("Cancel figures").clicked() {
-                    queue.push(ActionId::CancelFigures);
-                }
-                let text = format!("Figures  {}", progress_text(running));
-                ui.label(text).on_hover_text("Remaking the figures of the paper");
+                ui.label(format!("{what}  {}", progress_text(&running))).on_hover_text(tip);
             }
             let help = "Type the path, if no dialog appeared or it cannot be used";
             types_path = model.messages.unanswered().is_some()
@@ -118,7 +114,7 @@ pub fn messages_ui(ctx: &egui::Context, messages: &mut Messages) {
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                         let name = format!("Dismiss: {}", message.title);
                         let close = ui.add(egui::Button::new("✖").frame(false)).on_hover_text("Dismiss");
-                        close.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+                        named(&close, egui::Role::Button, name);
                         if close.clicked() {
                             dismissed = Some(message.id);
                         }
@@ -152,29 +148,14 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
             choice = Some(RecoveryChoice::Discard);
         }
     });
-    if offer.is_asking { discard_ui(ui.ctx(), offer) } else { choice }
-}
-
-/// Draws the question whether the offered session is deleted. Returns the answer, once it is given.
-fn discard_ui(ctx: &egui::Context, offer: &Offer) -> Option<RecoveryChoice> {
-    let mut answer = None;
-    let modal = egui::Modal::new(Id::unique("discard session")).show(ctx, |ui| {
-        ui.set_width(420.0);
-        ui.heading("Delete the saved session?");
-        ui.add_space(4.0);
+    if !offer.is_asking {
+        return choice;
+    }
+    let answer = confirm_ui(ui.ctx(), "discard session", "Delete the saved session?", "Delete", |ui| {
         ui.label(format!("{}, saved {}", offer.label, ago(offer.age)));
         ui.weak("It cannot be restored afterwards. The files that it names stay.");
-        ui.add_space(6.0);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.button("Delete").clicked() {
-                answer = Some(RecoveryChoice::Remove);
-            }
-            if ui.button("Cancel").clicked() {
-                answer = Some(RecoveryChoice::Keep);
-            }
-        });
     });
-    answer.or_else(|| modal.should_close().then_some(RecoveryChoice::Keep))
+    answer.map(|removes| if removes { RecoveryChoice::Remove } else { RecoveryChoice::Keep })
 }
 
 fn ago(age: Duration) -> String {
@@ -188,7 +169,6 @@ fn ago(age: Duration) -> String {
     format!("{} ago", counted(count as usize, unit))
 }
 
-/// Draws the reason why there are no or few features, while the features belong to the present parameters.
 pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let advice =
         model.slots.a.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());

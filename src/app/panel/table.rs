@@ -4,6 +4,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
 use crate::app::inspector::copy_ui;
+use crate::app::panel::widgets::{instead_ui, label_ui, named};
 use crate::app::project::Model;
 use crate::app::project::filter::{Interval, Order};
 use crate::app::project::side::Side;
@@ -24,7 +25,7 @@ impl SortedColumn for Quantity {
 
 pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if model.slots.a.found.is_none() {
-        ui.centered_and_justified(|ui| ui.weak(model.without_features(Side::A, "Press Detect to find features")));
+        instead_ui(ui, model.without_features(Side::A, "Press Detect to find features"));
         return;
     }
     // Usually it stands below the parameters.
@@ -43,11 +44,8 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
         let Some(feature) = model.features().get(index) else { return };
-        if ui
-            .button("Go to feature")
-            .on_hover_text("Show the motion stack at its slope, with it in the middle")
-            .clicked()
-        {
+        let tip = "Show the motion stack at its slope, with it in the middle";
+        if ui.button("Go to feature").on_hover_text(tip).clicked() {
             chosen = Some(index);
         }
         if ui.button("Why this feature?").on_hover_text(ActionId::ProbeFeature.action().help).clicked() {
@@ -70,20 +68,17 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     }
 }
 
-/// Height of a row, in points.
 pub(in crate::app) const ROW_HEIGHT: f32 = 18.0;
 
 pub(in crate::app) trait SortedColumn: Copy + PartialEq + 'static {
     fn look(self) -> Heading;
 }
 
-/// Heading of a column, and how the column looks.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::app) struct Heading {
     pub text: &'static str,
     /// Description, with the unit; may be empty.
     pub help: &'static str,
-    /// Name of the glossary entry.
     pub term: Option<&'static str>,
     /// Width that the texts need, points.
     pub width: f32,
@@ -95,25 +90,20 @@ pub(in crate::app) struct Heading {
 
 /// Items that a table lists, by their indices.
 pub(in crate::app) struct Listed<'a> {
-    /// Items in the table's order.
     pub items: &'a [usize],
     pub selected: Option<usize>,
-    /// Item under the pointer, here or elsewhere.
     pub hovered: Option<usize>,
 }
 
 pub(in crate::app) struct Pointed<C> {
     /// Order, changed by a click on a heading.
     pub order: Order<C>,
-    /// Selected item after a click, or none.
     pub selected: Option<usize>,
-    /// Item under the pointer.
     pub hovered: Option<usize>,
 }
 
-/// Draws a table that a click on a heading sorts: `columns` from left to right, the first of which has a fixed width.
-/// `text` is the content of an item's cell, `name` the item's name for screen readers, and `menu` draws the menu that
-/// the secondary button opens on its row.
+/// Draws a table that a click on a heading sorts; the first column has a fixed width. `text` is the content of an item's
+/// cell, `name` the item's name for screen readers, and `menu` draws the menu of its row.
 pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     ui: &mut Ui,
     (columns, order): (&[C], Order<C>),
@@ -183,8 +173,7 @@ pub(in crate::app) fn rows_ui(
                 let (_, mut cell) =
                     header.col(|ui| cell_ui(ui, heading_text(heading.text, sorted_here), heading.is_left));
                 if sorted.is_some() {
-                    let label = format!("Sort by {}", heading.text);
-                    cell.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
+                    named(&cell, egui::Role::Button, format!("Sort by {}", heading.text));
                 }
                 if !heading.help.is_empty() {
                     cell = explained(cell, heading.help, heading.term.and_then(word));
@@ -203,8 +192,7 @@ pub(in crate::app) fn rows_ui(
                     row.col(|ui| cell_ui(ui, RichText::new(text(column, item)).monospace(), heading.is_left));
                 }
                 let response = row.response();
-                let label = name(item);
-                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
+                named(&response, egui::Role::Row, name(item));
                 if response.clicked() {
                     now_selected = Some(item);
                 }
@@ -217,11 +205,7 @@ pub(in crate::app) fn rows_ui(
 
 /// A heading; `sorted` is `Some` if the table is sorted by it, and true if the largest come first.
 fn heading_text(heading: &str, sorted: Option<bool>) -> RichText {
-    let arrow = match sorted {
-        Some(true) => " ⏷",
-        Some(false) => " ⏶",
-        None => "",
-    };
+    let arrow = sorted.map_or("", |descending| if descending { " ⏷" } else { " ⏶" });
     let text = RichText::new(format!("{heading}{arrow}")).small();
     if sorted.is_some() { text.strong() } else { text }
 }
@@ -280,16 +264,14 @@ fn ranges_ui(ui: &mut Ui, model: &mut Model) {
 
 fn verdict_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
-        crate::app::panel::widgets::label_ui(ui, "Verdict", 70.0).on_hover_text(Quantity::Verdict.record().help);
-        let text = |verdict: Option<Verdict>| verdict.map_or("all", Verdict::word);
+        label_ui(ui, "Verdict", 70.0).on_hover_text(Quantity::Verdict.record().help);
         // No list that unfolds: a click on one would close the menu.
         for verdict in std::iter::once(None).chain(Verdict::ALL.map(Some)) {
-            ui.selectable_value(&mut model.filter.verdict, verdict, text(verdict));
+            ui.selectable_value(&mut model.filter.verdict, verdict, verdict.map_or("all", Verdict::word));
         }
     });
 }
 
-/// Smallest and largest of the finite values.
 fn ends(values: impl Iterator<Item = f32>) -> (f32, f32) {
     let finite = values.filter(|x| x.is_finite());
     finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
@@ -298,7 +280,7 @@ fn ends(values: impl Iterator<Item = f32>) -> (f32, f32) {
 /// Draws two handles over a range, that of the features' values; the whole range accepts all.
 fn range_ui(ui: &mut Ui, label: &str, unit: &str, (low, high): (f32, f32), interval: &mut Option<Interval>) {
     ui.horizontal(|ui| {
-        let name = crate::app::panel::widgets::label_ui(ui, label, 70.0).on_hover_text(format!("{label}, {unit}"));
+        let name = label_ui(ui, label, 70.0).on_hover_text(format!("{label}, {unit}"));
         if high <= low {
             ui.weak("all the same");
             return;

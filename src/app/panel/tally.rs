@@ -1,11 +1,11 @@
-//! Tests of the search: a table of how many samples each test rejected, and, over the picture, the candidates that one
-//! of them rejected, coloured by how far they failed.
+//! Tests of the search: how many samples each rejected, and the candidates that one of them rejected, over the picture.
 
 use crate::app::actions::Queue;
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::frames_from_middle;
+use crate::app::panel::widgets::{instead_ui, label_ui, named, tip_ui};
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::view::signed_slope;
@@ -31,7 +31,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     };
     let text = format!(
         "Frame noise {} of full scale  ·  noise gate {gate}  ·  {} slopes  ·  octaves {} … {}",
-        crate::app::canvas::number(detection.frame_noise, 3),
+        number(detection.frame_noise, 3),
         detection.slopes.len(),
         detection.octaves.start,
         detection.octaves.end - 1,
@@ -42,9 +42,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 /// Draws the bars. Rows of tests that reject candidates are switches: they show these candidates in the picture.
 pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let Some(found) = model.slots.a.found.clone() else {
-        ui.centered_and_justified(|ui| {
-            ui.weak(model.without_features(Side::A, "Press Detect to see what each test rejects"))
-        });
+        instead_ui(ui, model.without_features(Side::A, "Press Detect to see what each test rejects"));
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -85,7 +83,6 @@ const COUNT_WIDTH: f32 = 96.0;
 struct Row<'a> {
     name: &'a str,
     samples: u64,
-    /// Number of samples that were candidates, as far as known.
     candidates: Option<u64>,
     /// Count shown by the bar, and whether it is that of the kept ones.
     bar: Option<(u64, bool)>,
@@ -94,13 +91,12 @@ struct Row<'a> {
 fn head_ui(ui: &mut Ui, with_candidates: bool) {
     ui.horizontal(|ui| {
         let hint = RichText::new("Click a test to see its candidates in the picture").small().weak();
-        crate::app::panel::widgets::label_ui(ui, hint, NAME_WIDTH);
-        let mut heads = vec![("samples", "Samples of D that fail this test first")];
-        if with_candidates {
-            let tip = "Those of them that were extrema in place and scale at their own slope: possible features";
-            heads.push(("candidates", tip));
-        }
-        for (head, tip) in heads {
+        label_ui(ui, hint, NAME_WIDTH);
+        let heads = [
+            ("samples", "Samples of D that fail this test first"),
+            ("candidates", "Those of them that were extrema in place and scale at their own slope: possible features"),
+        ];
+        for (head, tip) in heads.into_iter().take(if with_candidates { 2 } else { 1 }) {
             count_ui(ui, RichText::new(head).small().weak()).on_hover_text(tip);
         }
     });
@@ -115,8 +111,7 @@ fn count_ui(ui: &mut Ui, text: RichText) -> egui::Response {
     .inner
 }
 
-/// Draws one test: its reason, its counts, and a bar whose length grows with the logarithm of the count. With `shown`
-/// the name is a switch.
+/// The bar's length grows with the logarithm of the count. With `shown` the name is a switch.
 fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
     ui.horizontal(|ui| {
         match shown {
@@ -130,7 +125,7 @@ fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
                 });
             }
             None => {
-                crate::app::panel::widgets::label_ui(ui, row.name, NAME_WIDTH);
+                label_ui(ui, row.name, NAME_WIDTH);
             }
         }
         count_ui(ui, RichText::new(grouped(row.samples)).monospace());
@@ -195,14 +190,12 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
     }
     if let Some(index) = pointed.filter(|_| !output.response.dragged()) {
         let text = mark_text(&survey.marks[index], slopes.slope(survey.marks[index].sample.slope_index));
-        let (id, anchor) = (egui::Id::unique("candidate tip"), egui::PopupAnchor::Pointer);
-        egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
-            .gap(14.0)
-            .show(|ui| ui.label(RichText::new(text).monospace()));
+        tip_ui(ui, "candidate tip", |ui| {
+            ui.label(RichText::new(text).monospace());
+        });
     }
 }
 
-/// Indices of the drawn marks: all of them, or the strongest.
 fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
     let mut indices: Vec<usize> = (0..survey.marks.len()).collect();
     if indices.len() > MAX_DRAWN {
@@ -214,7 +207,7 @@ fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
     indices
 }
 
-/// Place of a candidate `dt` frames after mid-burst, and the radius of its circle, image pixels.
+/// Place `dt` frames after mid-burst, and radius of the circle, image pixels.
 fn circle_of(mark: &CandidateMark, slope: Slope, dt: f32) -> (Pos2, f32) {
     let [u, v] = mark.pos_image;
     (pos2(u, v) + dt * vec2(slope.u, slope.v), std::f32::consts::SQRT_2 * mark.sigma)
@@ -249,10 +242,8 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
 
 pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
     let Some(mark) = model.selected_candidate().copied() else { return };
-    let Some(slope) = model.slots.a.found.as_ref().map(|found| found.detection.slopes.slope(mark.sample.slope_index))
-    else {
-        return;
-    };
+    let Some(found) = &model.slots.a.found else { return };
+    let slope = found.detection.slopes.slope(mark.sample.slope_index);
     Frame::group(ui.style()).inner_margin(Margin::symmetric(6, 3)).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
             ui.add(Label::new(capitalised(&mark_text(&mark, slope).replace('\n', "  ·  "))).wrap());
@@ -267,11 +258,8 @@ pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
                 let [u, v] = mark.pos_image;
                 pane.view.look_at(pos2(u, v), 60.0 / mark.sigma.max(1.0));
             }
-            if ui
-                .button("Probe candidate")
-                .on_hover_text("Show its tests in order, and the setting that would keep it")
-                .clicked()
-            {
+            let tip = "Show its tests in order, and the setting that would keep it";
+            if ui.button("Probe candidate").on_hover_text(tip).clicked() {
                 let wanted = Wanted::Candidate(mark.sample);
                 model.ask_probe(Side::A, ProbeQuestion::At { place: mark.pos_image, wanted });
             }
@@ -294,7 +282,7 @@ fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
     painter.rect_filled(ground, 4.0, Color32::from_black_alpha(190));
     painter.galley(ground.min + vec2(7.0, 3.0), galley, Color32::WHITE);
     let response = ui.interact(ground, output.response.id.with("candidates"), Sense::hover());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
+    named(&response, egui::Role::Label, text);
     response.on_hover_text(
         "Yellow: nearly passed; dark: failed by far. Point at a circle to read its numbers; click to keep them on the screen",
     );

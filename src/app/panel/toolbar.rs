@@ -1,17 +1,16 @@
 //! Toolbar: open, the kind of picture, detect.
 
 use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, shown_by, tooltip};
-use crate::app::panel::widgets::{in_time, progress_text};
+use crate::app::panel::widgets::{in_time, progress_text, progress_ui};
 use crate::app::parts::mark;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
-use crate::app::project::pair;
-use crate::app::project::side::Side as BurstSide;
+use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::inspect::words::counted;
 use crate::requests::Running;
 use crate::teach::Part;
-use egui::{Align, Button, Color32, Layout, ProgressBar, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
+use egui::{Align, Button, Color32, Layout, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 
 /// Minimum room for the button that finds actions, in points.
 const ROOM_FOR_FIND: f32 = 280.0;
@@ -35,13 +34,9 @@ pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             }
             button_ui(ui, model, queue, ActionId::Shortcuts, Some("?"));
             ui.separator();
-            for (id, side) in [
-                (ActionId::ToggleRight, Side::Right),
-                (ActionId::ToggleBottom, Side::Bottom),
-                (ActionId::ToggleLeft, Side::Left),
-            ] {
-                panel_switch_ui(ui, model, queue, id, side);
-            }
+            panel_switch_ui(ui, model, queue, ActionId::ToggleRight, |part| part.set_left(part.right() - 4.0));
+            panel_switch_ui(ui, model, queue, ActionId::ToggleBottom, |part| part.set_top(part.bottom() - 3.0));
+            panel_switch_ui(ui, model, queue, ActionId::ToggleLeft, |part| part.set_right(part.left() + 4.0));
         });
     });
 }
@@ -59,22 +54,18 @@ fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if let Some((who, running)) = activity(model) {
         button_ui(ui, model, queue, ActionId::Cancel, None);
-        let fraction = running.progress.map_or(0.0, |p| p.fraction);
-        let text = format!("{who}{}", progress_text(&running));
-        ui.add(ProgressBar::new(fraction).desired_width(260.0).text(text));
+        progress_ui(ui, &running, Some(260.0), format!("{who}{}", progress_text(&running)));
         return;
     }
     let action = ActionId::Detect.action();
     let in_pair = model.workspace == Workspace::Pair;
-    let needed = model.needs_detection(BurstSide::A) || (in_pair && model.needs_detection(BurstSide::B));
-    let mut text = RichText::new("Detect");
-    if needed {
-        text = text.color(Color32::WHITE).strong();
-    }
-    let mut button = Button::new(text);
-    if needed {
-        button = button.fill(crate::app::style::ACCENT);
-    }
+    let needed = model.needs_detection(Side::A) || (in_pair && model.needs_detection(Side::B));
+    let text = RichText::new("Detect");
+    let button = if needed {
+        Button::new(text.color(Color32::WHITE).strong()).fill(crate::app::style::ACCENT)
+    } else {
+        Button::new(text)
+    };
     let tip = match &model.slots.a.param_error {
         Some(error) => format!("{error}"),
         None => tooltip(ui.ctx(), action),
@@ -92,8 +83,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if in_pair {
         pair_found_ui(ui, model);
     } else if let Some(found) = &model.slots.a.found {
-        let count = counted(model.features().len(), "feature");
-        let text = format!("{count}{}", in_time(found.elapsed));
+        let text = format!("{}{}", counted(model.features().len(), "feature"), in_time(found.elapsed));
         let times = &found.detection.times;
         let stages = format!(
             "Noise {:.2} s, search {:.2} s, descriptors {:.2} s",
@@ -114,7 +104,7 @@ fn activity(model: &Model) -> Option<(&'static str, Running)> {
 }
 
 fn pair_found_ui(ui: &mut Ui, model: &Model) {
-    let counts: Vec<String> = pair::Side::BOTH
+    let counts: Vec<String> = Side::BOTH
         .into_iter()
         .filter_map(|side| Some(model.found_of(side)?.detection.features.len().to_string()))
         .collect();
@@ -130,15 +120,9 @@ fn pair_found_ui(ui: &mut Ui, model: &Model) {
     ui.weak(text);
 }
 
-#[derive(Clone, Copy)]
-enum Side {
-    Left,
-    Right,
-    Bottom,
-}
-
-/// Draws a small picture of the window with the panel marked in it; a click shows or hides the panel.
-fn panel_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, side: Side) {
+/// Draws a small picture of the window with the panel marked in it, to which `cut` reduces the whole; a click shows or
+/// hides the panel.
+fn panel_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, cut: fn(&mut Rect)) {
     let action = id.action();
     let on = checked(id, model).unwrap_or(false);
     let (rect, response) = ui.allocate_exact_size(vec2(24.0, 20.0), Sense::click());
@@ -151,11 +135,7 @@ fn panel_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, 
     let frame = Rect::from_center_size(rect.center(), vec2(16.0, 12.0));
     ui.painter().rect_stroke(frame, 2.0, Stroke::new(1.0, colour), StrokeKind::Inside);
     let mut part = frame.shrink(2.0);
-    match side {
-        Side::Left => part.set_right(part.left() + 4.0),
-        Side::Right => part.set_left(part.right() - 4.0),
-        Side::Bottom => part.set_top(part.bottom() - 3.0),
-    }
+    cut(&mut part);
     if on {
         ui.painter().rect_filled(part, 0.0, colour);
     }

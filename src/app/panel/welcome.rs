@@ -3,9 +3,10 @@
 use crate::app::actions::menu::dataset_label;
 use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
 use crate::app::lesson::{Chosen, Lessons};
+use crate::app::panel::widgets::{named, progress_ui};
 use crate::app::project::Model;
 use crate::app::settings::{Recent, Settings};
-use egui::{Align2, Color32, ProgressBar, Rect, RichText, ScrollArea, Ui, vec2};
+use egui::{Align2, Color32, Rect, RichText, ScrollArea, Ui, vec2};
 
 const EXAMPLES: [ActionId; 8] = [
     ActionId::OpenDepths,
@@ -20,7 +21,6 @@ const EXAMPLES: [ActionId; 8] = [
 /// Width of the examples in one line, points.
 const EXAMPLES_WIDTH: f32 = 500.0;
 
-/// Draws the first page: a description, how to open a burst, the recently opened ones. Returns the chosen lesson.
 pub fn welcome_ui(
     ui: &mut Ui,
     model: &Model,
@@ -37,8 +37,7 @@ pub fn welcome_ui(
         ui.weak("See what a burst of dark, noisy frames shows at every slope and scale");
         ui.add_space(20.0);
         if let Some(running) = model.slots.a.opening.running() {
-            let fraction = running.progress.map_or(0.0, |p| p.fraction);
-            ui.add(ProgressBar::new(fraction).desired_width(280.0).text("Opening…"));
+            progress_ui(ui, &running, Some(280.0), "Opening…");
             if ui.button("Cancel").clicked() {
                 queue.push(ActionId::Cancel);
             }
@@ -49,10 +48,9 @@ pub fn welcome_ui(
         {
             let action = id.action();
             let keys = action.shortcut.as_ref().map_or_else(String::new, |s| keys_text(ui.ctx(), s));
-            let button =
-                egui::Button::new(action.label).min_size(vec2(280.0, 28.0)).right_text(RichText::new(keys).weak());
-            let response = ui.add(button);
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, action.label));
+            let button = egui::Button::new(action.label).right_text(RichText::new(keys).weak());
+            let response = ui.add(button.min_size(vec2(280.0, 28.0)));
+            named(&response, egui::Role::Button, action.label);
             if response.on_hover_text(tooltip(ui.ctx(), action)).clicked() {
                 queue.push(id);
             }
@@ -75,9 +73,8 @@ pub fn welcome_ui(
         ui.label(RichText::new("Lessons").strong());
         ui.weak("Learn on live data how burst features are found, in a few minutes each");
         for lesson in lessons.all() {
-            let name = format!("Lesson: {}", lesson.title);
             let link = ui.link(&lesson.title).on_hover_text(&lesson.about);
-            link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, &name));
+            named(&link, egui::Role::Link, format!("Lesson: {}", lesson.title));
             if link.clicked() {
                 chosen = Some(lesson.clone());
             }
@@ -89,9 +86,8 @@ pub fn welcome_ui(
             ui.add_space((0.5 * (ui.available_width() - EXAMPLES_WIDTH)).max(0.0));
             for id in EXAMPLES {
                 let action = id.action();
-                let label = action.label.trim_start_matches("Example: ");
-                let link = ui.link(label).on_hover_text(action.help);
-                link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, action.label));
+                let link = ui.link(action.label.trim_start_matches("Example: ")).on_hover_text(action.help);
+                named(&link, egui::Role::Link, action.label);
                 if link.clicked() {
                     queue.push(id);
                 }

@@ -1,10 +1,15 @@
 //! Widgets that several panels share.
 
+use crate::app::style;
 use crate::app::words::{explained, word};
 use crate::monitor::Progress;
 use crate::requests::Running;
 use crate::teach::Part;
-use egui::{Color32, FontId, Galley, Painter, RichText, Sense, Stroke, Ui, WidgetText, pos2, vec2};
+use egui::{
+    Align, Color32, ComboBox, Context, FontId, Galley, Id, Label, Layout, Painter, ProgressBar, Rect, Response,
+    RichText, Role, Sense, Stroke, TextureId, Ui, WidgetInfo, WidgetText, pos2, vec2,
+};
+use egui_plot::Plot;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,15 +22,116 @@ pub fn section_ui(ui: &mut Ui, title: &str, add_contents: impl FnOnce(&mut Ui)) 
     });
 }
 
+/// Names a widget for screen readers and tests.
+pub fn named(response: &Response, role: Role, name: impl AsRef<str>) {
+    response.widget_info(|| WidgetInfo::labeled(role, true, name.as_ref()));
+}
+
+pub fn weak_ui(ui: &mut Ui, text: impl Into<String>) -> Response {
+    ui.add(Label::new(RichText::new(text).weak()).wrap())
+}
+
+pub fn warning_ui(ui: &mut Ui, text: impl Into<String>) -> Response {
+    ui.add(Label::new(RichText::new(text).color(style::warning(ui))).wrap())
+}
+
+pub fn error_ui(ui: &mut Ui, text: impl Into<String>) -> Response {
+    ui.add(Label::new(RichText::new(text).color(ui.visuals().error_fg_color)).wrap())
+}
+
+/// Draws a text in the middle of the empty space.
+pub fn instead_ui(ui: &mut Ui, text: impl Into<String>) {
+    ui.centered_and_justified(|ui| ui.weak(text.into()));
+}
+
+/// Draws a bar, as wide as the space without a `width`.
+pub fn progress_ui(ui: &mut Ui, running: &Running, width: Option<f32>, text: impl Into<WidgetText>) {
+    let fraction = running.progress.map_or(0.0, |p| p.fraction);
+    let width = width.unwrap_or_else(|| ui.available_size_before_wrap().x.max(96.0));
+    ui.add(ProgressBar::new(fraction).desired_width(width).text(text));
+}
+
+/// Draws a list that unfolds, `width` points wide or as its texts need. Returns whether a choice was clicked.
+pub fn choice_ui<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    id: &str,
+    label: Id,
+    width: Option<f32>,
+    value: &mut T,
+    choices: impl IntoIterator<Item = T>,
+    name: impl Fn(T) -> &'static str,
+) -> bool {
+    let mut list = ComboBox::from_id_salt(id).selected_text(name(*value));
+    if let Some(width) = width {
+        list = list.width(width).truncate();
+    }
+    let shown = list.show_ui(ui, |ui| {
+        let mut clicked = false;
+        for choice in choices {
+            clicked |= ui.selectable_value(value, choice, name(choice)).clicked();
+        }
+        clicked
+    });
+    shown.response.labelled_by(label);
+    shown.inner.unwrap_or(false)
+}
+
+/// Asks whether to go on, by a button called `verb`. Returns the answer, once it is given.
+pub fn confirm_ui(ctx: &Context, id: &str, heading: &str, verb: &str, texts: impl FnOnce(&mut Ui)) -> Option<bool> {
+    let mut answer = None;
+    let modal = egui::Modal::new(Id::unique(id)).show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.heading(heading);
+        ui.add_space(4.0);
+        texts(ui);
+        ui.add_space(6.0);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            for (text, says) in [(verb, true), ("Cancel", false)] {
+                if ui.button(text).clicked() {
+                    answer = Some(says);
+                }
+            }
+        });
+    });
+    answer.or_else(|| modal.should_close().then_some(false))
+}
+
+/// Shows a tooltip at the pointer, over whatever is drawn there.
+pub fn tip_ui(ui: &Ui, id: &str, add_contents: impl FnOnce(&mut Ui)) {
+    let (id, anchor) = (Id::unique(id), egui::PopupAnchor::Pointer);
+    egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor).gap(14.0).show(add_contents);
+}
+
+/// A plot that the pointer neither moves nor zooms.
+pub fn still_plot<'a>(id: impl std::hash::Hash + std::fmt::Debug) -> Plot<'a> {
+    Plot::new(id).allow_zoom(false).allow_drag(false).allow_scroll(false)
+}
+
+pub fn paint(painter: &Painter, texture: TextureId, rect: Rect) {
+    painter.image(texture, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+}
+
+pub fn dashed_circle(painter: &Painter, centre: egui::Pos2, radius: f32, stroke: Stroke, (dash, gap): (f32, f32)) {
+    let point = |i: u8| centre + radius * egui::Vec2::angled(f32::from(i) / 48.0 * std::f32::consts::TAU);
+    painter.extend(egui::Shape::dashed_line(&(0..=48).map(point).collect::<Vec<_>>(), stroke, dash, gap));
+}
+
+pub fn dots_ui(ui: &mut Ui, texts: impl IntoIterator<Item = (Color32, String)>) {
+    ui.horizontal(|ui| {
+        for (colour, text) in texts {
+            dot_ui(ui, colour);
+            ui.label(text);
+        }
+    });
+}
+
 /// Row of the cursor's panel: a label, a slider with marks, and a field for the number.
 pub struct CursorRow<'a> {
     pub label: &'a str,
     pub help: &'a str,
     pub range: RangeInclusive<f32>,
     pub marks: &'a [f32],
-    /// Whether only whole numbers are allowed.
     pub whole: bool,
-    pub suffix: &'a str,
 }
 
 /// Width of the labels in front of sliders, in points.
@@ -33,12 +139,17 @@ const LABEL_WIDTH: f32 = 52.0;
 /// Width of the number fields behind sliders, in points.
 const VALUE_WIDTH: f32 = 58.0;
 
-impl CursorRow<'_> {
+impl<'a> CursorRow<'a> {
+    pub fn whole(label: &'a str, help: &'a str, range: RangeInclusive<f32>) -> Self {
+        Self { label, help, range, marks: &[], whole: true }
+    }
+
     /// Draws the row; returns whether `value` was changed.
     pub fn ui(self, ui: &mut Ui, value: &mut f32) -> bool {
         let before = *value;
         let row = ui.horizontal(|ui| {
-            let label = explained(label_ui(ui, self.label, LABEL_WIDTH), self.help, word_of(self.label).and_then(word));
+            let label =
+                explained(label_ui(ui, self.label, LABEL_WIDTH), self.help, subject_of(self.label).1.and_then(word));
             let enabled = self.range.end() > self.range.start();
             let (low, high) = (*self.range.start(), *self.range.end());
             let span = if enabled { self.range.clone() } else { low..=low + 1.0 };
@@ -51,7 +162,7 @@ impl CursorRow<'_> {
                 let slider = hint(ui.add(slider).labelled_by(label.id), self.help);
                 marks_ui(ui, slider.rect, &span, self.marks);
                 let speed = if self.whole { 0.05 } else { f64::from(high - low) / 600.0 };
-                let mut field = egui::DragValue::new(value).range(span).speed(speed).suffix(self.suffix);
+                let mut field = egui::DragValue::new(value).range(span).speed(speed);
                 field = if self.whole { field.fixed_decimals(0) } else { field.fixed_decimals(2) };
                 let field = ui.add_sized(vec2(VALUE_WIDTH, ui.spacing().interact_size.y), field);
                 hint(field.labelled_by(label.id), self.help);
@@ -60,7 +171,7 @@ impl CursorRow<'_> {
                 *value = low;
             }
         });
-        if let Some(part) = part_of(self.label) {
+        if let Some(part) = subject_of(self.label).0 {
             crate::app::parts::mark(ui, part, row.response.rect);
         }
         if self.whole {
@@ -70,29 +181,20 @@ impl CursorRow<'_> {
     }
 }
 
-fn part_of(label: &str) -> Option<Part> {
+/// Part of the window, and entry of the glossary, of the row with this label.
+fn subject_of(label: &str) -> (Option<Part>, Option<&'static str>) {
     match label {
-        "Frame" => Some(Part::Frame),
-        "Slope u" => Some(Part::SlopeU),
-        "Slope v" => Some(Part::SlopeV),
-        "Octave" => Some(Part::Octave),
-        "Level" => Some(Part::Level),
-        _ => None,
+        "Frame" => (Some(Part::Frame), Some("frame")),
+        "Frames" => (None, Some("frame")),
+        "Slope u" => (Some(Part::SlopeU), Some("slope")),
+        "Slope v" => (Some(Part::SlopeV), Some("slope")),
+        "Octave" => (Some(Part::Octave), Some("octave")),
+        "Level" => (Some(Part::Level), Some("level")),
+        _ => (None, None),
     }
 }
 
-fn word_of(label: &str) -> Option<&'static str> {
-    match label {
-        "Frame" | "Frames" => Some("frame"),
-        "Slope u" | "Slope v" => Some("slope"),
-        "Octave" => Some("octave"),
-        "Level" => Some("level"),
-        _ => None,
-    }
-}
-
-/// Range of the handle's centre on the slider of a [`CursorRow`] that is drawn here, in points; and the width of the
-/// row.
+/// Range of the handle's centre on the slider of a [`CursorRow`] drawn here, and the width of the row, in points.
 pub fn slider_track(ui: &Ui) -> (egui::Rangef, f32) {
     let spacing = ui.spacing();
     let width = ui.available_width();
@@ -102,13 +204,11 @@ pub fn slider_track(ui: &Ui) -> (egui::Rangef, f32) {
     (egui::Rangef::new(left, left + slider).shrink(handle), width)
 }
 
-/// Adds a tooltip that is hidden while its widget is dragged, so that it covers neither the picture nor the next
-/// slider.
-pub fn hint(response: egui::Response, help: impl Into<WidgetText>) -> egui::Response {
+/// Adds a tooltip that is hidden while its widget is dragged, so that it covers nothing then.
+pub fn hint(response: Response, help: impl Into<WidgetText>) -> Response {
     if response.is_pointer_button_down_on() || response.dragged() { response } else { response.on_hover_text(help) }
 }
 
-/// Text of a task's progress: its stage, the fraction done, and the remaining time.
 pub fn progress_text(running: &Running) -> String {
     stage_text(running.progress, running.time_left())
 }
@@ -129,7 +229,6 @@ pub fn in_time(elapsed: Duration) -> String {
     if elapsed < Duration::from_millis(5) { String::new() } else { format!(" in {:.2} s", elapsed.as_secs_f32()) }
 }
 
-/// Text of the progress of work that has reported `progress` and still takes `time_left`.
 pub fn stage_text(progress: Option<Progress>, time_left: Option<Duration>) -> String {
     let Some(progress) = progress else { return "Starting".to_owned() };
     let left = time_left.map_or_else(String::new, |left| format!("  {}", time_left_text(left)));
@@ -143,8 +242,7 @@ fn time_left_text(left: Duration) -> String {
     }
 }
 
-/// Lays out a text in one line of at most `width` points. The middle of a longer text is left out: names in one dataset
-/// differ at their ends.
+/// Lays out a text in one line of at most `width` points, without the middle of a longer one: names differ at their ends.
 pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color32, width: f32) -> Arc<Galley> {
     let lay_out = |text: String| painter.layout_no_wrap(text, font.clone(), colour);
     let whole = lay_out(text.to_owned());
@@ -175,16 +273,14 @@ pub fn text_width(ui: &Ui, text: impl Into<WidgetText>) -> f32 {
     text.into().into_galley(ui, wrap, f32::INFINITY, egui::TextStyle::Body).size().x
 }
 
-/// Continues a wrapping row on its next line if `width` points do not fit into this one. Items of several parts would
-/// be cut at the line's end.
+/// Continues a wrapping row on its next line if `width` points do not fit into this one, which would cut the item.
 pub fn make_room(ui: &mut Ui, width: f32) {
     if ui.available_size_before_wrap().x < width {
         ui.end_row();
     }
 }
 
-/// Draws a label of fixed width, so that the widgets after it are aligned.
-pub fn label_ui(ui: &mut Ui, text: impl Into<WidgetText>, width: f32) -> egui::Response {
+pub fn label_ui(ui: &mut Ui, text: impl Into<WidgetText>, width: f32) -> Response {
     let size = vec2(width, ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
         ui.set_min_width(width);
@@ -214,7 +310,6 @@ pub fn dot_ui(ui: &mut Ui, colour: Color32) {
     ui.painter().circle_filled(rect.center(), 4.0, colour);
 }
 
-/// Draws a name on the left and a value on the right of a line, for tables of numbers.
 pub fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
     let response = ui.label(RichText::new(name).weak());
     response.on_hover_text(help);
@@ -224,12 +319,9 @@ pub fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
     ui.end_row();
 }
 
-/// Sets the name of a text field for screen readers and tests.
-pub fn name_field(response: &egui::Response, name: &str, text: &str) {
-    response.widget_info(|| egui::WidgetInfo {
-        label: Some(name.to_owned()),
-        ..egui::WidgetInfo::text_edit(response.enabled(), text, text, name)
-    });
+pub fn name_field(response: &Response, name: &str, text: &str) {
+    let info = || WidgetInfo::text_edit(response.enabled(), text, text, name);
+    response.widget_info(|| WidgetInfo { label: Some(name.to_owned()), ..info() });
 }
 
 #[cfg(test)]
@@ -238,13 +330,9 @@ mod tests {
     use crate::monitor::Stage;
 
     #[test]
-    fn a_number_is_not_broken_over_lines() {
+    fn a_number_is_not_broken_over_lines_and_no_time_is_said_for_what_was_kept() {
         assert_eq!(with_whole_numbers("762 of 1 085 features"), "762 of 1\u{a0}085 features");
         assert_eq!(with_whole_numbers("at 3 px"), "at 3 px");
-    }
-
-    #[test]
-    fn no_time_is_said_for_what_was_kept() {
         assert_eq!(in_time(Duration::from_millis(1234)), " in 1.23 s");
         assert_eq!(in_time(Duration::from_micros(40)), "");
     }

@@ -1,10 +1,8 @@
-//! Pan and zoom of a canvas, and the transforms between coordinate systems that follow from them: a uniform scale and
-//! a shift.
+//! Pan and zoom of a canvas, and the transforms between coordinate systems that follow from them.
 
 use egui::{Pos2, Rect, Vec2, pos2};
 use serde::{Deserialize, Serialize};
 
-/// The largest zoom, in points per image pixel.
 pub const MAX_POINTS_PER_PIXEL: f32 = 128.0;
 
 const FIT_MARGIN_POINTS: f32 = 6.0;
@@ -146,32 +144,26 @@ impl View {
         let room = (rect_ui.size() - Vec2::splat(2.0 * FIT_MARGIN_POINTS)).max(Vec2::splat(1.0));
         self.fit_points_per_pixel = (room.x / width).min(room.y / height).min(MAX_POINTS_PER_PIXEL);
         let last = pos2(width - 1.0, height - 1.0);
+        // Values from a session file may be anything.
+        let finite = |zoom: f32| if zoom.is_finite() { zoom } else { self.fit_points_per_pixel };
         match self.zoom {
             Zoom::Fit => self.centre_image = [0.5 * last.x, 0.5 * last.y],
-            Zoom::Region(_) | Zoom::PointsPerPixel(_) => {
-                // Values from a session file may be anything.
-                let finite = |zoom: f32| if zoom.is_finite() { zoom } else { self.fit_points_per_pixel };
-                match self.zoom {
-                    Zoom::PointsPerPixel(zoom) => self.zoom = Zoom::PointsPerPixel(self.limited(finite(zoom))),
-                    Zoom::Region([columns, rows]) => {
-                        let fits = (room.x / columns.max(1.0)).min(room.y / rows.max(1.0));
-                        self.region_points_per_pixel = self.limited(finite(fits));
-                    }
-                    Zoom::Fit => {}
-                }
-                for (x, end) in self.centre_image.iter_mut().zip([last.x, last.y]) {
-                    *x = if x.is_finite() { x.clamp(-0.5, end + 0.5) } else { 0.5 * end };
-                }
+            Zoom::PointsPerPixel(zoom) => self.zoom = Zoom::PointsPerPixel(self.limited(finite(zoom))),
+            Zoom::Region([columns, rows]) => {
+                let fits = (room.x / columns.max(1.0)).min(room.y / rows.max(1.0));
+                self.region_points_per_pixel = self.limited(finite(fits));
             }
+        }
+        for (x, end) in self.centre_image.iter_mut().zip([last.x, last.y]) {
+            *x = if x.is_finite() { x.clamp(-0.5, end + 0.5) } else { 0.5 * end };
         }
         let transform = RectTransform::new(self.centre_image.into(), rect_ui.center(), self.points_per_pixel());
         snapped(transform, pixels_per_point)
     }
 }
 
-/// Moves the picture by less than half a pixel of the screen, so that pixel borders fall on the screen's, where all of
-/// them can: at 1:1 and at whole multiples. Otherwise a border in the middle of a screen pixel would flicker between
-/// its two neighbours.
+/// Moves the picture by less than half a pixel of the screen, so that pixel borders fall on the screen's at 1:1 and at
+/// whole multiples: one in the middle of a screen pixel would flicker between its neighbours.
 fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     let px_per_pixel = transform.scale() * pixels_per_point;
     if px_per_pixel < 0.999 || (px_per_pixel - px_per_pixel.round()).abs() > 1e-3 {
@@ -183,11 +175,8 @@ fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     transform.shifted(Pos2::new(on_screen(border_ui.x), on_screen(border_ui.y)) - border_ui)
 }
 
-/// A uniform scale and shift, as `ui_from_image` or its inverse: names say "to from".
-///
-/// It is stored as a pair of corresponding points and a scale, not as an offset: positions near the anchor, where the
-/// user looks, stay exact even at 128-fold zoom in the corner of a huge picture, where an offset would lose its
-/// fraction.
+/// A uniform scale and shift, as `ui_from_image` or its inverse: names say "to from". Stored as a pair of corresponding
+/// points, not as an offset, which would lose its fraction at 128-fold zoom in the corner of a huge picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RectTransform {
     anchor_from: Pos2,
@@ -269,9 +258,8 @@ mod tests {
         other.pan(Vec2::new(30.0, -12.0));
         mine.follow(&before, &other);
         assert_eq!(mine.zoom, other.zoom);
-        for (m, o) in mine.centre_image.iter().zip(other.centre_image).zip([10.0, 5.0]).map(|((m, o), d)| (m - d, o)) {
-            assert!((m - o).abs() < 1e-3);
-        }
+        let apart = pos2(mine.centre_image[0], mine.centre_image[1]) - Pos2::from(other.centre_image);
+        assert!((apart - Vec2::new(10.0, 5.0)).length() < 1e-3);
         let before = other;
         other.set_fit();
         mine.follow(&before, &other);
@@ -282,13 +270,9 @@ mod tests {
     fn zoom_has_limits_and_the_image_stays_reachable() {
         let mut view = View::fit();
         view.settle(canvas(), SIZE, 1.0);
-        for _ in 0..100 {
-            view.zoom_at(canvas().center(), 2.0, canvas());
-        }
+        (0..100).for_each(|_| view.zoom_at(canvas().center(), 2.0, canvas()));
         assert_eq!(view.points_per_pixel(), MAX_POINTS_PER_PIXEL);
-        for _ in 0..100 {
-            view.zoom_at(canvas().center(), 0.5, canvas());
-        }
+        (0..100).for_each(|_| view.zoom_at(canvas().center(), 0.5, canvas()));
         let fit = View::fit().settle(canvas(), SIZE, 1.0).scale();
         assert!(view.points_per_pixel() <= fit && view.points_per_pixel() > 0.4 * fit);
         view.pan(Vec2::new(1e7, -1e7));
@@ -331,16 +315,7 @@ mod tests {
         let t = RectTransform::new(pos2(16000.0, 16000.0), pos2(500.0, 400.0), 128.0);
         let moved = t.pos(pos2(16000.0 + 1.0 / 64.0, 16000.0)) - t.pos(pos2(16000.0, 16000.0));
         assert!((moved.x - 2.0).abs() < 1e-3, "{moved:?}");
-    }
-
-    proptest! {
-        #[test]
-        fn there_and_back(
-            x in -100f32..20_000.0, y in -100f32..20_000.0, cx in 0f32..16_000.0, cy in 0f32..16_000.0, scale in 0.01f32..128.0
-        ) {
-            let t = RectTransform::new(pos2(cx, cy), pos2(640.0, 360.0), scale);
-            let back = t.inverse().pos(t.pos(pos2(x, y)));
-            prop_assert!((back - pos2(x, y)).length() < 0.02, "{back:?}");
-        }
+        let back = t.inverse().pos(t.pos(pos2(-100.0, 20_000.0)));
+        assert!((back - pos2(-100.0, 20_000.0)).length() < 0.02, "{back:?}");
     }
 }

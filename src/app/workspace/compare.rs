@@ -1,5 +1,4 @@
-//! *Methods*: several methods on the same burst, in panes side by side, wiped or flipped; the matches of each, and a
-//! table of their numbers in the columns of the paper.
+//! *Methods*: several methods on the same burst, in panes side by side, and a table of their numbers.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines, drawn_lines};
@@ -7,37 +6,29 @@ use crate::app::inspector::{Change, Drawn, chip_ui, inspector_ui};
 use crate::app::pane::{MethodsPreset, Over, PaneId};
 use crate::app::panel;
 use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
-use crate::app::panel::widgets::{in_time, progress_text, section_ui};
+use crate::app::panel::widgets::{in_time, instead_ui, label_ui, progress_text, progress_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::compare::Contender;
 use crate::app::project::pair::Side;
 use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
-use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, side_frame, side_width};
-use egui::{Align, Align2, CentralPanel, Frame, Layout, Panel, ProgressBar, RichText, ScrollArea, Ui};
+use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
+use egui::{Align, Align2, CentralPanel, Frame, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
 pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, queue, .. } = parts;
-    let width = side_width(model);
     let mut changes = Vec::new();
     folded_ui(ui, model);
     if model.shows_left() {
-        let panel = Panel::left("compare left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0);
-        panel.show(ui, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                changes.extend(controls_ui(ui, model, queue));
-                panel::cursor::cursor_ui(ui, model, queue);
-                panel::parameters::parameters_ui(ui, model, queue);
-            });
+        left_panel(ui, "compare left", side_width(model), |ui| {
+            changes.extend(controls_ui(ui, model, queue));
+            panel::cursor::cursor_ui(ui, model, queue);
+            panel::parameters::parameters_ui(ui, model, queue);
         });
     }
     if model.shows_right() {
-        let panel = Panel::right("compare right")
-            .frame(side_frame(ui))
-            .default_size(side_width(model))
-            .size_range(250.0..=460.0);
-        panel.show(ui, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| panel::display::ranges_ui(ui, model, widgets));
+        right_panel(ui, "compare right", side_width(model), 250.0..=460.0, |ui| {
+            scroll_ui(ui, |ui| panel::display::ranges_ui(ui, model, widgets));
         });
     }
     if model.shows_bottom() {
@@ -45,7 +36,7 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         if model.contenders().is_empty() {
-            ui.centered_and_justified(|ui| ui.weak("Choose methods in the table below"));
+            instead_ui(ui, "Choose methods in the table below");
             return;
         }
         let inspected = inspector_ui(ui, model, widgets, queue);
@@ -66,9 +57,8 @@ pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<
             .on_hover_text("Draw the features of each method  (O)");
         gold_ui(ui, model, queue);
         if let Some((method, running)) = model.compare.running() {
-            let fraction = running.progress.map_or(0.0, |p| p.fraction);
             let text = format!("{}: {}", method.label(), progress_text(&running));
-            ui.add(ProgressBar::new(fraction).text(text));
+            progress_ui(ui, &running, None, text);
             button_ui(ui, model, queue, ActionId::Cancel, None);
         } else if Contender::ALL.iter().any(|method| model.compare.problem(*method).is_some()) {
             button_ui(ui, model, queue, ActionId::CompareAgain, Some("Try again"));
@@ -96,24 +86,20 @@ fn layout_ui(ui: &mut Ui, model: &Model) -> Option<Change> {
     change
 }
 
-/// Draws the choice of the two methods that lie over one another in the focused pane.
 fn two_ui(ui: &mut Ui, model: &mut Model, over: Over, queue: &mut Queue) {
     let contenders = model.contenders();
     for (id, name) in [(model.focus(), "Left"), (over.other(), "Right")] {
         let Some(pane) = model.panes.get_mut(id) else { continue };
         let Some(mut chosen) = pane.method else { continue };
         ui.horizontal(|ui| {
-            let label = crate::app::panel::widgets::label_ui(ui, name, 52.0);
-            egui::ComboBox::from_id_salt(("method", name))
-                .selected_text(chosen.label())
-                .width(ui.available_width() - 8.0)
-                .show_ui(ui, |ui| {
-                    for method in &contenders {
-                        ui.selectable_value(&mut chosen, *method, method.label()).on_hover_text(method.help());
-                    }
-                })
-                .response
-                .labelled_by(label.id);
+            let label = label_ui(ui, name, 52.0);
+            let list = egui::ComboBox::from_id_salt(("method", name)).selected_text(chosen.label());
+            let list = list.width(ui.available_width() - 8.0).show_ui(ui, |ui| {
+                for method in &contenders {
+                    ui.selectable_value(&mut chosen, *method, method.label()).on_hover_text(method.help());
+                }
+            });
+            list.response.labelled_by(label.id);
         });
         pane.show_method(Some(chosen));
     }
@@ -158,7 +144,6 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
     }
 }
 
-/// Headings after the method's name, and their meanings.
 const COLUMNS: [(&str, &str); 9] = [
     ("Features A", "Features found in A"),
     ("Features B", "Features found in B"),
@@ -216,7 +201,6 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
     }
 }
 
-/// Numbers of a method; missing ones are a dash.
 fn cells(model: &Model, method: Contender) -> [String; COLUMNS.len()] {
     let found = |side| model.method_found(method, side);
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());

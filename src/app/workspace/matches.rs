@@ -1,5 +1,4 @@
-//! Matches of a whole dataset: choice of the pairs on the left, the matrix in the centre, the list of pairs on the
-//! right.
+//! Matches of a whole dataset: choice of the pairs, the matrix, and the list of pairs.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::dataset::filmstrip::working_ui;
@@ -8,37 +7,26 @@ use crate::app::panel::widgets::section_ui;
 use crate::app::project::Model;
 use crate::app::style;
 use crate::app::workspace::pair::parameters::{self, CameraText};
-use crate::app::workspace::{side_frame, side_width};
-use egui::{CentralPanel, DragValue, Frame, Label, Margin, Panel, RichText, ScrollArea, Ui};
+use crate::app::workspace::{left_panel, right_panel, side_width};
+use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
 pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: &mut CameraText, queue: &mut Queue) {
-    let width = side_width(model);
     if model.datasets.open.is_none() {
         CentralPanel::default().show(ui, |ui| empty_ui(ui, model, queue));
         return;
     }
     if model.shows_left() {
-        Panel::left("matches left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(
-            ui,
-            |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    pairs_ui(ui, model, queue);
-                    selected_ui(ui, model, queue);
-                    parameters::dataset_parameters_ui(ui, model, camera_text, queue);
-                });
-            },
-        );
+        left_panel(ui, "matches left", side_width(model), |ui| {
+            pairs_ui(ui, model, queue);
+            selected_ui(ui, model, queue);
+            parameters::dataset_parameters_ui(ui, model, camera_text, queue);
+        });
     }
     let mut opened = None;
     if model.shows_right() {
-        Panel::right("matches right").frame(side_frame(ui)).default_size(392.0).size_range(280.0..=640.0).show(
-            ui,
-            |ui| {
-                if let Some(dataset) = &mut model.datasets.open {
-                    opened = pairs::pair_list_ui(ui, dataset);
-                }
-            },
-        );
+        right_panel(ui, "matches right", 392.0, 280.0..=640.0, |ui| {
+            opened = model.datasets.open.as_mut().and_then(|dataset| pairs::pair_list_ui(ui, dataset));
+        });
     }
     let ground = ui.visuals().panel_fill;
     CentralPanel::default().frame(Frame::new().fill(ground)).show(ui, |ui| {
@@ -55,7 +43,6 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: 
     }
 }
 
-/// Draws the page without a dataset.
 fn empty_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.3).max(12.0));
@@ -73,9 +60,8 @@ fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         let choice = &mut model.datasets.choice;
         ui.radio_value(&mut choice.neighbours, false, "All pairs").on_hover_text("Each burst with every other one");
         ui.horizontal(|ui| {
-            let label = ui
-                .radio_value(&mut choice.neighbours, true, "Each with the next")
-                .on_hover_text("Each burst with the next few, for a camera path that does not return");
+            let help = "Each burst with the next few, for a camera path that does not return";
+            let label = ui.radio_value(&mut choice.neighbours, true, "Each with the next").on_hover_text(help);
             let field = DragValue::new(&mut choice.overlap).range(1..=100_000).suffix(" bursts");
             ui.add_enabled(choice.neighbours, field).labelled_by(label.id);
         });
@@ -92,10 +78,8 @@ fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         if let Some(dataset) = &model.datasets.open {
             let missing = dataset.bursts.len() - dataset.counts().done;
             if missing > 0 {
-                let text = format!(
-                    "{missing} of {} bursts have no features yet; pairs with them are left out",
-                    dataset.bursts.len()
-                );
+                let count = dataset.bursts.len();
+                let text = format!("{missing} of {count} bursts have no features yet; pairs with them are left out");
                 ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
             }
             if !dataset.matches.is_empty() && *dataset.matches.params() != model.pair.params {

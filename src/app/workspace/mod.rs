@@ -1,13 +1,11 @@
-//! Workspaces of the window: each lays out its panels between the toolbar above and the status bar below. *One burst*,
-//! *Trajectories* and *Lab* only arrange panels; *Two bursts*, *Methods* and *Matches* have modules with panels of
-//! their own.
+//! Workspaces of the window: each lays out its panels between the toolbar above and the status bar below.
 
 pub mod compare;
 pub mod matches;
 pub mod pair;
 
 use crate::app::actions::menu::item_ui;
-use crate::app::actions::{ActionId, Queue, button_ui, checked};
+use crate::app::actions::{ActionId, Queue, WORKSPACES, button_ui};
 use crate::app::dataset::{cameras, errors_panel};
 use crate::app::inspector::{Change, PaneWidgets, inspector_ui};
 use crate::app::measure::RegionCache;
@@ -16,14 +14,13 @@ use crate::app::panel::lab;
 use crate::app::panel::lab::{chart, curves, planted};
 use crate::app::panel::probe::{PlaneTexture, ProbePanel};
 use crate::app::panel::selection::SelectionState;
-use crate::app::panel::widgets::section_ui;
+use crate::app::panel::widgets::{named, section_ui};
 use crate::app::project::lab::LabQuestion;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
 use pair::PairPanels;
 
-/// State that a workspace reads and changes: the project, and the widgets' state kept between passes.
 pub struct WorkspaceParts<'a> {
     pub model: &'a mut Model,
     pub widgets: &'a mut PaneWidgets,
@@ -42,17 +39,7 @@ pub struct WorkspaceWishes {
     pub camera: Option<String>,
 }
 
-/// Actions that open the workspaces, in the order of the switch.
-const SWITCHES: [ActionId; 6] = [
-    ActionId::WorkspaceInspect,
-    ActionId::WorkspacePair,
-    ActionId::WorkspaceMethods,
-    ActionId::WorkspaceMatches,
-    ActionId::WorkspaceTrajectories,
-    ActionId::WorkspaceLab,
-];
-
-/// Minimum width of a window with a button for each workspace beside its menus, in points; narrower ones have a menu.
+/// In points; narrower windows have a menu.
 const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
 
 /// Draws the switch between the workspaces, from the right end of a line: buttons, or a menu where there is no room.
@@ -62,14 +49,14 @@ pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 2.0;
         let first = ui.cursor().right();
         if is_narrow {
-            let open = SWITCHES.into_iter().find(|action| checked(*action, model) == Some(true));
-            let name = open.map_or("Workspace", |action| action.action().label);
+            let open = WORKSPACES.into_iter().find(|(_, workspace)| *workspace == model.workspace);
+            let name = open.map_or("Workspace", |(id, _)| id.action().label);
             ui.menu_button(format!("{name} ⏷"), |ui| {
-                SWITCHES.into_iter().for_each(|action| item_ui(ui, model, queue, action));
+                WORKSPACES.into_iter().for_each(|(id, _)| item_ui(ui, model, queue, id));
             });
         } else {
-            for action in SWITCHES.into_iter().rev() {
-                button_ui(ui, model, queue, action, None);
+            for (id, _) in WORKSPACES.into_iter().rev() {
+                button_ui(ui, model, queue, id, None);
             }
         }
         let switch = ui.min_rect().intersect(egui::Rect::everything_left_of(first));
@@ -96,19 +83,35 @@ pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Worksp
     WorkspaceWishes { changes, ..WorkspaceWishes::default() }
 }
 
-/// Range of the height of a panel below the pictures, in points.
 const BOTTOM_HEIGHTS: std::ops::RangeInclusive<f32> = 90.0..=520.0;
 
-/// Height left to the pictures at first, in points; the panel below them gets the rest.
 const PICTURES_HEIGHT: f32 = 320.0;
 
 fn side_frame(ui: &egui::Ui) -> egui::Frame {
     egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin { left: 8, right: 5, top: 6, bottom: 4 })
 }
 
-/// Draws a panel below the pictures, `height` points high until it is dragged, or less in a small window. Its height
-/// does not depend on its content, so that nothing moves under the pointer when features come or another tab is opened.
-/// Returns whether the pointer is over it.
+fn left_panel(ui: &mut Ui, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
+    let panel = Panel::left(id).frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0);
+    panel.show(ui, |ui| scroll_ui(ui, add_contents));
+}
+
+fn right_panel(
+    ui: &mut Ui,
+    id: &'static str,
+    width: f32,
+    widths: std::ops::RangeInclusive<f32>,
+    add_contents: impl FnOnce(&mut Ui),
+) {
+    Panel::right(id).frame(side_frame(ui)).default_size(width).size_range(widths).show(ui, add_contents);
+}
+
+fn scroll_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, add_contents);
+}
+
+/// Draws a panel below the pictures, `height` points high until it is dragged, or less in a small window, whatever its
+/// content, so that nothing moves under the pointer. Returns whether the pointer is over it.
 fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnOnce(&mut egui::Ui)) -> bool {
     let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(8, 4));
     let height = height.min(ui.available_height() - PICTURES_HEIGHT).max(*BOTTOM_HEIGHTS.start());
@@ -125,7 +128,6 @@ fn side_width(model: &Model) -> f32 {
     (0.235 * model.window_width_points).clamp(280.0, 300.0)
 }
 
-/// Width of a folded panel, in points.
 const FOLDED_WIDTH: f32 = 22.0;
 
 /// Draws the panel on the left as a strip with its name where it is folded; a click opens it.
@@ -137,7 +139,7 @@ pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &mut Model) {
     Panel::left("left folded").frame(frame).exact_size(FOLDED_WIDTH).resizable(false).show(ui, |ui| {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click());
         let name = ActionId::ToggleLeft.action().label;
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Unfold {name}")));
+        named(&response, egui::Role::Button, format!("Unfold {name}"));
         let visuals = ui.style().interact(&response);
         let galley =
             ui.painter().layout_no_wrap(name.to_owned(), TextStyle::Body.resolve(ui.style()), visuals.text_color());
@@ -162,32 +164,29 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
             Panel::bottom("verdict").frame(below).show_separator_line(false).show(ui, |ui| {
                 panel::slopes::verdict_ui(ui, model, queue);
             });
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            scroll_ui(ui, |ui| {
                 panel::cursor::cursor_ui(ui, model, queue);
                 panel::parameters::parameters_ui(ui, model, queue);
             });
         });
     }
     if model.shows_right() {
-        Panel::right("right").frame(side_frame(ui)).default_size(side_width(model)).size_range(250.0..=460.0).show(
-            ui,
-            |ui| {
-                let other = ("Display and feature", "The value range of the pictures, and the selected feature");
-                if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
-                    return;
+        right_panel(ui, "right", side_width(model), 250.0..=460.0, |ui| {
+            let other = ("Display and feature", "The value range of the pictures, and the selected feature");
+            if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
+                return;
+            }
+            scroll_ui(ui, |ui| {
+                // What the panel came for is first.
+                if model.selected.is_some() {
+                    panel::selection::selection_ui(ui, model, selection, queue);
                 }
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    // What the panel came for is first.
-                    if model.selected.is_some() {
-                        panel::selection::selection_ui(ui, model, selection, queue);
-                    }
-                    panel::display::display_ui(ui, model, widgets);
-                    if model.selected.is_none() {
-                        panel::selection::selection_ui(ui, model, selection, queue);
-                    }
-                });
-            },
-        );
+                panel::display::display_ui(ui, model, widgets);
+                if model.selected.is_none() {
+                    panel::selection::selection_ui(ui, model, selection, queue);
+                }
+            });
+        });
     }
     let mut over_rows = None;
     if model.shows_bottom() {
@@ -213,45 +212,30 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
 }
 
 fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, queue: &mut Queue) {
-    let width = side_width(model);
     if model.shows_left() {
-        Panel::left("lab left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                lab::lab_settings_ui(ui, model, queue);
-            });
-        });
+        left_panel(ui, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
     }
     if model.shows_right() {
-        Panel::right("lab right")
-            .frame(side_frame(ui))
-            .default_size(1.3 * side_width(model))
-            .size_range(250.0..=900.0)
-            .show(ui, |ui| {
-                if model.lab.question == LabQuestion::InBurst {
-                    section_ui(ui, "How faint", |ui| planted::lab_planted_ui(ui, model, picture, queue));
-                } else {
-                    section_ui(ui, "Chart", |ui| chart::lab_chart_ui(ui, model, picture, queue));
-                }
-            });
+        right_panel(ui, "lab right", 1.3 * side_width(model), 250.0..=900.0, |ui| {
+            if model.lab.question == LabQuestion::InBurst {
+                section_ui(ui, "How faint", |ui| planted::lab_planted_ui(ui, model, picture, queue));
+            } else {
+                section_ui(ui, "Chart", |ui| chart::lab_chart_ui(ui, model, picture, queue));
+            }
+        });
     }
     CentralPanel::default().show(ui, |ui| curves::curves_ui(ui, &mut model.lab));
 }
 
-/// Height of the strip of points, in points of the window.
 const STRIP_HEIGHT: f32 = 84.0;
 
 fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> WorkspaceWishes {
     let width = side_width(model).max(330.0);
     let mut again = false;
     if model.shows_right() {
-        Panel::right("trajectories right").frame(side_frame(ui)).default_size(width).size_range(280.0..=520.0).show(
-            ui,
-            |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    again = errors_panel::errors_panel_ui(ui, model, queue);
-                });
-            },
-        );
+        right_panel(ui, "trajectories right", width, 280.0..=520.0, |ui| {
+            scroll_ui(ui, |ui| again = errors_panel::errors_panel_ui(ui, model, queue));
+        });
     }
     if model.shows_bottom() {
         bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
@@ -262,9 +246,7 @@ fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) 
             cameras::camera_list_ui(ui, &mut model.trajectories);
         });
     }
-    CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
-        cameras::plane_ui(ui, &mut model.trajectories);
-    });
+    CentralPanel::default().frame(Frame::new()).show(ui, |ui| cameras::plane_ui(ui, &mut model.trajectories));
     let camera = model.trajectories.wanted.take();
     WorkspaceWishes { compare_again: again, camera, ..WorkspaceWishes::default() }
 }

@@ -3,7 +3,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::histogram::PERCENTILES;
 use crate::app::panel::probe::PlaneTexture;
-use crate::app::panel::widgets::dot_ui;
+use crate::app::panel::widgets::{dashed_circle, dots_ui, named, weak_ui};
 use crate::app::project::Model;
 use crate::app::project::lab::{Lab, LabSet};
 use crate::inspect::score::Judged;
@@ -11,7 +11,7 @@ use crate::inspect::words::number;
 use crate::plane::display::Display;
 use crate::plane::statistics::{Region, percentiles};
 use crate::study::{ShownChart, StudyPoint};
-use egui::{Color32, ComboBox, Pos2, RichText, Sense, Shape, Stroke, Ui, vec2};
+use egui::{Color32, ComboBox, Pos2, Sense, Stroke, Ui, vec2};
 
 const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
 const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
@@ -25,7 +25,7 @@ pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, 
         } else {
             "These points are measured on the open burst, so there is no chart to show."
         };
-        ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+        weak_ui(ui, text);
         return;
     }
     let Some(shown) = model.lab.current_chart().cloned() else {
@@ -106,12 +106,7 @@ fn key_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged]) {
         (MISSED, format!("{} missed", shown.looked.truth.features.len() - found)),
         (FALSE, format!("{} false", judged.len() - found)),
     ];
-    ui.horizontal(|ui| {
-        for (colour, text) in counts {
-            dot_ui(ui, colour);
-            ui.label(text);
-        }
-    });
+    dots_ui(ui, counts);
 }
 
 fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged], texture: &mut PlaneTexture) {
@@ -133,11 +128,8 @@ fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged], texture: &mut 
             None => {
                 let (centre, radius) = (pos_ui(feature.u, feature.v), (feature.circle_radius_px() * scale).max(2.0));
                 painter.circle_stroke(centre, radius, Stroke::new(1.2, FALSE));
-                marks.push((
-                    centre,
-                    radius,
-                    format!("False: σ {} px, snr {}", number(feature.sigma, 2), number(feature.snr, 1)),
-                ));
+                let text = format!("False: σ {} px, snr {}", number(feature.sigma, 2), number(feature.snr, 1));
+                marks.push((centre, radius, text));
             }
         }
     }
@@ -147,7 +139,7 @@ fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged], texture: &mut 
             painter.circle_stroke(centre, radius, Stroke::new(1.2, FOUND));
             "Found"
         } else {
-            painter.extend(dashed_circle(centre, radius, Stroke::new(1.4, MISSED)));
+            dashed_circle(&painter, centre, radius, Stroke::new(1.4, MISSED), (4.0, 3.0));
             "Missed"
         };
         let text = format!(
@@ -158,40 +150,11 @@ fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged], texture: &mut 
         );
         marks.push((centre, radius, text));
     }
-    let text = format!("Chart with {} discs", looked.truth.features.len());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+    named(&response, egui::Role::Image, format!("Chart with {} discs", looked.truth.features.len()));
     let Some(pos) = response.hover_pos() else { return };
     let pointed = marks.iter().filter(|(centre, radius, _)| centre.distance(pos) <= radius.max(4.0));
     let nearest = pointed.min_by(|a, b| a.0.distance(pos).total_cmp(&b.0.distance(pos)));
     if let Some((.., text)) = nearest {
         response.on_hover_text_at_pointer(text);
-    }
-}
-
-fn dashed_circle(centre: Pos2, radius: f32, stroke: Stroke) -> Vec<Shape> {
-    let count = 48;
-    let point = |i: usize| {
-        let angle = i as f32 / count as f32 * std::f32::consts::TAU;
-        centre + radius * egui::Vec2::angled(angle)
-    };
-    let points: Vec<Pos2> = (0..=count).map(point).collect();
-    Shape::dashed_line(&points, stroke, 4.0, 3.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use egui::pos2;
-
-    #[test]
-    fn a_dashed_circle_has_gaps() {
-        let shapes = dashed_circle(pos2(0.0, 0.0), 10.0, Stroke::new(1.0, MISSED));
-        let length = |shape: &Shape| match shape {
-            Shape::LineSegment { points: [a, b], .. } => a.distance(*b),
-            other => panic!("{other:?} is no dash"),
-        };
-        let drawn: f32 = shapes.iter().map(length).sum();
-        // Dashes of 4 points and gaps of 3.
-        assert!((drawn / (10.0 * std::f32::consts::TAU) - 4.0 / 7.0).abs() < 0.08, "{drawn}");
     }
 }

@@ -1,13 +1,13 @@
-//! Curves of the Lab: one large plot, smaller ones beside it, with the spread of every point. Clicking a point shows
-//! its chart.
+//! Curves of the Lab: one large plot, smaller ones beside it. Clicking a point shows its chart.
 
 use super::curve_colour;
+use crate::app::panel::widgets::{named, still_plot};
 use crate::app::project::lab::{Lab, LabResult, LabSet};
 use crate::evaluate::curves::{StudyCurve, StudyCurvePoint, StudyPlot};
 use crate::inspect::words::number;
 use crate::study::StudyPoint;
 use egui::{Color32, Label, Pos2, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
-use egui_plot::{Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Points};
+use egui_plot::{Line, LineStyle, PlotPoint, PlotPoints, PlotUi, Points};
 use std::collections::BTreeSet;
 
 /// Maximum distance of the pointer from a point, in points of the window.
@@ -116,7 +116,6 @@ fn empty_ui(ui: &mut Ui) {
     });
 }
 
-/// Shown plots, each set with its name; these are written to files.
 pub fn shown_plots(lab: &Lab) -> Vec<(String, Vec<StudyPlot>)> {
     let rows = lab.shown_results().first().map(|(.., first)| first.report.roc_rows()).unwrap_or_default();
     let row_label = rows.get(lab.roc_row).or(rows.last());
@@ -168,12 +167,9 @@ fn plot_ui(
         ui.label(RichText::new(title).small().strong());
         ui.add(egui::Label::new(RichText::new(plot.spread).small().weak()).truncate());
     });
-    let widget = Plot::new(("lab", title))
+    let widget = still_plot(("lab", title))
         .width(size.x)
         .height(size.y)
-        .allow_zoom(false)
-        .allow_drag(false)
-        .allow_scroll(false)
         .allow_boxed_zoom(false)
         .show_x(false)
         .show_y(false)
@@ -188,8 +184,7 @@ fn plot_ui(
             draw_curve(area, one, plot.marks_points, colour, selected);
         }
     });
-    let text = format!("Plot: {title}, {} curves", curves.len());
-    drawn.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+    named(&drawn.response, Role::Image, format!("Plot: {title}, {} curves", curves.len()));
     let pos = drawn.response.hover_pos()?;
     let at = |point: &StudyCurvePoint| drawn.transform.position_from_point(&PlotPoint::new(point.x, point.y));
     let (one, point) = nearest(curves, pos, at)?;
@@ -198,7 +193,6 @@ fn plot_ui(
     Some((one.set, StudyPoint { row_value: point.row_value, method: one.curve.method }, clicked))
 }
 
-/// Draws a curve, its points, and the spread of each. Kept curves are dashed.
 fn draw_curve(
     area: &mut PlotUi<'_>,
     one: &Drawn,
@@ -286,21 +280,6 @@ mod tests {
         }
         // Without a row there is no ROC.
         assert_eq!(merged(&sets, None).len(), plots.len() - 1);
-    }
-
-    #[test]
-    fn the_point_under_the_pointer_is_the_nearest_one_within_reach() {
-        let now = result();
-        let plots = merged(&[(LabSet::Current, None, &now)], None);
-        let (_, plot, curves) = &plots[0];
-        let at = |point: &StudyCurvePoint| egui::pos2(100.0 * point.x as f32, 50.0 * point.y as f32);
-        let one = &curves[1];
-        let point = &one.curve.points[1];
-        let found = nearest(curves, at(point) + egui::vec2(1.0, 0.0), at).expect("it is near");
-        assert_eq!(at(found.1), at(point));
-        assert!(nearest(curves, egui::pos2(-1e4, 0.0), at).is_none());
-        let text = point_text(plot, one, point);
-        assert!(text.starts_with(&format!("{}\n{}: 5\n{}: ", one.name, plot.x_label, plot.y_label)), "{text}");
     }
 
     #[test]

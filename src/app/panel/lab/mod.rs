@@ -1,5 +1,4 @@
-//! Panels of the Lab: the settings of a study (question, charts, methods, kept curves), the curves, which grow while
-//! charts are finished, and the chart behind a point of a curve.
+//! Panels of the Lab: the settings of a study, the curves, and the chart behind a point of a curve.
 
 /// Draws a field of a grid: its name, help and widget.
 macro_rules! field {
@@ -15,12 +14,12 @@ pub mod curves;
 pub mod planted;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panel::widgets::{name_field, section_ui};
+use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::lab::{Lab, LabQuestion};
 use crate::evaluate::BurstMethod;
 use crate::synth::Motion;
-use egui::{Color32, DragValue, Grid, Label, ProgressBar, RichText, TextEdit, Ui};
+use egui::{Color32, DragValue, Grid, Label, RichText, TextEdit, Ui};
 
 /// Colour `#rrggbb` of the figures as drawn here: lighter on a dark background.
 fn curve_colour(ui: &Ui, colour: &str) -> Color32 {
@@ -50,17 +49,9 @@ pub fn lab_settings_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         section_ui(ui, "Methods", |ui| methods_ui(ui, &mut model.lab));
     }
     section_ui(ui, "Dark copy of A", |ui| dark_copy_ui(ui, model, queue));
-    ui.add(
-        Label::new(
-            RichText::new(
-                "All methods use the detector's parameters of this window. Only the method 'slopes found' finds the slopes of \
-                 each burst; the others search the given range, or ±3 px/frame.",
-            )
-            .small()
-            .weak(),
-        )
-        .wrap(),
-    );
+    let text = "All methods use the detector's parameters of this window. Only the method 'slopes found' finds the slopes \
+                of each burst; the others search the given range, or ±3 px/frame.";
+    ui.add(Label::new(RichText::new(text).small().weak()).wrap());
 }
 
 fn question_ui(ui: &mut Ui, lab: &mut Lab) {
@@ -73,11 +64,7 @@ fn question_ui(ui: &mut Ui, lab: &mut Lab) {
 
 fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if let Some(running) = model.lab.wanted.running() {
-        let fraction = running.progress.map_or(0.0, |p| p.fraction);
-        ui.add(
-            ProgressBar::new(fraction)
-                .text(crate::app::panel::widgets::stage_text(running.progress, running.time_left())),
-        );
+        progress_ui(ui, &running, None, progress_text(&running));
         button_ui(ui, model, queue, ActionId::CancelStudy, None);
         return;
     }
@@ -85,9 +72,8 @@ fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::RunStudy, None);
         button_ui(ui, model, queue, ActionId::KeepCurves, None);
     });
-    let problem = model.lab_study().err().or_else(|| model.lab.problem.clone());
-    if let Some(problem) = problem {
-        ui.add(Label::new(RichText::new(problem).color(ui.visuals().error_fg_color)).wrap());
+    if let Some(problem) = model.lab_study().err().or_else(|| model.lab.problem.clone()) {
+        error_ui(ui, problem);
     }
 }
 
@@ -155,11 +141,8 @@ fn charts_ui(ui: &mut Ui, lab: &mut Lab) {
         });
         ui.end_row();
     });
-    if ui
-        .button("Published chart")
-        .on_hover_text("Chart of the published measurements: 90 discs, 10 frames of 800 × 600")
-        .clicked()
-    {
+    let tip = "Chart of the published measurements: 90 discs, 10 frames of 800 × 600";
+    if ui.button("Published chart").on_hover_text(tip).clicked() {
         lab.chart = crate::synth::ChartParams::default();
     }
 }
@@ -177,13 +160,10 @@ fn methods_ui(ui: &mut Ui, lab: &mut Lab) {
     for method in BurstMethod::ALL {
         let mut on = lab.methods.contains(&method);
         ui.horizontal(|ui| {
-            crate::app::panel::widgets::dot_ui(ui, curve_colour(ui, method.line().0));
+            dot_ui(ui, curve_colour(ui, method.line().0));
             if ui.checkbox(&mut on, method.label()).changed() {
-                if on {
-                    lab.methods.push(method);
-                } else {
-                    lab.methods.retain(|m| *m != method);
-                }
+                lab.methods.retain(|m| *m != method);
+                lab.methods.extend(on.then_some(method));
             }
         });
     }

@@ -1,9 +1,8 @@
-//! Things planted in the open burst: what is planted, how faint a thing is seen at each place, and what became of the
-//! one that is looked at.
+//! Things planted in the open burst: how faint a thing is seen at each place, and what became of one.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::panel::probe::PlaneTexture;
-use crate::app::panel::widgets::dot_ui;
+use crate::app::panel::widgets::{dots_ui, named, weak_ui};
 use crate::app::project::Model;
 use crate::detector::Test;
 use crate::inspect::words::number;
@@ -66,33 +65,31 @@ pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
         .on_hover_text("Otherwise strong features of the burst are left alone");
 }
 
-/// Draws the map of how faint a thing is seen, and the thing that is looked at.
 pub fn lab_planted_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, queue: &mut Queue) {
     let Some((_, report)) = model.lab.recovered() else {
         let text = "Press Run study: things are planted in copies of the open burst and searched for. Here is then how faint a thing is seen at each place.";
-        ui.add(Label::new(RichText::new(text).weak()).wrap());
+        weak_ui(ui, text);
         return;
     };
     key_ui(ui, report);
     let chosen = map_ui(ui, report, model.lab.selected_thing, texture);
     if let Some(outlook) = report.outlook() {
-        ui.add(Label::new(RichText::new(outlook).weak()).wrap());
+        weak_ui(ui, outlook);
     }
-    fates_ui(ui, report);
+    for fate in &report.fates {
+        ui.label(RichText::new(format!("{} missed: {}", fate.count, fate.reason)).small());
+    }
     if let Some(chosen) = chosen {
         model.lab.selected_thing = Some(chosen);
     }
     let missed = model.lab.recovered().and_then(|(_, report)| next_missed(report, model.lab.selected_thing));
-    if ui
-        .add_enabled(missed.is_some(), egui::Button::new("Next missed"))
-        .on_hover_text("Look at the next thing in the range of the slopes that was missed")
-        .clicked()
-    {
+    let next = ui.add_enabled(missed.is_some(), egui::Button::new("Next missed"));
+    if next.on_hover_text("Look at the next thing in the range of the slopes that was missed").clicked() {
         model.lab.selected_thing = missed;
     }
     match model.lab.selected_thing() {
         None => {
-            ui.add(Label::new(RichText::new("Click a thing to see what became of it.").weak()).wrap());
+            weak_ui(ui, "Click a thing to see what became of it.");
         }
         Some(one) => {
             ui.add(Label::new(thing_text(one)).wrap());
@@ -103,19 +100,11 @@ pub fn lab_planted_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture
 
 fn key_ui(ui: &mut Ui, report: &RecoverReport) {
     let found = report.planted.iter().filter(|one| one.found.is_some()).count();
-    ui.horizontal(|ui| {
-        for (colour, text) in
-            [(FOUND, format!("{found} found")), (MISSED, format!("{} missed", report.planted.len() - found))]
-        {
-            dot_ui(ui, colour);
-            ui.label(text);
-        }
-    });
+    dots_ui(ui, [(FOUND, format!("{found} found")), (MISSED, format!("{} missed", report.planted.len() - found))]);
     if let Some([min, max]) = report.map_range() {
         let percent = |x: f64| number((100.0 * x) as f32, 3);
-        let text =
-            format!("Half are found from {} % (dark) to {} % (bright) of full scale", percent(min), percent(max));
-        ui.add(Label::new(RichText::new(text).weak()).wrap());
+        let (min, max) = (percent(min), percent(max));
+        weak_ui(ui, format!("Half are found from {min} % (dark) to {max} % (bright) of full scale"));
     }
 }
 
@@ -149,8 +138,7 @@ fn map_ui(
             None => painter.circle_stroke(pos_ui(one), radius, Stroke::new(1.2, MISSED)),
         };
     }
-    let text = format!("Map of {} planted things", report.planted.len());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+    named(&response, egui::Role::Image, format!("Map of {} planted things", report.planted.len()));
     let nearest = |pos: Pos2| {
         let near = in_range().map(|one| (pos_ui(one).distance(pos), one)).filter(|(distance, _)| *distance < REACH_UI);
         near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, one)| one)
@@ -161,13 +149,6 @@ fn map_ui(
     clicked
 }
 
-fn fates_ui(ui: &mut Ui, report: &RecoverReport) {
-    for fate in &report.fates {
-        ui.label(RichText::new(format!("{} missed: {}", fate.count, fate.reason)).small());
-    }
-}
-
-/// The next thing in the range of the slopes that was missed, after the one that is looked at.
 fn next_missed(report: &RecoverReport, selected: Option<(u64, usize)>) -> Option<(u64, usize)> {
     let missed: Vec<(u64, usize)> = (report.planted.iter())
         .filter(|one| one.is_in_range && one.found.is_none() && one.failed != Some(Test::MaxFeatures))

@@ -11,7 +11,6 @@ pub(super) const WIDTH: f32 = 46.0;
 const BAR: f32 = 9.0;
 const GAP: f32 = 5.0;
 const STEPS: usize = 48;
-/// Smallest distance of two numbers, points.
 const APART: f32 = 11.0;
 
 /// Bar of colours from −`range` to `range`.

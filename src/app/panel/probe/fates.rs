@@ -1,12 +1,12 @@
-//! Candidates near the place: the first test that each fails, all tests of the selected one, and the one setting that
-//! would keep it.
+//! Candidates near the place: the tests that they fail, and the one setting that would keep the selected one.
 
 use super::apply_ui;
 use crate::app::actions::Queue;
-use crate::app::pane::PaneId;
+use crate::app::panel::widgets::{named, weak_ui};
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::style;
+use crate::detector::Test;
 use crate::inspect::fate::{Outcome, Rival, TestReport};
 use crate::inspect::probe::Wanted;
 use crate::inspect::words::{counted_from_one, number, sentence, slope_text, snr_text, value_text};
@@ -48,7 +48,7 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &
                 ProbeQuestion::At { wanted: Wanted::Scale { .. }, .. } => "No candidate at this slope and scale.",
                 _ => "Click a candidate to see its tests.",
             };
-            ui.add(Label::new(RichText::new(hint).weak()).wrap());
+            weak_ui(ui, hint);
         }
     }
 }
@@ -63,10 +63,8 @@ fn scale_ui(ui: &mut Ui, model: &mut Model, answer: &Probed) {
             ui.selectable_value(&mut model.probe.near_sigma, Some(scale.sigma), sigma_text(scale.sigma));
         }
     });
-    combo
-        .response
-        .on_hover_text("Candidates near this scale come first; a probe begins with the scale of the DoG in view")
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, format!("Scale of candidates: {text}")));
+    let help = "Candidates near this scale come first; a probe begins with the scale of the DoG in view";
+    named(&combo.response.on_hover_text(help), egui::Role::ComboBox, format!("Scale of candidates: {text}"));
 }
 
 fn list_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, listed: Range<usize>) {
@@ -121,19 +119,12 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
         ui.painter().rect_filled(rect, 2.0, fill);
     }
     let colour = if selected { visuals.selection.stroke.color } else { visuals.text_color() };
-    let outcome = match fate.first_failed {
-        None => "kept".to_owned(),
-        Some(test) => {
-            format!("{} {}", test.record().short, fate.report(test).margin_text())
-        }
-    };
+    let why = |test: Test| format!("{} {}", test.record().short, fate.report(test).margin_text());
+    let outcome = fate.first_failed.map_or_else(|| "kept".to_owned(), why);
     let away = number((u - at_u).hypot(v - at_v), 1);
     let font = FontId::proportional(12.0);
-    for ((text, x), align) in [away, number(fate.sigma, 1), slope_text(fate.slope), snr_text(fate.snr), outcome.clone()]
-        .iter()
-        .zip(COLUMNS)
-        .zip(ALIGNS)
-    {
+    let texts = [away, number(fate.sigma, 1), slope_text(fate.slope), snr_text(fate.snr), outcome.clone()];
+    for ((text, x), align) in texts.iter().zip(COLUMNS).zip(ALIGNS) {
         let pos = egui::pos2(rect.left() + x * rect.width(), rect.center().y);
         let good = *text == outcome && fate.is_kept() && !selected;
         let colour = if good { style::good(ui) } else { colour };
@@ -159,9 +150,8 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, (fate, outlook): (&Fate, Option<&Outl
     let verdict = counted_from_one(&fate.verdict);
     ui.add(Label::new(RichText::new(sentence(&verdict)).strong()).wrap());
     if let Some(remedy) = &fate.remedy {
-        let then = remedy
-            .then_fails
-            .map_or_else(String::new, |test| format!(" It would then be rejected as {}.", test.reason()));
+        let rejected = |test: Test| format!(" It would then be rejected as {}.", test.reason());
+        let then = remedy.then_fails.map_or_else(String::new, rejected);
         ui.add(Label::new(format!("{}{then}", sentence(&remedy.sentence))).wrap());
         ui.horizontal_wrapped(|ui| apply_ui(ui, model, &remedy.change, queue));
     }
@@ -196,8 +186,7 @@ fn rival_ui(ui: &mut Ui, model: &mut Model, rival: &Rival) {
         pane.show_slope();
         let (before, zoom) = (pane.view, pane.view.points_per_pixel().max(1.0));
         pane.view.look_at(egui::pos2(u, v), zoom);
-        let focus: PaneId = model.focus();
-        model.panes.follow_view(focus, &before);
+        model.panes.follow_view(model.focus(), &before);
     }
 }
 

@@ -1,7 +1,4 @@
-//! Probe panel: the candidates at a place, the reasons for their fates, and what would change them.
-//!
-//! It shows the answers of [`crate::inspect`]: the fates of the candidates near the place, the response over slope and
-//! scale, each frame's share, and suspicions about a feature.
+//! Probe panel, with the answers of [`crate::inspect`]: the candidates at a place, and the reasons for their fates.
 
 mod colour_bar;
 mod fates;
@@ -9,7 +6,8 @@ mod response;
 mod shares;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::panel::widgets::section_ui;
+use crate::app::panel::selection::texture_of;
+use crate::app::panel::widgets::{named, paint, progress_ui, section_ui, warning_ui, weak_ui};
 use crate::app::parts::mark;
 use crate::app::project::Model;
 use crate::app::project::explained::verdict_words;
@@ -21,13 +19,10 @@ use crate::inspect::suspicion::{Kind, Suspicion};
 use crate::inspect::verdict::{Judged, Verdict};
 use crate::inspect::words::{counted_from_one, number, sentence};
 use crate::plane::Plane;
-use crate::plane::display::{Display, to_rgba8};
+use crate::plane::display::Display;
 use crate::requests::Probed;
 use crate::teach::Part;
-use egui::{
-    Color32, Frame, Label, Margin, ProgressBar, Rect, RichText, ScrollArea, Stroke, TextureHandle, TextureOptions, Ui,
-    pos2,
-};
+use egui::{Frame, Label, Margin, Rect, RichText, ScrollArea, Stroke, TextureHandle, Ui};
 use std::any::Any;
 use std::sync::Arc;
 
@@ -38,8 +33,8 @@ pub struct ProbePanel {
     patches: PlaneTexture,
 }
 
-/// Draws the right panel's tabs, and the probe if its tab is open. Returns whether it is; if not, the caller draws what
-/// the other tab, called `other`, shows. Without a probe of a burst of this workspace nothing is drawn.
+/// Draws the right panel's tabs, and the probe if its tab is open. Returns whether it is; if not, the caller draws the
+/// content of the `other` tab. Without a probe of a burst of this workspace nothing is drawn.
 pub fn probe_tab_ui(
     ui: &mut Ui,
     model: &mut Model,
@@ -69,12 +64,12 @@ fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut 
     tools_ui(ui, model, queue);
     busy_ui(ui, model);
     if let Some(problem) = &model.probe.problem {
-        ui.add(Label::new(RichText::new(problem).color(style::warning(ui))).wrap());
+        warning_ui(ui, problem);
     }
     let Some(answer) = model.probe.answer.clone() else {
         if model.probe.question.is_none() {
             ui.add_space(4.0);
-            ui.add(Label::new(RichText::new(HOW).weak()).wrap());
+            weak_ui(ui, HOW);
         }
         return;
     };
@@ -117,8 +112,8 @@ fn busy_ui(ui: &mut Ui, model: &Model) {
     let waits = model.probe.question.is_some() && model.probe.answer.is_none() && model.probe.problem.is_none();
     match (model.probe.wanted_trail.running(), model.slots[model.probe.side].detecting.running()) {
         (Some(running), _) | (None, Some(running)) if model.probe.is_on() => {
-            let fraction = running.progress.map_or(0.0, |p| p.fraction);
-            ui.add(ProgressBar::new(fraction).text(format!("Searching  {:.0} %", 100.0 * fraction)));
+            let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
+            progress_ui(ui, &running, None, format!("Searching  {percent:.0} %"));
         }
         _ if waits => {
             ui.weak("Probing…");
@@ -142,8 +137,7 @@ fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Qu
     let button = ui.add_enabled(model.takes_advice(model.probe.side), egui::Button::new("Apply"));
     let response =
         button.on_hover_text(format!("Set {} and detect again; Undo reverts it\n{}", change.label(), change.option()));
-    let name = format!("Apply {}", change.label());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    named(&response, egui::Role::Button, format!("Apply {}", change.label()));
     if response.clicked() {
         model.apply_change(change);
         if !model.auto_detect {
@@ -156,7 +150,6 @@ fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Qu
     }
 }
 
-/// Text of a response's strength: in σ of its noise, or D itself where there is no noise.
 fn strength_text(answer: &Probed, value: f32) -> String {
     if answer.probe.response.is_noiseless { format!("{value:+.1e}") } else { format!("{} σ", signed(value, 1)) }
 }
@@ -172,8 +165,7 @@ struct Made {
 }
 
 impl PlaneTexture {
-    /// Draws a picture of the answer `of` into `rect`: pixels are sharp squares, NaN has the colour of the canvas's
-    /// backdrop.
+    /// Draws a picture of the answer `of` into `rect`.
     pub fn draw<T: Any + Send + Sync>(
         &mut self,
         ui: &Ui,
@@ -188,22 +180,11 @@ impl PlaneTexture {
         let is_same = |made: &Made| std::ptr::addr_eq(Arc::as_ptr(&made.of), Arc::as_ptr(&of));
         let fits = |made: &Made| is_same(made) && made.display == display && made.dark == dark;
         if !self.0.as_ref().is_some_and(fits) {
-            let plane = plane();
-            let mut rgba = to_rgba8(&plane, &display);
-            let beside = if dark { 20 } else { 206 };
-            for (pixel, value) in rgba.pixels_mut().zip(plane.data()) {
-                if value.is_nan() {
-                    pixel.0 = [beside, beside, beside, 255];
-                }
-            }
-            let (width, height) = plane.size();
-            let image = egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw());
-            let texture = ui.ctx().load_texture(name, image, TextureOptions::NEAREST);
+            let texture = texture_of(ui, name, &plane(), &display);
             self.0 = Some(Made { of, display, dark, texture });
         }
         if let Some(made) = &self.0 {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(made.texture.id(), rect, whole, Color32::WHITE);
+            paint(ui.painter(), made.texture.id(), rect);
         }
     }
 }

@@ -1,8 +1,8 @@
-//! Response over slope and scale: the peak of a blob, the gate, and the candidates of the search, as a map with numbers
-//! around it. A click moves the cursor there.
+//! Response over slope and scale, with the gate and the candidates of the search. A click moves the cursor there.
 
 use super::colour_bar::{self, ColourBar, range_of};
 use super::{PlaneTexture, strength_text};
+use crate::app::panel::widgets::named;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::detector::Slope;
@@ -72,7 +72,7 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
         square(&painter, area.pos(map.column_of(cursor.slope), row as f32));
     }
     let clicked = response.clicked();
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response over slope and scale"));
+    named(&response, egui::Role::Image, "Response over slope and scale");
     let Some((column, row)) = cell.filter(|(column, row)| *column < columns && *row < rows) else { return };
     let (slope, scale) = (map.columns[column], map.scales[row]);
     let value = strength_text(answer, map.snr.at(column, row));
@@ -86,7 +86,6 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     }
 }
 
-/// Draws a small text that ends at `at`.
 fn small_ui(ui: &Ui, at: Pos2, text: &str) {
     let font = TextStyle::Small.resolve(ui.style());
     ui.painter().text(at, Align2::RIGHT_CENTER, text, font, ui.visuals().weak_text_color());
@@ -126,7 +125,7 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     let cursor = model.probed_pane().cursor.slope;
     square(&painter, area.pos(plane.u.column_of(cursor.u), plane.v.column_of(cursor.v)));
     let clicked = response.clicked();
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response over both slopes"));
+    named(&response, egui::Role::Image, "Response over both slopes");
     let Some((column, row)) = cell else { return };
     // The axes may be rotated: the grid gives the slope of a cell.
     let grid = answer.request.traced.cache.params().used_slopes();
@@ -198,11 +197,9 @@ impl Area {
     }
 
     fn cell(&self, pos: Pos2) -> Option<(usize, usize)> {
-        let at = |x: f32, span: f32, n: usize| ((x / span * n as f32).max(0.0) as usize).min(n - 1);
-        let from = pos - self.rect.min;
-        self.rect
-            .contains(pos)
-            .then(|| (at(from.x, self.rect.width(), self.cells.0), at(from.y, self.rect.height(), self.cells.1)))
+        let at = |part: f32, n: usize| ((part * n as f32).max(0.0) as usize).min(n - 1);
+        let part = (pos - self.rect.min) / self.rect.size();
+        self.rect.contains(pos).then(|| (at(part.x, self.cells.0), at(part.y, self.cells.1)))
     }
 }
 
@@ -212,7 +209,6 @@ fn area_ui(ui: &mut Ui, height: f32, cells: (usize, usize)) -> (Area, egui::Resp
     (Area { rect, cells }, response)
 }
 
-/// Draws marks at the grid's slopes, numbers at some of them, and the axis's name.
 fn grid_below(ui: &Ui, area: &Area, axis: &FineAxis, name: &str) {
     let (painter, colour) = (ui.painter(), ui.visuals().weak_text_color());
     let font = TextStyle::Small.resolve(ui.style());
@@ -320,8 +316,7 @@ mod tests {
             strong[row.min(2)] * (1.0 - column as f32 / map.columns.len() as f32)
         });
         let shown = within_scales(&map);
-        let alike = shown.row(1).iter().zip(shown.row(2)).all(|(a, b)| (a - b).abs() < 1e-6);
-        assert!(alike, "one that is ten times as strong looks alike");
+        assert!(shown.row(1).iter().zip(shown.row(2)).all(|(a, b)| (a - b).abs() < 1e-6), "ten times as strong");
         assert!((shown.at(0, 1) - 1.0).abs() < 1e-6 && (shown.at(0, 0) - 0.6).abs() < 1e-6, "noise stays pale");
     }
 }

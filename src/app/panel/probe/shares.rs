@@ -1,6 +1,7 @@
 //! Share of each frame: the pixels along the motion, and the response of each frame alone, with its noise.
 
 use super::PlaneTexture;
+use crate::app::panel::widgets::{named, still_plot};
 use crate::app::project::Model;
 use crate::app::style::ACCENT;
 use crate::detector::coherence::Shape;
@@ -9,7 +10,7 @@ use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
 use crate::requests::Probed;
 use egui::{Color32, Label, RichText, Sense, Stroke, Ui, vec2};
-use egui_plot::{HLine, Line, Plot, PlotPoints, Points};
+use egui_plot::{HLine, Line, PlotPoints, Points};
 
 const IN_ROW: usize = 12;
 const PATCH: f32 = 18.0;
@@ -32,7 +33,6 @@ pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture
         .on_hover_text("Coherence: 1 if all frames respond alike; if only some respond, about their share");
 }
 
-/// Draws the patches side by side, in time order. A click shows that frame.
 fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut PlaneTexture) {
     let shares = &answer.probe.shares;
     let fits = ((ui.available_width() / PATCH) as usize).clamp(1, IN_ROW);
@@ -57,7 +57,7 @@ fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut Plane
         let colour = if frame.covers { Color32::from_rgb(255, 214, 90) } else { Color32::from_gray(120) };
         ui.painter().circle_stroke(cell.center(), radius, Stroke::new(1.0, colour));
     }
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Patch of each frame"));
+    named(&response, egui::Role::Image, "Patch of each frame");
     let Some(frame) = response.hover_pos().and_then(frame_at) else { return };
     let text = if frame.covers {
         format!("Frame {}: {:+.2e} ± {:.1e}\nClick to show it", frame.frame, frame.value, frame.sigma_d)
@@ -87,11 +87,8 @@ fn montage(frames: &[FrameShare], columns: usize, rows: usize) -> Plane {
 fn plot_ui(ui: &mut Ui, shares: &Shares) {
     let covering = || shares.frames.iter().filter(|frame| frame.covers);
     let point = |frame: &FrameShare| [frame.frame as f64, f64::from(frame.value)];
-    let response = Plot::new("shares")
+    let response = still_plot("shares")
         .height(96.0)
-        .allow_zoom(false)
-        .allow_drag(false)
-        .allow_scroll(false)
         .show_x(false)
         .show_y(false)
         .x_axis_label("frame")
@@ -114,7 +111,7 @@ fn plot_ui(ui: &mut Ui, shares: &Shares) {
             plot.points(Points::new("response", points).color(ACCENT).radius(3.0));
         })
         .response;
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response of each frame"));
+    named(&response, egui::Role::Image, "Response of each frame");
     response.on_hover_text(
         "D of each frame alone, fraction of full scale, ± its noise; dashes: their mean, D of the stack",
     );

@@ -1,6 +1,7 @@
 //! Features and evidence at each slope, as bars along a line of slopes and as cells of a plane of slopes.
 
 use crate::app::canvas::number;
+use crate::app::panel::widgets::{dot_ui, named};
 use crate::app::style;
 use crate::detector::Slope;
 use crate::inspect::spectrum::{Alias, SlopeBar, Spectrum};
@@ -14,7 +15,6 @@ pub(super) struct Marks {
     pub expected: Option<[Slope; 2]>,
 }
 
-/// Draws the chart in a space of `height` points.
 pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     if spectrum.grid.is_plane() {
         plane_ui(ui, spectrum, marks, height);
@@ -73,8 +73,7 @@ fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     let part = bars.iter().map(|(_, bar)| bar.evidence).fold(1e-6, f32::max);
     let searched = bars.iter().filter(|(_, bar)| bar.is_searched);
     let (low, high) = searched.fold((i64::MAX, i64::MIN), |(a, b), (at, _)| (a.min(*at), b.max(*at)));
-    let edge = |at: f32| middle(at);
-    let inside = Rect::from_x_y_ranges(edge(low as f32 - 0.5)..=edge(high as f32 + 0.5), inner.y_range());
+    let inside = Rect::from_x_y_ranges(middle(low as f32 - 0.5)..=middle(high as f32 + 0.5), inner.y_range());
     painter.rect_filled(inside, 0.0, ui.visuals().faint_bg_color);
     for (at, bar) in &bars {
         let x = middle(*at as f32);
@@ -116,10 +115,7 @@ fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Features and evidence by slope"));
     let pointed = response.hover_pos().map(|pos| first + ((pos.x - inner.left()) / cell).floor() as i64);
     let bar = pointed.and_then(|at| bars.iter().find(|(place, _)| *place == at));
-    match bar {
-        Some((_, bar)) => response.on_hover_text_at_pointer(bar_text(bar)),
-        None => response.on_hover_text_at_pointer("No slopes"),
-    };
+    response.on_hover_text_at_pointer(bar.map_or_else(|| "No slopes".to_owned(), |(_, bar)| bar_text(bar)));
 }
 
 fn expected_colour(ui: &Ui) -> Color32 {
@@ -137,7 +133,7 @@ fn key_ui(ui: &mut Ui, marks: &Marks) {
         let set_up =
             (expected_colour(ui), "set-up", "Slopes of things between the nearest and the farthest, by the set-up");
         for (colour, text, tip) in keys.into_iter().chain(marks.expected.map(|_| set_up)) {
-            crate::app::panel::widgets::dot_ui(ui, colour);
+            dot_ui(ui, colour);
             ui.label(RichText::new(text).small()).on_hover_text(tip);
             ui.add_space(6.0);
         }
@@ -198,8 +194,7 @@ fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
                     let inside = ui.painter_at(rect);
                     inside.line_segment(ends.map(place), Stroke::new(2.0, expected_colour(ui)));
                 }
-                let label = format!("{name} by slope");
-                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &label));
+                named(&response, egui::Role::Image, format!("{name} by slope"));
                 let at = response.hover_pos().map(|pos| {
                     let at = (pos - rect.min) / side;
                     [i0 + at.x.floor() as i64, j0 + at.y.floor() as i64]
@@ -216,12 +211,10 @@ fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
 
 pub(super) fn kernel_ui(ui: &mut Ui, alias: &Alias, frames: usize) {
     let period = f64::from(alias.period_px);
-    let places = alias.places.len();
+    let (px, count) = (number(alias.period_px, 3), alias.places.len());
+    let places = if count == 1 { "place" } else { "places" };
     let text = format!(
-        "A texture that repeats every {} px, at {places} {}, responds again at slopes {} px/frame apart",
-        number(alias.period_px, 3),
-        if places == 1 { "place" } else { "places" },
-        number(alias.period_px, 3)
+        "A texture that repeats every {px} px, at {count} {places}, responds again at slopes {px} px/frame apart"
     );
     ui.add(egui::Label::new(RichText::new(text).small()).wrap());
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width().min(360.0), 46.0), Sense::hover());
@@ -235,8 +228,7 @@ pub(super) fn kernel_ui(ui: &mut Ui, alias: &Alias, frames: usize) {
         pos2(inner.left() + x * inner.width(), inner.bottom() - value as f32 * inner.height())
     };
     painter.line((0..=STEPS).map(point).collect(), Stroke::new(1.2, ui.visuals().text_color()));
-    response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response beside the slope of a texture"));
+    named(&response, egui::Role::Image, "Response beside the slope of a texture");
     response.on_hover_text(
         "Dirichlet kernel: response of the texture in the mean of the frames, at slopes up to 1.5 periods from its \
          own. The peaks beside the middle are aliases, the low ones between them side lobes",

@@ -6,7 +6,7 @@ mod set_up;
 use crate::app::actions::Queue;
 use crate::app::canvas::number;
 use crate::app::panel::status::advice_ui;
-use crate::app::panel::widgets::with_whole_numbers;
+use crate::app::panel::widgets::{named, warning_ui, weak_ui, with_whole_numbers};
 use crate::app::project::side::Side;
 use crate::app::project::{BottomTab, Model, Visibility};
 use crate::app::style;
@@ -48,7 +48,6 @@ pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Draws the note shown while the slopes are not known.
 fn waiting_ui(ui: &mut Ui, model: &mut Model) {
     ui.vertical_centered(|ui| {
         ui.add_space(16.0);
@@ -72,7 +71,6 @@ fn waiting_ui(ui: &mut Ui, model: &mut Model) {
     set_up::set_up_ui(ui, model);
 }
 
-/// Draws the pieces of advice, each with a button that applies it, the cost of the search, and periodic textures.
 fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
     ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
         if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
@@ -86,7 +84,7 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
         let cost = &spectrum.cost;
         let text = format!("Cost: {} slopes, {} samples", cost.slopes, grouped(cost.samples));
         let tip = format!("Search time: {} s", number(cost.search_secs, 2));
-        ui.add(Label::new(RichText::new(text).weak()).wrap()).on_hover_text(tip);
+        weak_ui(ui, text).on_hover_text(tip);
         if let Some(alias) = spectrum.aliases.first() {
             ui.add_space(4.0);
             chart::kernel_ui(ui, alias, spectrum.frames);
@@ -111,7 +109,7 @@ fn sentence_of(clause: &str) -> String {
 
 /// Draws one piece of advice; `name` is that of its button.
 fn piece_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
-    ui.add(Label::new(RichText::new(sentence_of(&advice.sentence)).color(style::warning(ui))).wrap());
+    warning_ui(ui, sentence_of(&advice.sentence));
     if !advice.changes.is_empty() {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
@@ -122,18 +120,16 @@ fn piece_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
     ui.add_space(6.0);
 }
 
-/// Labels and values of the changes that a piece of advice makes.
 fn changes_of(advice: &SlopeAdvice) -> String {
     let changes: Vec<String> = advice.changes.iter().map(|change| change.label()).collect();
     changes.join(", ")
 }
 
-/// Draws the button that applies a piece of advice; `name` is for screen readers.
 fn apply_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
     let changes = changes_of(advice);
     let tip = format!("Set {changes}; Ctrl+Z undoes it");
     let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
-    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    named(&button, egui::Role::Button, name);
     if button.clicked() {
         match model.apply_changes(Side::A, &advice.changes) {
             Ok(()) => model.messages.note(format!("Set {changes}")),

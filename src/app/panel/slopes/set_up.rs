@@ -1,12 +1,12 @@
-//! Slopes from the set-up: speed, turning, frame rate, lens and depths give the slopes to search, and slopes read as
-//! depths.
+//! Slopes from the set-up (speed, turning, frame rate, lens and depths), and slopes read as depths.
 
+use crate::app::panel::widgets::error_ui;
 use crate::app::project::Model;
 use crate::app::project::side::Side;
 use crate::app::view::{depth_text, signed_slope};
 use crate::detector::{Slope, SlopeChoice};
 use crate::inspect::set_up::{SetUp, bounds};
-use egui::{Button, CollapsingHeader, DragValue, Grid, Label, RichText, Role, Ui, WidgetInfo};
+use egui::{Button, CollapsingHeader, DragValue, Grid, Label, Role, Ui, WidgetInfo};
 
 /// Slopes of the nearest and the farthest things, while the set-up is in use: unfolded, or read for depths.
 pub(super) fn expected(model: &Model) -> Option<[Slope; 2]> {
@@ -15,7 +15,6 @@ pub(super) fn expected(model: &Model) -> Option<[Slope; 2]> {
     in_use.then(|| state.values.depth_m.map(|metres| state.values.slope_at(metres)))
 }
 
-/// Draws the fields, the slopes that follow with the button that applies them, and the switch of depths.
 pub(super) fn set_up_ui(ui: &mut Ui, model: &mut Model) {
     let header = CollapsingHeader::new("Slopes from the set-up").id_salt("slopes from the set-up");
     let unfolded = header.open(Some(model.set_up.is_open)).show(ui, |ui| {
@@ -62,7 +61,6 @@ fn depth_field(metres: &mut f64) -> DragValue<'_> {
     DragValue::new(metres).range(bounds::DEPTH.span()).speed(0.02).suffix(" m")
 }
 
-/// Draws the slopes that follow from the set-up, the button that searches them, and the switch of depths.
 fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     let set_up = model.set_up.values;
     let frames = model.slots.a.burst.as_ref().map_or(10, |open| open.burst.len());
@@ -85,7 +83,7 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     });
     match slopes {
         Ok(slopes) => ui.add(Label::new(slopes.sentence(&set_up)).wrap()),
-        Err(problem) => ui.add(Label::new(RichText::new(problem).color(ui.visuals().error_fg_color)).wrap()),
+        Err(problem) => error_ui(ui, problem),
     };
     let here = model.cursor().slope;
     let depth = set_up.depth_at(here);

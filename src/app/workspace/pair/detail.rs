@@ -1,11 +1,10 @@
-//! Selected match with its patches, descriptors and numbers; and the reason why a feature of A has this match or none:
-//! its candidates in B with their patches, and the place where the geometry expects it.
+//! Selected match, and the reason why a feature of A has this match or none: its candidates in B, its expected place.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::LineKind;
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
-use crate::app::panel::widgets::{number_row_ui, section_ui};
+use crate::app::panel::widgets::{number_row_ui, section_ui, warning_ui, weak_ui};
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchRow, MatchSides, Matches, PATCHES, Side, lost_label};
 use crate::app::view::{fixed, signed, signed_slope};
@@ -15,7 +14,7 @@ use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
 use crate::inspect::words::sentence;
 use crate::matching::TwoViewModel;
 use crate::requests::{FoundLosses, PictureKind};
-use egui::{Color32, Grid, Label, RichText, Sense, Ui, Vec2};
+use egui::{Color32, Grid, Label, RichText, Ui};
 
 pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 2], queue: &mut Queue) {
     section_ui(ui, "Selected match", |ui| {
@@ -65,17 +64,9 @@ fn patches_ui(ui: &mut Ui, model: &Model, row: &MatchRow<'_>, textures: &mut [Pa
             });
             ui.vertical(|ui| {
                 ui.set_width(width);
-                match picture {
-                    Some(picture) => {
-                        let name = format!("Patch in {}", side.name());
-                        let display = model.ranges_of_side(side).intensity;
-                        let view = PatchView { name: &name, plane: &picture.plane, feature, turned: true, display };
-                        view.ui(ui, texture, width);
-                    }
-                    None => {
-                        ui.allocate_exact_size(Vec2::splat(width), Sense::hover());
-                    }
-                }
+                let (name, display) = (&format!("Patch in {}", side.name()), model.ranges_of_side(side).intensity);
+                let view = PatchView { name, feature, turned: true, display };
+                view.ui(ui, picture.map(|picture| &picture.plane), texture, width);
                 let slope = format!("{}: slope {}", side.name(), signed_slope(feature.slope, 2));
                 ui.label(RichText::new(slope).small().weak())
                     .on_hover_text("From the motion stack at the feature's own slope, in pixels per frame");
@@ -111,10 +102,9 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
             );
             let (name, help) = error_words(matches.model());
             line(name, help, row.error_px.map_or_else(|| "–".to_owned(), |e| format!("{} px", number(e, 3))));
-            let rank = |i: usize| format!("{} of {}", i + 1, matches.detection(Side::A).features.len());
-            line("Feature in A", "Rank by strength", rank(row.found.a));
-            let rank = |i: usize| format!("{} of {}", i + 1, matches.detection(Side::B).features.len());
-            line("Feature in B", "Rank by strength", rank(row.found.b));
+            let rank = |i: usize, side| format!("{} of {}", i + 1, matches.detection(side).features.len());
+            line("Feature in A", "Rank by strength", rank(row.found.a, Side::A));
+            line("Feature in B", "Rank by strength", rank(row.found.b, Side::B));
             let place = |f: &Feature| format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2));
             line("Place in A", "(u, v) at mid-burst", place(row.a));
             line("Place in B", "(u, v) at mid-burst", place(row.b));
@@ -155,10 +145,7 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
             return;
         };
         let Some(why) = &model.pair.lost.why else {
-            ui.add(
-                Label::new(RichText::new("Click a feature of A, a match, or a row of the unmatched features.").weak())
-                    .wrap(),
-            );
+            weak_ui(ui, "Click a feature of A, a match, or a row of the unmatched features.");
             return;
         };
         let sides = MatchSides::of(found);
@@ -168,12 +155,12 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
         ui.label(RichText::new(title).strong());
         ui.add(Label::new(sentence(&unmatched.sentence)).wrap());
         for line in notes(own, unmatched, &sides) {
-            ui.add(Label::new(RichText::new(line).color(crate::app::style::warning(ui))).wrap());
+            warning_ui(ui, line);
         }
         ui.add_space(4.0);
         candidate_patches_ui(ui, model, own, unmatched, &sides, textures);
         candidates_ui(ui, unmatched, found);
-        ui.add(Label::new(RichText::new(expected_words(unmatched, found)).weak()).wrap());
+        weak_ui(ui, expected_words(unmatched, found));
         if !unmatched.expected.is_empty() {
             button_ui(ui, model, queue, ActionId::ProbeExpected, None);
         }
@@ -191,7 +178,6 @@ fn state_words(lost: Lost) -> String {
     }
 }
 
-/// Notes on the candidates: a second best on the same blob, slopes that disagree.
 fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchSides<'_>) -> Vec<String> {
     let mut notes = Vec::new();
     let best = unmatched.candidates.first();
@@ -232,17 +218,9 @@ fn candidate_patches_ui(
             ui.vertical(|ui| {
                 ui.set_width(width);
                 let name =
-                    if place == 0 { "Patch of the feature".to_owned() } else { format!("Patch of candidate {place}") };
-                match picture {
-                    Some(picture) => {
-                        let display = model.ranges_of_side(side).intensity;
-                        let view = PatchView { name: &name, plane: &picture.plane, feature, turned: true, display };
-                        view.ui(ui, texture, width);
-                    }
-                    None => {
-                        ui.allocate_exact_size(Vec2::splat(width), Sense::hover());
-                    }
-                }
+                    &if place == 0 { "Patch of the feature".to_owned() } else { format!("Patch of candidate {place}") };
+                let view = PatchView { name, feature, turned: true, display: model.ranges_of_side(side).intensity };
+                view.ui(ui, picture.map(|picture| &picture.plane), texture, width);
                 let label = if place == 0 {
                     RichText::new("A").small().weak()
                 } else {
@@ -287,8 +265,7 @@ fn candidates_ui(ui: &mut Ui, unmatched: &Unmatched, found: &FoundLosses) {
 
 fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
     let twin = if candidate.is_same_blob { "=" } else { "" };
-    let error =
-        candidate.error_px.map_or_else(|| "–".to_owned(), |e| format!("{} px", crate::app::canvas::number(e, 3)));
+    let error = candidate.error_px.map_or_else(|| "–".to_owned(), |e| format!("{} px", number(e, 3)));
     [
         (format!("#{}{twin}", candidate.feature + 1), false),
         (format!("{:.0}", candidate.distance), false),
@@ -298,7 +275,6 @@ fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
     ]
 }
 
-/// Describes where the geometry expects the feature, and whether a keypoint is there.
 fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
     let has_model = found.request.result.verification.as_ref().is_some_and(|v| v.model.is_some());
     if !has_model {
@@ -313,11 +289,8 @@ fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
         None => format!("{place}; no keypoint of its size is there."),
         Some((feature, rank)) => {
             let count = crate::inspect::words::counted(unmatched.there.len(), "keypoint");
-            format!(
-                "{place}; {count} of its size there, the nearest #{} (rank {} by descriptor).",
-                feature + 1,
-                rank + 1
-            )
+            let (number, rank) = (feature + 1, rank + 1);
+            format!("{place}; {count} of its size there, the nearest #{number} (rank {rank} by descriptor).")
         }
     }
 }

@@ -1,18 +1,17 @@
-//! Lines of the matches between panes of A and panes of B: which panes face each other, and drawing, hovering and
-//! selection; the marks of an unmatched feature, its candidates and its expected place.
+//! Lines of the matches between panes of A and of B, and the marks of an unmatched feature and its candidates.
 
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{self, ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
 use crate::app::inspector::{Drawn, JoinedPanes, is_with_shift, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};
+use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::{MatchRow, MatchSides, Matches, PATCHES, Side};
 use crate::app::view::signed_slope;
 use crate::detector::Feature;
-use crate::inspect::unmatched::Unmatched;
-use egui::{Color32, Painter, Pos2, Rect, RichText, Shape, Stroke, Ui, pos2, vec2};
+use egui::{Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 use std::sync::Arc;
 
 /// Colours of candidates in B, from the nearest descriptor on.
@@ -81,7 +80,7 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option
     }
     unmatched_marks_ui(model, &views);
     if let Some(row) = pointed.filter(|_| !dragged).and_then(|index| matches.row(index)) {
-        tip_ui(ui, &row);
+        match_tip_ui(ui, &row);
     }
     pointer.map(|_| pointed)
 }
@@ -91,13 +90,12 @@ pub(in crate::app::workspace) fn painter_over(ui: &Ui, views: &MatchViews<'_>, c
     ui.painter_at(rects.fold(egui::Rect::NOTHING, egui::Rect::union))
 }
 
-/// Feature of A at `pos`, in points.
 fn feature_of_a(matches: &Matches, view: &MatchView<'_>, pos: Pos2) -> Option<usize> {
     let placed: Vec<Feature> = matches.detection(Side::A).features.iter().map(|f| at_time(f, view.shift)).collect();
     overlay::feature_at(&placed, None, view.output.ui_from_image, pos)
 }
 
-/// Line of a match between two pictures, `shifts` frames after mid-burst.
+/// `shifts` are frames after mid-burst.
 pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2]) -> MatchLine {
     let place = |f: &Feature, dt: f32| {
         let f = at_time(f, dt);
@@ -130,7 +128,6 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
     overlay::draw_features(output, &[feature], &style);
 }
 
-/// Draws the locus of each picture's point in the other picture.
 fn locus_ui(model: &Model, matches: &Matches, row: &MatchRow<'_>, views: &MatchViews<'_>) {
     let Some(geometry) = matches.model() else { return };
     let place = |f: &Feature| [f64::from(f.u), f64::from(f.v)];
@@ -142,27 +139,11 @@ fn locus_ui(model: &Model, matches: &Matches, row: &MatchRow<'_>, views: &MatchV
         };
         let points: Vec<Pos2> =
             locus.iter().map(|p| output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32))).collect();
-        let painter = output.painter.with_clip_rect(output.response.rect);
-        for (width, colour) in [(3.0, Color32::from_black_alpha(130)), (1.2, Color32::from_white_alpha(210))] {
-            let stroke = Stroke::new(width, colour);
-            match points.as_slice() {
-                [] => {}
-                // A homography gives a single point.
-                [one] => {
-                    for diagonal in [egui::vec2(6.0, 6.0), egui::vec2(6.0, -6.0)] {
-                        painter.line_segment([*one - diagonal, *one + diagonal], stroke);
-                    }
-                }
-                _ => {
-                    painter.add(Shape::line(points.clone(), stroke));
-                }
-            }
-        }
+        expected_ui(output, &points);
     }
 }
 
-/// Shows the numbers of the match under the pointer.
-fn tip_ui(ui: &Ui, row: &MatchRow<'_>) {
+fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>) {
     let verdict = match row.inlier {
         Some(true) => "  inlier",
         Some(false) => "  outlier",
@@ -177,10 +158,9 @@ fn tip_ui(ui: &Ui, row: &MatchRow<'_>) {
         signed_slope(row.a.slope, 2),
         signed_slope(row.b.slope, 2)
     );
-    let (id, anchor) = (egui::Id::unique("match tip"), egui::PopupAnchor::Pointer);
-    egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
-        .gap(14.0)
-        .show(|ui| ui.label(RichText::new(text).monospace()));
+    tip_ui(ui, "match tip", |ui| {
+        ui.label(RichText::new(text).monospace());
+    });
 }
 
 pub struct MatchView<'a> {
@@ -264,7 +244,6 @@ pub struct Canvases {
     pub places: [Option<usize>; 2],
 }
 
-/// Marks the feature asked about in A, and its candidates and expected place in B.
 fn unmatched_marks_ui(model: &Model, views: &MatchViews<'_>) {
     let Some((why, found)) = model.pair.lost.why.as_ref().zip(model.losses()) else { return };
     // A selected match draws its own circles.
@@ -288,16 +267,12 @@ fn unmatched_marks_ui(model: &Model, views: &MatchViews<'_>) {
         candidates.filter_map(|(c, colour)| Some(mark(sides.b.features.get(c.feature)?, colour, true))).collect();
     for view in views.on(Side::B) {
         draw_compared(view.output, &marks, None);
-        expected_ui(view.output, expected_points(&why.unmatched, view.output).as_slice());
+        let place = |p: &[f64; 2]| view.output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32));
+        expected_ui(view.output, &why.unmatched.expected.iter().map(place).collect::<Vec<_>>());
     }
 }
 
-/// Place where the geometry expects the feature, in points.
-fn expected_points(unmatched: &Unmatched, output: &CanvasOutput) -> Vec<egui::Pos2> {
-    unmatched.expected.iter().map(|p| output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32))).collect()
-}
-
-/// Marks where the geometry expects the feature: a cross, or a line.
+/// Marks where the geometry expects a feature: a line or, by a homography, a point, drawn as a cross.
 fn expected_ui(output: &CanvasOutput, points: &[egui::Pos2]) {
     let painter = output.painter.with_clip_rect(output.response.rect);
     for (width, colour) in [(3.0, Color32::from_black_alpha(130)), (1.2, Color32::from_white_alpha(210))] {
@@ -310,7 +285,7 @@ fn expected_ui(output: &CanvasOutput, points: &[egui::Pos2]) {
                 }
             }
             _ => {
-                painter.add(egui::Shape::line(points.to_vec(), stroke));
+                painter.line(points.to_vec(), stroke);
             }
         }
     }

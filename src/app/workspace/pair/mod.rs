@@ -1,5 +1,4 @@
-//! Two bursts, and the matches between them: cursor and matching parameters on the left, panes of both bursts in the
-//! centre with the table of matches below them, the selected match with both its patches on the right.
+//! Two bursts side by side, and the matches between them.
 
 mod detail;
 pub(super) mod lines;
@@ -7,21 +6,20 @@ pub mod parameters;
 mod table;
 
 use crate::app::actions::menu::item_ui;
-use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::actions::{ActionId, Queue, button_ui, checked, tooltip};
 use crate::app::canvas::overlay::LineKind;
 use crate::app::inspector::{Change, Drawn, inspector_ui};
 use crate::app::pane::PaneId;
 use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
-use crate::app::panel::widgets::{label_ui, section_ui};
+use crate::app::panel::widgets::{hint, label_ui, section_ui};
 use crate::app::parts::mark;
 use crate::app::project::Model;
 use crate::app::project::pair::{PATCHES, PairTab, Side};
-use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, side_frame, side_width};
+use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
 use crate::teach::Part;
-use egui::{CentralPanel, Color32, Frame, Panel, ScrollArea, Sense, Stroke, Ui, vec2};
+use egui::{CentralPanel, Color32, Frame, Sense, Stroke, Ui, vec2};
 
-/// State of the workspace's widgets, kept between passes.
 #[derive(Default)]
 pub struct PairPanels {
     patch_textures: [PatchTexture; 2],
@@ -31,35 +29,28 @@ pub struct PairPanels {
 
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
     let WorkspaceParts { model, widgets, pair, probe, queue, .. } = parts;
-    let width = side_width(model);
     folded_ui(ui, model);
     if model.shows_left() {
-        Panel::left("pair left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                sides_ui(ui, model, queue);
-                panel::cursor::cursor_ui(ui, model, queue);
-                parameters::parameters_ui(ui, model, &mut pair.camera_text, queue);
-                panel::parameters::parameters_ui(ui, model, queue);
-            });
+        left_panel(ui, "pair left", side_width(model), |ui| {
+            sides_ui(ui, model, queue);
+            panel::cursor::cursor_ui(ui, model, queue);
+            parameters::parameters_ui(ui, model, &mut pair.camera_text, queue);
+            panel::parameters::parameters_ui(ui, model, queue);
         });
     }
     if model.shows_right() {
-        Panel::right("pair right")
-            .frame(side_frame(ui))
-            .default_size(side_width(model))
-            .size_range(250.0..=460.0)
-            .show(ui, |ui| {
-                let other = ("Match and display", "The selected match, and how matches and pictures are drawn");
-                if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
-                    return;
-                }
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    switches_ui(ui, model);
-                    detail::detail_ui(ui, model, &mut pair.patch_textures, queue);
-                    detail::why_ui(ui, model, &mut pair.candidate_textures, queue);
-                    panel::display::ranges_ui(ui, model, widgets);
-                });
+        right_panel(ui, "pair right", side_width(model), 250.0..=460.0, |ui| {
+            let other = ("Match and display", "The selected match, and how matches and pictures are drawn");
+            if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
+                return;
+            }
+            scroll_ui(ui, |ui| {
+                switches_ui(ui, model);
+                detail::detail_ui(ui, model, &mut pair.patch_textures, queue);
+                detail::why_ui(ui, model, &mut pair.candidate_textures, queue);
+                panel::display::ranges_ui(ui, model, widgets);
             });
+        });
     }
     let (mut in_table, mut over_list) = (None, false);
     if model.shows_bottom() {
@@ -76,7 +67,6 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         });
         over_list = is_over && model.pair.tab == PairTab::Compared;
     }
-    // Background between the pictures.
     let between = ui.visuals().panel_fill;
     CentralPanel::default()
         .frame(Frame::new().fill(between))
@@ -121,35 +111,24 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
                 button_ui(ui, model, queue, ActionId::SwapSides, Some("Swap"));
             });
         });
-        open_menu_ui(ui, model, queue);
-        let links = [
-            (ActionId::LinkCursors, "Slope and scale together"),
-            (ActionId::LinkViews, "Zoom and pan together"),
-            (ActionId::LinkRanges, "One value range"),
-        ];
-        for (id, label) in links {
-            let mut on = crate::app::actions::checked(id, model).unwrap_or(false);
-            let tip = crate::app::actions::tooltip(ui.ctx(), id.action());
-            if ui.checkbox(&mut on, label).on_hover_text(tip).clicked() {
+        ui.menu_button("Open B…", |ui| {
+            ui.set_min_width(180.0);
+            for id in [ActionId::OpenFolderB, ActionId::OpenFilesB, ActionId::OpenPathB, ActionId::OpenDemoB] {
+                item_ui(ui, model, queue, id);
+            }
+            ui.separator();
+            item_ui(ui, model, queue, ActionId::CloseB);
+        });
+        for id in [ActionId::LinkCursors, ActionId::LinkViews, ActionId::LinkRanges] {
+            let mut on = checked(id, model).unwrap_or(false);
+            if ui.checkbox(&mut on, id.action().label).on_hover_text(tooltip(ui.ctx(), id.action())).clicked() {
                 queue.push(id);
             }
         }
         if let Some(error) = model.slots.b.param_error.as_ref().filter(|_| model.slots.a.param_error.is_none()) {
-            let text = format!("The parameters do not fit B: {error}");
-            let text = egui::RichText::new(text).small().color(ui.visuals().error_fg_color);
-            ui.add(egui::Label::new(text).wrap());
+            let text = egui::RichText::new(format!("The parameters do not fit B: {error}")).small();
+            ui.add(egui::Label::new(text.color(ui.visuals().error_fg_color)).wrap());
         }
-    });
-}
-
-fn open_menu_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    ui.menu_button("Open B…", |ui| {
-        ui.set_min_width(180.0);
-        for id in [ActionId::OpenFolderB, ActionId::OpenFilesB, ActionId::OpenPathB, ActionId::OpenDemoB] {
-            item_ui(ui, model, queue, id);
-        }
-        ui.separator();
-        item_ui(ui, model, queue, ActionId::CloseB);
     });
 }
 
@@ -161,23 +140,17 @@ pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
         let outliers = counts.and_then(|c| c.inliers.map(|inliers| c.putative - inliers));
         let look = &mut model.pair.look;
         let (kind, label) = if verified { (LineKind::Inlier, "Inliers") } else { (LineKind::Unverified, "Putative") };
-        kind_ui(
-            ui,
-            &mut look.inliers,
-            kind,
-            label,
-            inliers,
-            "Matches that agree with the geometry of the two views  (I)",
-        );
+        let tip = "Matches that agree with the geometry of the two views  (I)";
+        kind_ui(ui, &mut look.inliers, kind, label, inliers, tip);
         if verified {
             let tip = "Matches that do not agree with the geometry of the two views  (U)";
             kind_ui(ui, &mut look.outliers, LineKind::Outlier, "Outliers", outliers, tip);
         }
         ui.horizontal(|ui| {
-            let label = crate::app::panel::widgets::label_ui(ui, "Opacity", 52.0);
+            let label = label_ui(ui, "Opacity", 52.0);
             ui.spacing_mut().slider_width = (ui.available_width() - 16.0).max(40.0);
             let slider = egui::Slider::new(&mut look.opacity, 0.05..=1.0).show_value(false);
-            crate::app::panel::widgets::hint(ui.add(slider).labelled_by(label.id), "How strongly the lines are drawn");
+            hint(ui.add(slider).labelled_by(label.id), "How strongly the lines are drawn");
         });
         let boxes = [
             (&mut look.alone, "Selected alone", "Draw the selected match alone, without the others  (X)"),
@@ -190,7 +163,6 @@ pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Draws a switch for one kind of match, with a piece of its line and the number of matches.
 fn kind_ui(ui: &mut Ui, on: &mut bool, kind: LineKind, label: &str, count: Option<usize>, tip: &str) {
     ui.horizontal(|ui| {
         ui.checkbox(on, label).on_hover_text(tip);

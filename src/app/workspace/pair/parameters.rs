@@ -54,7 +54,6 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, qu
     });
 }
 
-/// Draws the section for a whole dataset, whose pairs are matched with the same parameters.
 pub fn dataset_parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
@@ -90,8 +89,7 @@ fn camera_ui(
     let guess_ui = |ui: &mut Ui, camera: &mut Option<Camera>, _| {
         let tip = "Focal length 1.2 times the larger side, principal point at the image centre: COLMAP's guess where nothing is known";
         if ui.add_enabled(size.is_some(), egui::Button::new("Guess")).on_hover_text(tip).clicked() {
-            let guess = size.and_then(|s| CameraChoice::Guessed(CameraModel::SimplePinhole).for_images(s).ok());
-            *camera = guess;
+            *camera = size.and_then(|s| CameraChoice::Guessed(CameraModel::SimplePinhole).for_images(s).ok());
         }
     };
     table.row_with(ui, &doc::CAMERA, &mut p.camera, guess_ui, |ui, camera| {

@@ -1,5 +1,4 @@
-//! Tables of two bursts: the matches, the features of A that are not inliers with the step at which each was lost, and
-//! the numbers of the pair in the columns of the paper.
+//! Tables of two bursts: the matches, and where the other features of A were lost; and the numbers of the pair.
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::inspector::match_menu_ui;
@@ -41,14 +40,8 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<usi
             chosen = Some(index);
         }
     };
-    let pointed = sorted_table_ui(
-        ui,
-        (&MatchColumn::ALL[..], pair.order),
-        &listed,
-        text,
-        |index| format!("Match {}", index + 1),
-        menu,
-    );
+    let order = (&MatchColumn::ALL[..], pair.order);
+    let pointed = sorted_table_ui(ui, order, &listed, text, |index| format!("Match {}", index + 1), menu);
     (pair.order, pair.selected) = (pointed.order, chosen.or(pointed.selected));
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
@@ -56,7 +49,6 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<usi
     pointed.hovered
 }
 
-/// Draws the switch between matches and unmatched features, and the summary of the pair.
 pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
         let is_compared = model.slots.both().into_iter().any(|slot| slot.against.with.is_some());
@@ -85,9 +77,7 @@ pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
             make_room(ui, mark + text_width(ui, &text));
             if ui.checkbox(&mut on, text).on_hover_text(help(lost)).changed() {
                 model.pair.lost.hidden.retain(|hidden| *hidden != lost);
-                if !on {
-                    model.pair.lost.hidden.push(lost);
-                }
+                model.pair.lost.hidden.extend((!on).then_some(lost));
                 model.pair.tab = PairTab::Unmatched;
             }
         }
@@ -108,7 +98,6 @@ fn help(lost: Lost) -> &'static str {
 const LOST_COLUMNS: [(&str, f32); 7] =
     [("#", 50.0), ("Lost to", 120.0), ("u", 60.0), ("v", 60.0), ("σ", 50.0), ("Slope", 100.0), ("SNR", 0.0)];
 
-/// Draws the table; a click asks why the feature has no match.
 pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
     let Some(found) = model.losses().cloned() else {
         ui.weak("There are no matches yet.");
@@ -133,9 +122,8 @@ pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
         }
     };
     let heading = |(text, width)| Heading { text, width, is_exact: text != "SNR", is_left: true, ..Heading::default() };
-    let headings = LOST_COLUMNS.map(heading);
     let name = |index| format!("Unmatched feature {}", index + 1);
-    rows_ui(ui, &headings, None, &listed, text, name, |row, index| {
+    rows_ui(ui, &LOST_COLUMNS.map(heading), None, &listed, text, name, |row, index| {
         if row.clicked() {
             clicked = Some(index);
         }
@@ -147,7 +135,6 @@ pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
 
 const NAME_GAP: f32 = 4.0;
 
-/// Draws the line, or several where there is little space.
 pub fn numbers_ui(ui: &mut Ui, model: &Model) {
     ui.horizontal_wrapped(|ui| {
         let Some(matches) = &model.pair.matches else {
@@ -171,9 +158,8 @@ pub fn numbers_ui(ui: &mut Ui, model: &Model) {
         }
         let (drawn, lines) = model.pair.lines_drawn;
         if drawn < lines {
-            ui.weak(format!("{drawn} of {lines} lines drawn")).on_hover_text(
-                "A few lines for each part of A's picture, inliers first. Zoom in for more; a row or an end shows its line",
-            );
+            let tip = "A few lines for each part of A's picture, inliers first. Zoom in for more; a row or an end shows its line";
+            ui.weak(format!("{drawn} of {lines} lines drawn")).on_hover_text(tip);
         }
         if let Some(problem) = model.stale_matches().map(str::to_owned).or_else(|| without_geometry(matches)) {
             ui.add(Label::new(RichText::new(problem).color(crate::app::style::warning(ui))).truncate());
@@ -181,7 +167,6 @@ pub fn numbers_ui(ui: &mut Ui, model: &Model) {
     });
 }
 
-/// Name, meaning and value of each number.
 fn rows(counts: &MatchCounts) -> Vec<(&'static str, &'static str, String)> {
     let share = |x: f64| format!("{x:.3}");
     let none = || "–".to_owned();
