@@ -1,8 +1,7 @@
 //! Sizes tuned to the processor, of tiles, strips and blocks, and rows taken in vectors of its width.
 //!
-//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The bench
-//! `stages` measures those of vectors, rows and levels, `cpu_time` (one thread's CPU time of a whole detection, so that
-//! a busy machine matters little) those of tiles, windows, slopes and strips. Run it before and after changing one.
+//! None of the sizes changes a bit of any result. The bench `stages` measures those of vectors, rows and levels,
+//! `cpu_time` those of tiles, windows, slopes and strips: run it before and after changing one.
 
 use pulp::Simd;
 

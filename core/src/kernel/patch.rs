@@ -1,16 +1,10 @@
 //! Patches: the pixels around one feature at one slope, their motion stack and their blur.
 //!
-//! The search stores only keypoints; localisation and description compute again the small part that they need of a
-//! feature's own motion-stack image, from the frames or from the octave's stored first level. A patch always holds the
-//! whole rectangle asked for: beyond the octave's border the nearest pixel is repeated, as everywhere, so that code
-//! that reads a patch needs no cases for borders.
-//!
-//! Motion stack: where every frame covers the whole patch, the frame pixels that belong together and their weights are
-//! the same for all of its pixels; they are computed once. At the image's sides rows are made one by one as those of
-//! whole images. A pixel has the same bits either way, unless a frame is read between its rows.
-//!
-//! Blur: one blur to a level equals the levels' chain of blurs up to the kernels' cut. A few rows are combined from the
-//! rows around them, then convolved, so that the intermediate values stay in the nearest cache.
+//! Localisation and description compute again the small part that they need of a feature's own motion-stack image. A
+//! patch always holds the whole rectangle asked for: beyond the octave's border the nearest pixel is repeated. Where every
+//! frame covers the whole patch, the pixels that belong together and their weights are computed once for all of it; at the
+//! sides rows are made one by one. A pixel has the same bits either way, unless a frame is read between its rows. One blur
+//! to a level equals the levels' chain of blurs up to the kernels' cut.
 
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};

@@ -1,19 +1,11 @@
 //! Rows of motion-stack images, for several slopes at once.
 //!
-//! A frame is read at its [`FrameOffset`]. The slopes of a group read the same rows of the same frames, a few columns
-//! apart; made together, each row comes from memory once. Slopes that also agree in their vertical part share the
-//! mixing of two rows into one.
-//!
-//! Inside, where every frame of a row covers the column and the next one, rows are weighted sums of the frames' rows
-//! (`WeightedRows`); the pixels that belong together and their weights are the same for all rows that the same frames
-//! cover, so they are computed once. Each frame pixel adds to two pixels of the sum, the one at its place and the one
-//! before, in proportion to the frame's fraction of a column. So two sums are made of the frames, both from the same
-//! loads and in registers, and finally added, the second one shifted by a pixel. Where no frame has a fraction, or all
-//! have the same one, there is one sum. The search and the patches around its features both use this, so a pixel has
-//! the same bits in either.
-//!
-//! At the sides, where fewer and fewer frames cover the columns, frames are added one after the other and divided by
-//! their number.
+//! The slopes of a group read the same rows of the same frames, a few columns apart, so each row comes from memory once;
+//! slopes that agree in their vertical part share the mixing of two rows into one. Where every frame of a row covers the
+//! column and the next one, rows are weighted sums of the frames' rows (`WeightedRows`). Each frame pixel adds to two
+//! pixels of the sum, the one at its place and the one before: so two sums are made from the same loads and finally
+//! added, the second one shifted by a pixel; one is enough where all fractions are alike. At the sides frames are added
+//! one after the other and divided by their number. The patches around features use the same, to the bit.
 
 use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
 use crate::plane::Plane;

@@ -3,9 +3,8 @@
 //! [`Display::colour`] is the reference. The shader computes the same, and a test compares the two; exported pictures
 //! and thumbnails use this one.
 //!
-//! All colour maps are defined here. The window, the exported pictures and the legends read the same tables. Perceptual
-//! maps run from dark to light in even steps, so that equal differences in value look equally large. Diverging maps
-//! have an exactly neutral grey at the centre and are meant for values with a sign, such as the DoG response.
+//! The window, the exported pictures and the legends read the same tables. Perceptual maps run from dark to light in even
+//! steps; diverging ones have an exactly neutral grey at the centre, for values with a sign.
 
 use super::Plane;
 use rayon::prelude::*;
@@ -367,17 +366,6 @@ mod tests {
 
     fn luma(c: Rgb) -> f32 {
         0.2126 * f32::from(c[0]) + 0.7152 * f32::from(c[1]) + 0.0722 * f32::from(c[2])
-    }
-
-    #[test]
-    fn perceptual_maps_grow_lighter_all_the_way() {
-        for map in [ColourMap::Grey, ColourMap::Viridis, ColourMap::Magma, ColourMap::Cividis] {
-            let lut = map.lut();
-            for pair in lut.windows(2) {
-                assert!(luma(pair[1]) > luma(pair[0]) - 0.6, "{map:?}: {pair:?}");
-            }
-            assert!(luma(lut[255]) - luma(lut[0]) > 150.0, "{map:?}");
-        }
     }
 
     #[test]

@@ -182,14 +182,11 @@ mod tests {
             assert_eq!(bilinear(&plane, u, v), None);
         }
         assert_eq!(bilinear(&Plane::zeros(0, 3), 0.0, 0.0), None);
-    }
-
-    #[test]
-    fn a_nan_beside_an_exact_position_does_not_spread() {
-        let mut plane = ramp();
-        plane.row_mut(2)[4] = f32::NAN;
-        assert_eq!(bilinear(&plane, 3.0, 2.0), Some(plane.at(3, 2)));
-        assert!(bilinear(&plane, 3.5, 2.0).unwrap().is_nan());
+        // A NaN beside an exact position does not spread.
+        let mut holed = ramp();
+        holed.row_mut(2)[4] = f32::NAN;
+        assert_eq!(bilinear(&holed, 3.0, 2.0), Some(plane.at(3, 2)));
+        assert!(bilinear(&holed, 3.5, 2.0).unwrap().is_nan());
     }
 
     #[test]
@@ -245,16 +242,5 @@ mod tests {
         let narrow = region_statistics(&plane, &Region { columns: 3..5, rows: 3..9 }).unwrap();
         assert_eq!((narrow.count, narrow.noise), (12, None));
         assert_eq!(region_statistics(&plane, &Region { columns: 500..600, rows: 0..3 }), None);
-    }
-
-    proptest! {
-        #[test]
-        fn statistics_are_those_of_the_values(values in prop::collection::vec(-1f32..1.0, 1..80)) {
-            let plane = Plane::from_vec(values.len(), 1, values.clone());
-            let found = region_statistics(&plane, &Region::whole(&plane)).unwrap();
-            let mean = values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64;
-            prop_assert!((found.mean - mean).abs() < 1e-9);
-            prop_assert!(found.deviation <= f64::from(found.max - found.min) + 1e-9);
-        }
     }
 }

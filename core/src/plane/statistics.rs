@@ -119,9 +119,7 @@ fn count_keys(
         if a.is_empty() {
             return Ok(b);
         }
-        for (x, y) in a.iter_mut().zip(b) {
-            *x += y;
-        }
+        a.iter_mut().zip(b).for_each(|(x, y)| *x += y);
         Ok(a)
     };
     let counts = rows(plane, region)
@@ -204,9 +202,7 @@ pub fn histogram(plane: &Plane, region: &Region, min: f32, max: f32, bins: usize
             histogram
         })
         .reduce(empty, |mut a, b| {
-            for (x, y) in a.counts.iter_mut().zip(b.counts) {
-                *x += y;
-            }
+            a.counts.iter_mut().zip(b.counts).for_each(|(x, y)| *x += y);
             (a.below, a.above, a.nan) = (a.below + b.below, a.above + b.above, a.nan + b.nan);
             a
         })

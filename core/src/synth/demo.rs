@@ -1,7 +1,7 @@
 //! The demo: a street at night, built into the program and drawn on request.
 //!
-//! Four planes move past the camera, each with its own slope, and the light is so poor that one frame shows little. The
-//! plain average of the frames smears everything that moves; averaging at a plane's own slope makes that plane visible:
+//! Four planes move past the camera, in so poor light that one frame shows little. The plain average of the frames smears
+//! what moves; averaging at a plane's own slope makes that plane visible:
 //!
 //! | layer | slope (px/frame) | content |
 //! | --- | --- | --- |
@@ -27,8 +27,7 @@ const SEED: u64 = 20_220_919;
 pub const LATER_FRAMES: f64 = 12.0;
 /// Frames from mid-burst to the first and last one.
 const HALF_SPAN: f64 = 0.5 * (DEMO_FRAMES as f64 - 1.0);
-/// Share of the light of the painted layers that reaches the camera: chosen so that one frame shows little and the
-/// burst is needed.
+/// Share of the light of the painted layers that reaches the camera: so little that the burst is needed.
 const LIGHT: f32 = 0.38;
 /// Value of the night sky, as painted.
 const SKY: f32 = 0.006;
@@ -43,9 +42,8 @@ pub fn demo_burst() -> Burst {
     demo_burst_at("demo", 0.0, SEED)
 }
 
-/// The demo's street [`LATER_FRAMES`] frames later, with other noise, to match with the first burst. Its layers have
-/// moved on by as many slopes: three of them horizontally, as for a camera that moves sideways past a still street,
-/// while the lanterns rise and fit no such camera.
+/// The demo's street [`LATER_FRAMES`] frames later, with other noise, to match with the first burst. Three layers have
+/// moved on horizontally, as for a camera that moves sideways; the lanterns rise and fit no such camera.
 pub fn later_demo_burst() -> Burst {
     demo_burst_at("demo-later", LATER_FRAMES, SEED + 1)
 }

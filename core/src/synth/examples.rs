@@ -1,5 +1,4 @@
-//! Small built-in bursts as examples: two failures, in which the paper's method finds false features or misses discs;
-//! and scenes that show one effect each.
+//! Small built-in bursts as examples: two failures of the paper's method, and scenes that show one effect each.
 //!
 //! | example | content | where to probe |
 //! | --- | --- | --- |
@@ -235,7 +234,7 @@ const GARLAND_RADIUS: f64 = 2.4;
 const GARLAND_PLACE: [f32; 2] = [172.0, 101.3];
 /// Slope of the discs of the low-contrast example, px/frame.
 const DISCS_SLOPE: f32 = 1.0;
-/// Discs of the low-contrast example: position of the first one, distance, and radius, pixels.
+/// Position of the first disc, distance, and radius, pixels.
 const DISCS: (f32, f32, f32) = (40.0, 40.0, 6.0);
 /// Ratio of the contrast of each disc to that of the one before.
 const FAINTER: f32 = 0.7;

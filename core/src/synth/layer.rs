@@ -20,7 +20,6 @@ pub struct Landmark {
     pub bright: bool,
 }
 
-/// A plane of the scene: a sheet with its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
     pub name: String,
@@ -55,7 +54,7 @@ fn axis_filter(first_sample: f64) -> (i64, [f32; TAPS]) {
 }
 
 impl Layer {
-    /// An empty layer that is visible at most `half_span` frames away from mid-burst.
+    /// Visible at most `half_span` frames away from mid-burst.
     pub fn new(name: &str, size: (usize, usize), slope: (f64, f64), half_span: f64) -> Self {
         let margin = |slope: f64| (half_span * slope.abs()).ceil() as usize + 3;
         Self {
@@ -93,10 +92,8 @@ impl Layer {
         if columns.is_empty() {
             return Ok(());
         }
-        let (from, to) = (
-            (first_column + s * columns.start as i64).clamp(0, sheet_width) as usize,
-            (first_column + s * (columns.end as i64 - 1) + taps).clamp(0, sheet_width) as usize,
-        );
+        let from = (first_column + s * columns.start as i64).clamp(0, sheet_width) as usize;
+        let to = (first_column + s * (columns.end as i64 - 1) + taps).clamp(0, sheet_width) as usize;
         let (mut values, mut alphas) = (vec![0.0f32; to - from], vec![0.0f32; to - from]);
         for v in rows {
             monitor.check()?;
@@ -221,6 +218,7 @@ mod tests {
         layer.landmark(31.2, 24.7, 5.0, 1.0, true);
         let still = draw_layers(std::slice::from_ref(&layer), (64, 48), 0.0, &Monitor::default()).expect("done");
         let (u0, v0, mass) = centroid(&still);
+        assert!((mass - std::f64::consts::PI * 25.0).abs() < 0.3, "{mass}");
         assert!((u0 - 31.2).abs() < 0.01 && (v0 - 24.7).abs() < 0.01, "{u0} {v0}");
         for k in 0..10 {
             let dt = f64::from(k) - 4.5;

@@ -1,14 +1,9 @@
 //! Bursts with exactly known truth: charts of discs, layered scenes, and the camera's noise.
 //!
-//! A synthetic burst is made in two steps. First the *signal* of each frame is drawn without noise: discs or textured
-//! layers, each moved by its own slope. Then a [`Camera`] captures it: electrons are counted (shot noise), read out
-//! (read noise) and rounded to the levels of the converter. The drawn objects, their positions and motions are stored
-//! as [`Truth`].
-//!
-//! Whole datasets along a camera's path, and dark copies of real frames, are in the package `burstscope-lab`.
-//!
-//! Everything follows from a seed. The same seed gives the same bits on every machine and for any number of threads:
-//! each frame has its own random stream, and functions such as the logarithm come from `libm`, not from the system.
+//! First the *signal* of each frame is drawn without noise: discs or textured layers, each moved by its own slope. Then a
+//! [`Camera`] captures it. The drawn objects, their positions and motions are the [`Truth`]. The same seed gives the same
+//! bits on every machine and for any number of threads: each frame has its own random stream, and functions such as the
+//! logarithm come from `libm`.
 //!
 //! ```
 //! use burstscope_core::synth::{ChartParams, synth_chart};

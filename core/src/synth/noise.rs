@@ -164,12 +164,8 @@ mod tests {
     fn mean_and_variance_follow_the_model() {
         const SIDE: usize = 500;
         for (electrons, signal, bits) in [(60.0, 0.05, 12), (300.0, 0.2, 8), (15_000.0, 0.3, 12), (40.0, 0.1, 10)] {
-            let camera = Camera {
-                full_scale_electrons: electrons,
-                read_noise_electrons: 3.0,
-                black_level: 0.45,
-                bits: Some(bits),
-            };
+            let (full_scale_electrons, bits) = (electrons, Some(bits));
+            let camera = Camera { full_scale_electrons, read_noise_electrons: 3.0, black_level: 0.45, bits };
             let frame = expose(&camera, &Plane::from_fn(SIDE, SIDE, |_, _| signal as f32), 2);
             let (mean, variance) = statistics(&frame);
             let n = (SIDE * SIDE) as f64;

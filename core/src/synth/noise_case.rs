@@ -82,22 +82,18 @@ pub enum NoiseCase {
 
 const NOISY_FRAME: f64 = 5.0;
 const NOISY_HALF: f64 = 3.0;
-/// Number of pixels for each line of [`NoiseCase::CosmicStreaks`] in a frame.
 const PIXELS_A_STREAK: usize = 20_000;
-/// Of these lines, px.
+/// Pixels.
 const STREAK_LENGTHS: (f64, f64) = (5.0, 40.0);
 const VARYING_PERIOD: f64 = 250.0;
-/// Amplitude of the bands of [`NoiseCase::Banding`], relative to the level.
+/// Amplitude of [`NoiseCase::Banding`], relative to the level.
 const BANDS: f64 = 0.02;
-/// Period of these bands, rows.
 const BAND_ROWS: f64 = 180.0;
-/// Motion of these bands, periods per frame.
+/// Periods per frame.
 const BANDS_A_FRAME: f64 = 1.0 / 7.0;
-/// Share of the frame before in a frame of [`NoiseCase::Smoothed`].
+/// Share of the frame before.
 const SMOOTHING: f64 = 0.8;
-/// Number of pixels for each pixel that flickers in [`NoiseCase::FlickeringPixels`].
 const PIXELS_A_FLICKERING: usize = 1000;
-/// Number of columns for each one that is noisy in [`NoiseCase::NoisyColumns`].
 const COLUMNS_A_NOISY: usize = 50;
 const HOT_PIXELS: usize = 200;
 const FLICKER: f64 = 0.1;
@@ -146,36 +142,17 @@ impl NoiseCase {
 
     /// Name on the command line and in reports; [`str::parse`] reads it.
     pub fn name(self) -> String {
-        let word = match self {
-            Self::White => "white",
-            Self::Doubled => "doubled",
-            Self::Jpeg(quality) => return format!("jpeg-{quality}"),
-            Self::ColourJpeg(quality) => return format!("colour-jpeg-{quality}"),
-            Self::Correlated => "correlated",
-            Self::BlackFrame => "black-frame",
-            Self::NoisyFrame => "noisy-frame",
-            Self::NoisyHalf => "noisy-half",
-            Self::ColumnStripes => "column-stripes",
-            Self::HotPixels => "hot-pixels",
-            Self::GainFlicker => "gain-flicker",
-            Self::ClippedBlack => "clipped-black",
-            Self::Saturated => "saturated",
-            Self::ConstantFrame => "constant-frame",
-            Self::Constant => "constant",
-            Self::DriftingStripes(tenths) => return format!("drifting-stripes-{}.{}", tenths / 10, tenths % 10),
-            Self::Varying(times) => return format!("varying-{times}"),
-            Self::Banding => "banding",
-            Self::StillBanding => "still-banding",
-            Self::Smoothed => "smoothed",
-            Self::FlickeringPixels => "flickering-pixels",
-            Self::NoisyColumns => "noisy-columns",
-            Self::Negative => "negative",
-            Self::Fading(percent) => return format!("fading-{percent}"),
-            Self::Breathing(percent) => return format!("breathing-{percent}"),
-            Self::CosmicStreaks => "cosmic-streaks",
-            Self::FixedPattern(percent) => return format!("fixed-pattern-{percent}"),
-        };
-        word.to_owned()
+        if let Self::DriftingStripes(tenths) = self {
+            return format!("drifting-stripes-{}.{}", tenths / 10, tenths % 10);
+        }
+        // The variant's own name in lower case, its words and its number joined by hyphens.
+        let mut name = String::new();
+        for letter in format!("{self:?}").chars().filter(|letter| *letter != ')') {
+            let begins = letter.is_ascii_uppercase() && !name.is_empty();
+            name.extend((begins || letter == '(').then_some('-'));
+            name.extend((letter != '(').then_some(letter.to_ascii_lowercase()));
+        }
+        name
     }
 
     /// Makes a burst of `frames` frames of `size` = (columns, rows) around half of full scale, with noise of standard

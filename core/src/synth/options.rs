@@ -52,6 +52,6 @@ mod tests {
         assert_eq!(parse_range("3.6:19"), Ok(ChartParams::default().radius));
         assert_eq!(parse_range("2"), Ok(2.0..=2.0));
         assert!(parse_range("x:2").is_err() && parse_range("1:nan").is_err());
-        assert!(RadiusLaw::ALL.iter().all(|law| read_word::<RadiusLaw>(law.name()).is_ok_and(|read| read == *law)));
+        assert!(read_word::<RadiusLaw>("log").is_ok_and(|law| law == RadiusLaw::Log));
     }
 }

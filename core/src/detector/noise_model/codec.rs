@@ -1,13 +1,9 @@
 //! Blocks that a file's codec flattened.
 //!
-//! A JPEG file keeps of each block of 8×8 pixels only what exceeds half a step of its table. Weak noise is rounded away
-//! in most blocks, and where it happens to exceed the step it leaves a pattern as strong as the step; block means jump
-//! by a step in the same way. A flattened block is therefore no evidence of low noise: the quiet part of the image,
-//! from which noise is measured elsewhere, is here what the codec left out. Where a codec flattened a good part of the
-//! blocks, the noise is measured from all of them, and the gate allows for noise that is rare and strong ([`rare`]).
-//!
-//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): `jpeg-20`
-//! 8769, `colour-jpeg-30` 4424, since the noise of most squares is then that of rounding.
+//! A JPEG file keeps of each block of 8×8 pixels only what exceeds half a step of its table: weak noise is rounded away
+//! in most blocks, and is as strong as the step where it is not. So a flattened block is no evidence of low noise. Where
+//! a good part of the blocks is flat, the noise is measured from all of them, and the gate allows for noise that is rare
+//! and strong ([`rare`]). Without this `jpeg-20` has 8769 false features a megapixel at the strict gate, not 6.
 
 use super::warning::{NoiseWarning, WarningKind};
 use crate::detector::params::{ParamError, doc};
@@ -39,7 +35,6 @@ pub struct Flattened {
 }
 
 impl Flattened {
-    /// Finds the flattening of `frames` whose values differ by `step` at least; 0 if unknown: nothing is found.
     pub(super) fn find(frames: &[&Plane], step: f32) -> Option<Self> {
         let (width, height) = frames.first()?.size();
         let (columns, rows) = ((width / SIDE).saturating_sub(1), (height / SIDE).saturating_sub(1));
@@ -69,12 +64,10 @@ impl Flattened {
         is_codec.then_some(Self { share: flat, shown })
     }
 
-    /// Whether enough blocks have structure to measure the noise.
     pub(in crate::detector) fn is_measurable(&self) -> bool {
         self.shown >= ENOUGH
     }
 
-    /// Refusal of the strict gate, whose promise needs noise that can be measured.
     pub(in crate::detector) fn against_strict(&self) -> ParamError {
         ParamError {
             parameter: doc::NOISE_GATE.name,

@@ -1,8 +1,5 @@
-//! Single pass over the frames that are examined closely: computes everything that needs all of their pixels.
-//!
-//! Frames come from memory row by row. Each pair of rows goes into the pyramids (means over squares of 2, 4, 8 …
-//! pixels, for measuring noise and brightness) and, for the sensor's pattern, into the means of each frame's columns
-//! and rows; pixels that stand out of their row in the sum of the frames are listed.
+//! Single pass over the frames that are examined closely, row by row: pyramids of means over squares of 2, 4, 8 … pixels
+//! and, for the sensor's pattern, the means of columns and rows, and pixels that stand out of their row.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -18,10 +15,8 @@ pub struct Reading {
     pub pyramids: Vec<BoxPyramid>,
     /// Column and row of each pixel that stands out of its row in the mean of the frames, row by row.
     pub standing_out: Vec<(usize, usize)>,
-    /// For each frame, the means of each column over each of [`BANDS`] bands of rows; empty unless the pattern's data
-    /// was read.
+    /// By frame; empty unless the pattern's data was read.
     pub columns: Vec<Lines>,
-    /// For each frame, the means of each row over each of [`BANDS`] bands of columns.
     pub rows: Vec<Lines>,
 }
 
@@ -52,9 +47,9 @@ struct Band {
 }
 
 impl Reading {
-    /// Reads `frames` of one size (at least one, of at least 2×2 pixels) into pyramids of `levels` levels. With
-    /// `stands_out`, the data for finding the sensor's pattern is read as well, and pixels are listed whose mean over
-    /// the frames differs from those beside them by more than it; this needs at least two frames.
+    /// Reads `frames` of one size (at least 2×2 pixels) into pyramids of `levels` levels. With `stands_out`, from at
+    /// least two frames, so is the data of the sensor's pattern, and pixels are listed whose mean over the frames differs
+    /// from those beside them by more than it.
     pub fn new(
         frames: &[&Plane],
         levels: usize,
@@ -167,7 +162,7 @@ fn is_out(left: f32, at: f32, right: f32, limit: f32) -> bool {
     (at > left.max(right) + limit) | (at < left.min(right) - limit)
 }
 
-/// Whether any pixel of `row` except the first and the last differs so from its neighbours.
+/// Whether any pixel of `row` except the first and the last is out.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn any_out(row: &[f32], limit: f32) -> bool {
     let n = row.len() - 2;
@@ -209,7 +204,7 @@ impl BoxPyramid {
         if count == 0 || frame.width() < 2 || frame.height() < 2 {
             return Self { levels: Vec::new() };
         }
-        Self::from_halved(halved(frame), count)
+        Self::from_halved(frame.halved(), count)
     }
 
     pub(super) fn from_halved(first: Plane, count: usize) -> Self {
@@ -219,7 +214,7 @@ impl BoxPyramid {
             if finer.width() < 2 || finer.height() < 2 {
                 break;
             }
-            levels.push(halved(finer));
+            levels.push(finer.halved());
         }
         Self { levels }
     }
@@ -236,12 +231,6 @@ impl BoxPyramid {
     pub fn is_empty(&self) -> bool {
         self.levels.is_empty()
     }
-}
-
-fn halved(plane: &Plane) -> Plane {
-    let mut out = Plane::zeros(plane.width() / 2, plane.height() / 2);
-    halve_rows(plane, 0..plane.height(), out.data_mut());
-    out
 }
 
 /// Writes the means over squares of 2×2 pixels of some rows of `plane`, from an even one on, into whole rows of `out`.
@@ -324,21 +313,9 @@ mod tests {
     }
 
     #[test]
-    fn levels_are_means_and_end_where_no_square_fits() {
-        let frame = Plane::from_fn(13, 9, |u, v| (u * 10 + v) as f32);
-        let pyramid = BoxPyramid::new(&frame, 9);
-        assert_eq!(pyramid.len(), 3);
-        assert_eq!(pyramid.level(1).size(), (6, 4));
-        let mean = |x: usize, y: usize| {
-            (0..4).flat_map(|i| (0..4).map(move |j| (i, j))).map(|(i, j)| frame.at(4 * x + i, 4 * y + j)).sum::<f32>()
-                / 16.0
-        };
-        assert!((pyramid.level(2).at(2, 1) - mean(2, 1)).abs() < 1e-4);
-        assert_eq!(pyramid.level(7).size(), (1, 1));
-    }
-
-    #[test]
-    fn a_ramp_is_sampled_as_it_is() {
+    fn a_ramp_is_sampled_as_it_is_and_levels_end_where_no_square_fits() {
+        let small = BoxPyramid::new(&Plane::zeros(13, 9), 9);
+        assert_eq!((small.len(), small.level(1).size(), small.level(7).size()), (3, (6, 4), (1, 1)));
         let frame = Plane::from_fn(64, 48, |u, v| u as f32 + 2.0 * v as f32);
         let pyramid = BoxPyramid::new(&frame, 3);
         for (u, v) in [(20.0, 11.0), (3.5, 3.5), (41.25, 30.0)] {

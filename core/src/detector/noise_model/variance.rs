@@ -1,22 +1,12 @@
-//! Variance of the noise over brightness, and by place where it differs from that, as on a side of the sensor that is
-//! amplified more.
+//! Variance of the noise over brightness, and by place where it differs from that.
 //!
-//! Photon transfer: variance = a·I + b. Light comes in photons, whose number varies by its square root, so the variance
-//! of a pixel grows in proportion to its brightness I; reading it out adds b. The squares of the frames are sorted by
-//! brightness into groups; the quiet part of a group gives its variance, even if texture moves through some of its
-//! squares. A line is fitted to the groups: first with the median slope between any two (Theil–Sen), then by
-//! iteratively reweighted least squares, in which a group counts by its relative error and not at all far from the
-//! line, so that groups whose noise is cut off at white or black do not bend it.
+//! Photon transfer: variance = a·I + b, since the number of photons varies by its square root; reading out adds b. The
+//! quiet part of each group of equally bright squares gives a point. The line is fitted by the median slope between any
+//! two (Theil–Sen), then by iteratively reweighted least squares, in which groups far from the line do not count.
 //!
-//! By place: where squares spread over the image differ by more than noise does, squares side by side are measured. The
-//! excess of a place is the median, over the nine squares around it, of the variance over that which the brightness
-//! predicts. Squares whose neighbours differ from a steady rise by more than noise does have texture, or lie across a
-//! border, and are not trusted: they take the largest excess of their trusted neighbours. Coarse octaves collect the
-//! noise of more squares, so the map is blurred for them.
-//!
-//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): without the
-//! map `varying-6` 734 and `noisy-half` 525. The line over brightness serves scenes with light and dark parts (a test
-//! in `core/tests/detection/noise_model.rs`), which no kind of pure noise has.
+//! By place: the excess is the median, over the nine squares around, of the variance over the predicted one. Squares that
+//! differ from a steady rise by more than noise have texture or lie across a border; they take the largest excess of
+//! their trusted neighbours. Without the map `varying-6` has 734 false features a megapixel at the strict gate, not 6.
 
 use super::high_pass::{Lattice, around, median, quiet_variance, sorted, spread};
 use super::reading::sample_at;
@@ -55,8 +45,8 @@ const MIN_SQUARES: usize = 24;
 const MAX_GROUPS: usize = 16;
 /// Relative distance from the line beyond which a group does not count.
 const FAR: f64 = 0.4;
-/// Minimum difference between the darkest and the brightest group, in standard deviations of a square's brightness;
-/// groups of one brightness, sorted by their noise, differ by four.
+/// Minimum difference between the darkest and the brightest group, in standard deviations of a square's brightness:
+/// groups of one brightness differ by four.
 const MIN_SPAN: f64 = 7.0;
 const FITS: usize = 12;
 
@@ -159,18 +149,11 @@ fn median_line(points: &[TransferPoint]) -> (f64, f64) {
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(0.0)
     };
-    let at = |p: &TransferPoint| (f64::from(p.brightness), f64::from(p.variance));
-    let mut slopes = Vec::new();
-    for (i, p) in points.iter().enumerate() {
-        for q in &points[..i] {
-            let ((x, y), (x0, y0)) = (at(p), at(q));
-            if x > x0 {
-                slopes.push((y - y0) / (x - x0));
-            }
-        }
-    }
-    let a = middle(slopes).max(0.0);
-    (a, middle(points.iter().map(|p| at(p).1 - a * at(p).0).collect()))
+    let at: Vec<(f64, f64)> = points.iter().map(|p| (f64::from(p.brightness), f64::from(p.variance))).collect();
+    let pairs = at.iter().enumerate().flat_map(|(i, p)| at[..i].iter().map(move |q| (p, q)));
+    let slopes = pairs.filter(|(p, q)| p.0 > q.0).map(|(p, q)| (p.1 - q.1) / (p.0 - q.0));
+    let a = middle(slopes.collect()).max(0.0);
+    (a, middle(at.iter().map(|(x, y)| y - a * x).collect()))
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -241,8 +224,7 @@ impl Square {
 }
 
 impl ExcessMap {
-    /// Finds the excess from the squares of a `lattice`, which each have `free` independent values; `None` where the
-    /// noise is everywhere as the brightness predicts, or unknown.
+    /// Excess of the squares of a `lattice`, each of `free` independent values; `None` where there is none, or unknown.
     pub(super) fn find(squares: &[Square], lattice: Lattice, transfer: &PhotonTransfer, free: f32) -> Option<Self> {
         let Lattice { columns, rows, pitch } = lattice;
         if columns < 4 || rows < 4 {
@@ -280,8 +262,7 @@ impl ExcessMap {
         Some(Self { by_octave: (0..OCTAVES).map(collected).collect(), cells, cell_px, first_px: lattice.first_px() })
     }
 
-    /// Excess of the noise that the filters of `octave` collect around the image's place (u, v), or that of a border
-    /// beside it if that is larger; `None`: as measured at that place.
+    /// Excess of the noise that the filters of `octave` collect around the image's place (u, v); `None`: as measured.
     pub(super) fn at(&self, octave: Option<i32>, u: f32, v: f32) -> f32 {
         let map = octave.map_or(&self.cells, |octave| &self.by_octave[octave.clamp(0, OCTAVES - 1) as usize]);
         sample_at(map, self.cell_px, u - self.first_px, v - self.first_px)
@@ -336,6 +317,10 @@ mod tests {
     use crate::synth::random::Stream;
     use crate::synth::{Camera, NoiseCase};
 
+    fn camera(full_scale_electrons: f64, read_noise_electrons: f64, black_level: f64) -> Camera {
+        Camera { full_scale_electrons, read_noise_electrons, black_level, bits: Some(14) }
+    }
+
     fn squares(camera: &Camera, signal: &Plane) -> Vec<(f32, f32)> {
         let frames: Vec<Plane> = (1..=3)
             .map(|t| camera.capture(signal, &mut Stream::new(9, t), &Monitor::default()).expect("not cancelled"))
@@ -348,12 +333,7 @@ mod tests {
     #[test]
     fn sensors_of_known_slope_and_offset_are_found() {
         for (electrons, read_noise) in [(500.0, 4.0), (2000.0, 20.0), (15_000.0, 3.0)] {
-            let camera = Camera {
-                full_scale_electrons: electrons,
-                read_noise_electrons: read_noise,
-                black_level: 0.0625,
-                bits: Some(14),
-            };
+            let camera = camera(electrons, read_noise, 0.0625);
             let signal = Plane::from_fn(640, 400, |u, _| 0.8 * (u as f32 / 640.0).powi(2));
             let fit = PhotonTransfer::fit(&squares(&camera, &signal), 256, FREE_VALUES);
             let a = 1.0 / electrons;
@@ -383,8 +363,7 @@ mod tests {
     #[test]
     fn clipped_black_and_texture_bend_nothing() {
         // The darkest tenth is so dark that half of its noise is cut off, a seventh of all squares has texture.
-        let camera =
-            Camera { full_scale_electrons: 1000.0, read_noise_electrons: 20.0, black_level: 0.0, bits: Some(12) };
+        let camera = camera(1000.0, 20.0, 0.0);
         let signal = Plane::from_fn(640, 400, |u, _| (0.6 * (u as f32 - 64.0) / 576.0).max(0.0));
         let mut pairs = squares(&camera, &signal);
         pairs.iter_mut().step_by(7).for_each(|p| p.1 *= 8.0);

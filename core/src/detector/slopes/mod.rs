@@ -1,14 +1,10 @@
-//! Slope finder: finds the slopes that a burst needs from the burst alone.
+//! Slope finder: finds the slopes that a burst needs from the burst alone. (The paper gives their range by hand.)
 //!
-//! A feature appears where the motion stack at its slope has structure. So the power of the band-passed motion stack,
-//! over the plane of slopes, shows which slopes occur. It is a sum over pairs of frames of their correlation at the
-//! shift that the slope gives them; omitting each frame's product with itself omits the power of its noise. `spectra`
-//! reduces the frames and computes the correlations of small windows by FFT; `peak` finds a window's slope with its
-//! significance, and the path of the picture as a whole; `regularity` tells frames out of order, missing frames and a
-//! picture that turns or grows; `evidence` looks at windows of many places and sizes at
-//! several scales, and chooses the slopes to search. A histogram of features would not work: in the dark it is flat.
-//!
-//! (The paper gives the range of slopes by hand.)
+//! Where the band-passed motion stack at a slope has power there are features. That power is a sum, over pairs of frames,
+//! of their correlation at the shift that the slope gives them; without each frame's product with itself it lacks the
+//! power of its noise. `spectra` computes the correlations of small windows, `peak` finds a window's slope and the path
+//! of the picture, `regularity` what is irregular in it, and `evidence` looks at windows of many places and sizes and
+//! chooses the slopes to search. A histogram of features would not work: in the dark it is flat.
 
 mod evidence;
 mod peak;
@@ -34,11 +30,9 @@ use peak::{Path, SearchTable, Track};
 use serde::Serialize;
 use spectra::{Fourier, MAX_LAG, SIDE};
 
-/// Smear of the outermost frames, in pixels, below which two slopes are equal for the finder: about the σ of the finest
-/// features of a first octave 0.
+/// Smear of the outermost frames, in pixels, below which two slopes are equal: about the σ of the finest features.
 const SAME_SMEAR_PX: f64 = 1.9;
-/// Distance from a uniform motion, in pixels, above which the motion is not straight: then the finest features are
-/// smeared.
+/// Distance from a uniform motion, in pixels, above which it smears the finest features.
 const STRAIGHT_PX: f64 = 1.4;
 /// Motion above which a burst is a film, as a part of the picture.
 const FILM_PART: f64 = 1.0 / 3.0;
@@ -49,7 +43,7 @@ const SURELY: f64 = 2.5;
 /// Number of confirmed windows that move from which on a picture whose most stands still does not.
 const MIN_MOVING: usize = 3;
 /// Distance from a uniform motion, in pixels of the pyramid's level, up to which a picture whose windows stand still
-/// does so: the path of sparse, large structures is less exact than its noise.
+/// does so: the path of sparse structures is less exact than its noise.
 const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
@@ -228,13 +222,11 @@ fn typical(evidence: &[SlopeEvidence], value: impl Fn(&SlopeEvidence) -> f64) ->
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = 0.5 * values.iter().map(|v| v.1).sum::<f64>();
     let mut sum = 0.0;
-    values
-        .iter()
-        .find(|v| {
-            sum += v.1;
-            sum >= half
-        })
-        .map_or(0.0, |v| v.0)
+    let reaches = |v: &&(f64, f64)| {
+        sum += v.1;
+        sum >= half
+    };
+    values.iter().find(reaches).map_or(0.0, |v| v.0)
 }
 
 /// Part of the significant evidence, by significance, whose slope the grid holds.
@@ -268,10 +260,8 @@ fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum
     let fourier = Fourier::new();
     let planes = fourier.correlations(&whole.lags, &mut fourier.scratch(0));
     let slopes = table.slopes.iter().map(|s| Slope::new((s[0] * unit) as f32, (s[1] * unit) as f32)).collect();
-    SlopeSpectrum {
-        slopes,
-        significance: table.scores(&planes, &whole.variance).into_iter().map(|s| s as f32).collect(),
-    }
+    let significance = table.scores(&planes, &whole.variance).into_iter().map(|s| s as f32).collect();
+    SlopeSpectrum { slopes, significance }
 }
 
 /// Kind of motion that a burst shows.

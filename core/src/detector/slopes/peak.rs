@@ -1,19 +1,13 @@
-//! Peak of the power of a window over slopes, with its significance and ambiguity, and a test of whether the motion is
-//! straight.
+//! Peak of the power of a window over slopes, with its significance and ambiguity, and the path of the picture.
 //!
 //! The power of the motion stack at slope λ, without each frame's own, is P(λ) = Σ_k A_k(k·λ), where A_k is the
-//! correlation summed over the pairs of lag k. A point that moves leaves the window, which lowers A_k at a shift d by
-//! the window's overlap with itself, W(d). So A_k/W is an unbiased measure and W² its weight. The noise in P follows
-//! from the frames' own spectra; P over its standard deviation is the significance, z.
+//! correlation summed over the pairs of lag k. A point that leaves the window lowers A_k at a shift d by the window's
+//! overlap with itself, W(d): so A_k/W is an unbiased measure and W² its weight. P over the standard deviation that the
+//! frames' own spectra predict is the significance. The strongest slope of a grid is refined by Newton's method; the
+//! decrease of P around it gives the uncertainty, the strongest other slope the ambiguity (of periodic texture).
 //!
-//! The strongest of a grid of slopes is refined by Newton's method on all lags. The decrease of P around it gives the
-//! uncertainty of the slope: along an edge P does not decrease. The strongest other slope, compared with it, gives the
-//! ambiguity: periodic texture has such aliases.
-//!
-//! The motion is straight where each frame is where a constant slope puts it. The correlations of frames t and t + 1,
-//! summed over the whole image, have their peak at the shift of the picture as a whole. A constant motion gives an
-//! unchanging shift. The sum of the shifts is the picture's path; its largest distance from a straight one is measured
-//! here.
+//! The correlations of frames t and t + 1, summed over the image, have their peak at the shift of the picture as a whole.
+//! The sum of the shifts is its path; the motion is straight where that hardly leaves a uniform one.
 
 use super::spectra::{CrossSpectra, Fourier, SIDE};
 
@@ -87,7 +81,7 @@ impl SearchTable {
         if variance.iter().all(|v| *v <= 0.0) {
             return None;
         }
-        let scores: Vec<f64> = self.scores(planes, variance);
+        let scores = self.scores(planes, variance);
         let unbiased: Vec<Vec<f32>> = planes.iter().map(|plane| unbiased(plane, &self.overlap)).collect();
         let stack = Stack { planes: &unbiased, variance, overlap: &self.overlap };
         let first = best(&scores, |_| true)?;
@@ -320,8 +314,7 @@ fn largest_at(plane: &[f32]) -> usize {
 }
 
 /// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0, for most
-/// single pairs of neighbours too, and far smaller at the next lag, whatever the shift. That of a scene does not depend
-/// on the lag, unless it moves to and fro: then pairs of neighbours show the shifts.
+/// pairs of neighbours too (where a scene moves to and fro they show the shifts), and far smaller at the next lag.
 pub(super) fn lags_of_shared_noise(products: &CrossSpectra, fourier: &Fourier) -> usize {
     let frames = products.neighbours.len() + 1;
     let pairs = fourier.correlations(&products.neighbours, &mut fourier.scratch(0));

@@ -1,14 +1,10 @@
-//! Irregularities of a burst that its motion shows: frames out of order, missing frames, and frames that turn or grow.
+//! Irregularities of a burst that its motion shows.
 //!
-//! Order. The path of the picture as a whole, from frame to frame, gives each frame a position along the main direction
-//! of motion. If the frames, sorted by position, are equally far apart but not in their own order, they are out of
-//! order. If they are in order and all distances are equal except for a few that are multiples of the others, frames
-//! are missing there. A motion that merely changes its speed is neither.
-//!
-//! Turning and growing. Where the picture turns or grows during a burst, its slopes change linearly with place. So an
-//! affine map from place to slope is fitted to the windows, robustly against objects that move by themselves. Its
-//! antisymmetric part is a turn, the mean of its diagonal growth; the rest is shear, as a plane seen at an angle makes
-//! it, and must be smaller.
+//! Order: the path of the picture gives each frame a position. If the frames, sorted by it, are equally far apart but not
+//! in their own order, they are out of order; if they are in order and a few distances are multiples of the others,
+//! frames are missing there. Turning and growing: slopes then change linearly with place, so an affine map from place to
+//! slope is fitted robustly. Its antisymmetric part is a turn, the mean of its diagonal growth; the rest is shear, as a
+//! plane seen at an angle makes it, and must be smaller.
 
 use super::evidence::{Steps, is_clear};
 use super::{Size, SlopeEvidence};
@@ -307,9 +303,6 @@ mod tests {
     #[test]
     fn a_turn_and_growth_are_named_with_their_size() {
         let turn = 1.2f64.to_radians() / 9.0;
-        let warnings = of_places(&evidence(|u, v| (1.0 - turn * v, turn * u)), STEPS, SIZE);
-        assert_eq!(warnings.len(), 1, "{warnings:?}");
-        assert!((warnings[0].number - 1.2).abs() < 0.01 && warnings[0].text.contains("turn by 1.2°"), "{warnings:?}");
         let grow = -0.015 / 9.0;
         let warnings = of_places(&evidence(|u, v| (2.0 + grow * u, 0.5 + grow * v)), STEPS, SIZE);
         assert_eq!(warnings.len(), 1, "{warnings:?}");
@@ -317,7 +310,8 @@ mod tests {
         // An object that moves by itself changes nothing.
         let with_object = |u: f64, v: f64| if u.abs() < 100.0 { (-3.0, 1.0) } else { (1.0 - turn * v, turn * u) };
         let warnings = of_places(&evidence(with_object), STEPS, SIZE);
-        assert_eq!(warnings.iter().map(|w| w.kind).collect::<Vec<_>>(), [MotionWarningKind::Turns]);
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        assert!((warnings[0].number - 1.2).abs() < 0.01 && warnings[0].text.contains("turn by 1.2°"), "{warnings:?}");
     }
 
     #[test]

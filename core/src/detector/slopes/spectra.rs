@@ -1,12 +1,9 @@
 //! Spectra of small windows of the reduced frames, and the sums of products of pairs of them.
 //!
-//! The finder works at σ of about two to eight pixels, and coarser structure needs fewer samples. So frames are reduced
-//! to means over squares of pixels: level `l` has pixels of 2^l image pixels.
-//!
-//! A window of [`SIDE`]² level pixels is cut from every frame at the same place, multiplied by a Hann window,
-//! transformed, and band-passed. The product conj(F_t)·F_{t+k} is the spectrum of the cross-correlation of frames t and
-//! t + k; products of the same lag k are added up. A frame is never multiplied by itself, so that the frames' own
-//! noise, which differs from frame to frame, adds nothing on average.
+//! Frames are reduced to means over squares: level `l` has pixels of 2^l image pixels. A window of [`SIDE`]² level pixels
+//! is cut from every frame at the same place, multiplied by a Hann window, transformed, and band-passed. The product
+//! conj(F_t)·F_{t+k} is the spectrum of the cross-correlation of frames t and t + k; products of the same lag k are added
+//! up. A frame is never multiplied by itself, so that the frames' own noise adds nothing on average.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -85,8 +82,8 @@ impl CrossSpectra {
         }
     }
 
-    /// Removes the products of the first `count` lags, at which frames have noise in common. Products at other lags
-    /// then repeat each other, so that their noise is larger.
+    /// Removes the products of the first `count` lags, at which frames have noise in common. Others then repeat each
+    /// other, so that their noise is larger.
     pub fn forget_lags(&mut self, count: usize) {
         self.lags.iter_mut().take(count).for_each(|lag| *lag = Spectrum::zeros());
         let repeated = ((count + 1) * (count + 1)) as f64;
@@ -248,8 +245,7 @@ fn unpack(packed: &[Complex32], band: &[f32], a: &mut Spectrum, mut b: Option<&m
     }
 }
 
-/// Merges two half spectra into the whole spectrum whose transform has the first correlation as real and the second as
-/// imaginary part.
+/// The whole spectrum whose transform has the first correlation as real and the second as imaginary part.
 fn merge(a: &Spectrum, b: Option<&Spectrum>, packed: &mut [Complex32]) {
     for (i, z) in packed.iter_mut().enumerate() {
         let (j, sign) = if i < HALF { (i, 1.0) } else { (opposite(i), -1.0) };
@@ -268,8 +264,7 @@ fn whole_sum_of_products(a: &[f32], b: &[f32]) -> f64 {
 
 /// Number of pixels up to which images are examined from level 0 on.
 const SMALL_PIXELS: usize = 25_000;
-/// Number of pixels up to which images are examined from level 1 on, larger ones from level 2 on: so the finder costs a
-/// small part of a detection.
+/// Number of pixels up to which images are examined from level 1 on, larger ones from level 2 on.
 const MEDIUM_PIXELS: usize = 270_000;
 const LEVELS: u32 = 3;
 
@@ -289,11 +284,7 @@ pub(super) fn pyramids(frames: &[&Plane], levels: Range<u32>, monitor: &Monitor)
             monitor.check()?;
             let mut planes: Vec<Plane> = Vec::with_capacity(levels.len());
             for level in levels.clone() {
-                let next = match planes.last() {
-                    Some(finer) => means(finer, 2),
-                    None => means(frame, 1 << level),
-                };
-                planes.push(next);
+                planes.push(planes.last().map_or_else(|| means(frame, 1 << level), |finer| means(finer, 2)));
             }
             Ok(planes)
         })
@@ -345,12 +336,8 @@ mod tests {
         let mut noise = Stream::new(3, 0);
         let waves: Vec<[f64; 4]> = (0..40)
             .map(|_| {
-                [
-                    noise.within(-0.9, 0.9),
-                    noise.within(-0.9, 0.9),
-                    noise.within(0.0, std::f64::consts::TAU),
-                    noise.normal(),
-                ]
+                let (u, v) = (noise.within(-0.9, 0.9), noise.within(-0.9, 0.9));
+                [u, v, noise.within(0.0, std::f64::consts::TAU), noise.normal()]
             })
             .collect();
         let value = |u: f64, v: f64| waves.iter().map(|w| w[3] * (w[0] * u + w[1] * v + w[2]).cos()).sum::<f64>();

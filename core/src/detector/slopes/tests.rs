@@ -124,19 +124,6 @@ fn a_bent_way_is_not_straight_and_a_long_one_a_film() {
 }
 
 #[test]
-fn exchanged_and_missing_frames_are_named() {
-    let warned = |times: &[usize], noise: f32| {
-        let finding = find(&moved((320, 240), noise, times.len(), |t| (1.8 * times[t] as f64, -0.6 * times[t] as f64)));
-        finding.warnings.iter().map(|w| (w.kind, w.frames.clone())).collect::<Vec<_>>()
-    };
-    for noise in [0.02, 0.1] {
-        assert_eq!(warned(&[0, 1, 2, 3, 4, 5, 6, 7], noise), []);
-        assert_eq!(warned(&[0, 1, 2, 4, 3, 5, 6, 7], noise), [(MotionWarningKind::OutOfOrder, vec![3, 4])]);
-        assert_eq!(warned(&[0, 1, 2, 3, 4, 6, 7, 8], noise), [(MotionWarningKind::MissingFrames, vec![4])]);
-    }
-}
-
-#[test]
 fn a_picture_that_turns_or_grows_is_named() {
     let turned = |degrees: f64, growth: f64| {
         let burst = seen_from((480, 360), 0.02, 8, |t, u, v| {

@@ -1,16 +1,10 @@
 //! The two passes of the filters over a tile, and the rows that are stored between them.
 //!
-//! Along the rows, all levels of a row are made with each pixel loaded once. Two pixels at the same distance from the
-//! centre are added, then multiplied into all levels that reach that far. The sums of up to [`MOST`] levels over
-//! [`BLOCK`] columns stay in vector registers.
-//!
-//! Between the passes, rows are stored in blocks of columns ([`Band`]). The second pass works on a block of columns at
-//! a time and reads rows above and below one another. So a block's rows are contiguous: they are read from memory in
-//! order, and loops over them need no bounds checks.
-//!
-//! Along the columns, a few rows of one level are made at once, and their difference from the previous level. From one
-//! distance from the centre to the next, most of the rows above and below are already in registers, one place further;
-//! each step loads only two. All rows that a batch reads in a block of columns stay in the first cache.
+//! Along the rows, two pixels at the same distance from the centre are added, then multiplied into all levels that reach
+//! that far; the sums of up to [`MOST`] levels over [`BLOCK`] columns stay in registers. Between the passes rows are
+//! stored in blocks of columns ([`Band`]), each contiguous, so that they stay in the first cache and loops over them
+//! need no bounds checks. Along the columns a few rows of one level are made at once, and their difference from the
+//! previous level: each step outwards loads only two rows, the others are in registers already, one place further.
 
 pub(crate) use crate::kernel::machine::{BLOCK_COLUMNS as BLOCK, WIDEST_VECTOR as VECTOR};
 
