@@ -25,8 +25,7 @@ pub struct CompactKernel {
     second: [f32; 4],
     /// Distance from the centre at which the kernel is zero, in units of its radius R.
     pub zero_at: f64,
-    /// Standard deviation of a component of the gradient on pixels of white noise of standard deviation 1: √(2π∫q·h'²
-    /// dq), whatever the radius.
+    /// Standard deviation of a component of the gradient on white noise of 1, for any radius: √(2π∫q·h'² dq).
     pub gradient_noise: f64,
 }
 
@@ -147,10 +146,8 @@ fn sums(
 }
 
 impl PixelView<'_> {
-    /// The local mean around the place (x, y) of the image: the mean of pixels on a circle of nine tenths of `radius`.
-    ///
-    /// The samples of a kernel do not sum to exactly 0. The error is largest where the kernel ends, so the kernel is
-    /// applied to the difference from the grey level there.
+    /// The mean of pixels on a circle of nine tenths of `radius` around (x, y). Samples of a kernel do not sum to
+    /// exactly 0, and err most where it ends, so it is applied to the difference from the grey level there.
     pub fn local_mean(&self, radius: f64, (x, y): (f64, f64)) -> f32 {
         let near = |at: f64, n: usize| (at.round().max(0.0) as usize).min(n - 1);
         let at = |du: f64, dv: f64| {
@@ -164,8 +161,7 @@ impl PixelView<'_> {
         sum / 16.0
     }
 
-    /// The response of `kernel` of `radius` pixels at the place (x, y) of the image, on the pixels less `local_mean`,
-    /// which [`PixelView::local_mean`] gives.
+    /// The response at the place (x, y) of the image, on the pixels less [`PixelView::local_mean`].
     pub fn kernel_response(
         &self,
         kernel: &CompactKernel,

@@ -96,8 +96,7 @@ impl<'a> GradientRow<'a> {
         Self { before: row, after: &row[2..], above: level.values(u, v - 1), below: level.values(u, v + 1) }
     }
 
-    /// Magnitudes and directions (eighths of a turn in [0, 8), from +u towards +v) of a vector of gradients, from the
-    /// row's pixel `at` on.
+    /// Magnitudes and directions (eighths of a turn in [0, 8), from +u towards +v), from the row's pixel `at` on.
     #[inline(always)]
     pub(crate) fn vector(&self, at: usize) -> (Lane, Lane) {
         let (before, after) = (vector_of(self.before, at), vector_of(self.after, at));

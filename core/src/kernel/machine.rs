@@ -5,8 +5,7 @@
 
 use pulp::Simd;
 
-/// Vectors whose sums are held at once: enough to hide each other's latency, and two sums of each still fit into
-/// sixteen registers.
+/// Vectors whose sums are held at once: they hide each other's latency and fit into sixteen registers.
 pub(crate) const MAX_VECTORS: usize = 6;
 /// Values of the widest kind of vector.
 pub(crate) const WIDEST_VECTOR: usize = 16;
@@ -52,8 +51,7 @@ pub(crate) fn places<const V: usize>(first: usize, lanes: usize, n: usize) -> [u
     std::array::from_fn(|i| ((first + i) * lanes).min(n.saturating_sub(lanes)))
 }
 
-/// Runs `$body` for groups of `$count` vectors (a constant, at most [`MAX_VECTORS`]) of the kind `$simd` that begin at
-/// `$places` and together cover `0 … $n`.
+/// Runs `$body` for groups of `$count` (at most [`MAX_VECTORS`]) vectors at `$places`, which together cover `0 … $n`.
 macro_rules! in_vectors {
     ($simd:ident, $n:expr, |$count:ident, $places:ident| $body:block) => {
         let (n, lanes) = ($n, $simd::F32_LANES);

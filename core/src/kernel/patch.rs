@@ -67,8 +67,7 @@ impl Patch {
         self.stride
     }
 
-    /// All values from pixel (u, v) on: the rest of its row, its padding to whole vectors, and the rows below; at least
-    /// a vector from any held pixel.
+    /// All values from pixel (u, v) on: the rest of its row, its padding, and the rows below; at least a vector.
     #[inline(always)]
     pub(crate) fn values(&self, u: i64, v: i64) -> &[f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
@@ -144,8 +143,7 @@ impl Patch {
         }
     }
 
-    /// Fills the patch from `fine` at half its resolution: pixel (i, j) is the mean of pixels 2i and 2i + 1 of rows 2j
-    /// and 2j + 1. All pixels are held whose four pixels `fine` holds.
+    /// Fills the patch from `fine` at half its resolution: all means of pixels 2i and 2i + 1 of rows 2j and 2j + 1.
     pub(crate) fn halve(&mut self, fine: &Self) {
         let half = |range: Range<i64>| (range.start + 1).div_euclid(2)..range.end.div_euclid(2);
         self.reset(half(fine.columns()), half(fine.rows()));
@@ -197,8 +195,7 @@ fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, si
 pub struct BlurScratch(Aligned);
 
 impl Patch {
-    /// Blurs columns `columns` and rows `rows` (at least four) by `kernel` into `out`. The patch must extend beyond
-    /// them by the kernel's radius.
+    /// Blurs at least four rows into `out`. The patch must extend beyond them by the kernel's radius.
     pub fn blurred(
         &self,
         columns: Range<i64>,
@@ -236,8 +233,7 @@ impl Patch {
 
 /// Rows blurred by the kernel whose centre and right half are `half`.
 struct BlurRows<'a> {
-    /// Begins a radius above the first pixel, and a radius and `skipped` columns to the left of it; rows `from_stride`
-    /// apart.
+    /// Begins a radius above and a radius and `skipped` columns to the left of the first pixel.
     from: &'a [f32],
     from_stride: usize,
     half: &'a [f32],

@@ -157,8 +157,7 @@ impl<'a> RowStacker<'a> {
     }
 }
 
-/// The sources of row `v` of `run` from the frames that cover it, at the vertical parts of `offsets`; two rows that are
-/// read together are mixed into one in `mixed`.
+/// The sources of row `v` of `run`; two rows that are read together are mixed into one in `mixed`.
 fn sources<'s>(
     frames: &[&'s Plane],
     offsets: &[FrameOffset],
@@ -284,9 +283,8 @@ impl Default for WeightedRows {
 }
 
 impl WeightedRows {
-    /// Writes rows `rows` of the sum of `taps`, `columns` values each, to `out`, where rows lie `stride` apart. Row 0
-    /// is the first one of the taps' pixels; the taps' rows lie `width` apart, and each holds a pixel more than
-    /// `columns`.
+    /// Writes rows `rows` of the sum of `taps`, `columns` values each, to `out`, `stride` apart. Row 0 is the first one
+    /// of the taps' pixels, whose rows lie `width` apart and hold a pixel more than `columns`.
     pub fn make(
         &mut self,
         taps: &[Tap<'_>],
@@ -444,8 +442,7 @@ pub struct FrameOffset {
     pub whole_v: i64,
     pub part_u: f32,
     pub part_v: f32,
-    /// Numbers of columns and of rows before the first one that still count as it, 0 or 1: see
-    /// [`crate::detector::Interpolation::Truncated`].
+    /// Columns and rows before the first one that still count as it, 0 or 1: see `Interpolation::Truncated`.
     pub before_u: i64,
     pub before_v: i64,
 }

@@ -20,14 +20,13 @@ pub const GAMMA_RANGE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
-    /// Value shown with the map's first colour, in the picture's unit (fraction of full scale). Smaller values get the
-    /// same colour.
+    /// Value shown with the map's first colour, as all smaller ones are, in the picture's unit (fraction of full
+    /// scale).
     pub min: f32,
     /// Value shown with the map's last colour. Larger values get the same colour.
     pub max: f32,
-    /// Exponent's inverse: the position in the range is raised to the power 1/gamma, so that values above 1 brighten
-    /// the dark half. With a diverging map it applies to the distance from the centre, so that both signs are treated
-    /// alike.
+    /// The position in the range is raised to the power 1/gamma, so that values above 1 brighten the dark half. With a
+    /// diverging map it applies to the distance from the centre, so that both signs are treated alike.
     pub gamma: f32,
     /// Colour map.
     pub map: ColourMap,
@@ -54,8 +53,7 @@ impl Display {
     pub fn with_range(self, min: f32, max: f32) -> Self {
         let min = if min.is_finite() { min } else { 0.0 };
         let max = if max.is_finite() { max } else { min };
-        // Half a millionth of full scale is less than any step of the files read here, yet well above f32's resolution
-        // near 1.
+        // Less than any step of the files read here, yet well above f32's resolution near 1.
         let smallest = |at: f32| 5e-7_f32.max(at.abs() * 1e-6);
         if self.symmetric {
             let limit = min.abs().max(max.abs()).max(smallest(0.0));

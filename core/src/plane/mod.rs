@@ -132,8 +132,7 @@ impl Plane {
     }
 }
 
-/// Owner of pixels that planes show without a copy, such as an array of another program part. The pixels must stay the
-/// same as long as a plane shows them.
+/// Owner of pixels that planes show without a copy. They must stay the same as long as a plane shows them.
 pub trait PixelOwner: Send + Sync {
     /// The pixels, row by row.
     fn pixels(&self) -> &[f32];

@@ -6,8 +6,7 @@
 use super::Plane;
 use super::statistics::{Region, summary};
 
-/// The value at (`u`, `v`), linear between the four pixels around it; `None` where the plane has no pixel (or the
-/// position is not finite).
+/// The value at (`u`, `v`), linear between the four pixels around it; `None` outside the plane.
 pub fn bilinear(plane: &Plane, u: f32, v: f32) -> Option<f32> {
     let (width, height) = plane.size();
     let inside = |x: f32, size: usize| x >= -0.5 && x <= size as f32 - 0.5;
@@ -67,10 +66,7 @@ pub struct ProfileSample {
 const MAX_SAMPLES: usize = 1 << 14;
 
 /// The values of `plane` along the line from `from` to `to`, both (u, v) in pixels of which `px_per_plane_px` make one
-/// pixel of the plane (1: its own).
-///
-/// A sample is taken about every pixel of the plane, the first at `from`, the last at `to`; at least two. Ends that are
-/// not finite give no samples.
+/// pixel of the plane: about one for each, with those at the ends. Ends that are not finite give none.
 pub fn profile(plane: &Plane, from: [f32; 2], to: [f32; 2], px_per_plane_px: f32) -> Vec<ProfileSample> {
     let (du, dv) = (to[0] - from[0], to[1] - from[1]);
     let length = du.hypot(dv);
@@ -101,8 +97,7 @@ pub struct RegionStatistics {
     pub min: f32,
     /// Largest finite value.
     pub max: f32,
-    /// The standard deviation of white noise on a smooth picture, from neighbouring values; `None` in a region smaller
-    /// than 3 × 3 pixels.
+    /// The standard deviation of white noise on a smooth picture; `None` in a region smaller than 3 × 3 pixels.
     pub noise: Option<f64>,
 }
 
@@ -124,9 +119,8 @@ pub fn region_statistics(plane: &Plane, region: &Region) -> Option<RegionStatist
 /// The median of |x| of a normal distribution of standard deviation 1.
 const MEDIAN_OF_NORMAL: f64 = 0.674_489_750_196_081_7;
 
-/// The standard deviation of white noise in `region`, whatever smooth picture lies under it: the median of the absolute
-/// second differences in both directions at once (J. Immerkær, "Fast noise variance estimation", 1996, whose mask this
-/// is; the median in place of his mean leaves edges out).
+/// The standard deviation of white noise over any smooth picture: the median of the absolute second differences in both
+/// directions at once (J. Immerkær, "Fast noise variance estimation", 1996; the median for his mean leaves edges out).
 fn region_noise(plane: &Plane, region: &Region) -> Option<f64> {
     if region.columns.len() < 3 || region.rows.len() < 3 {
         return None;

@@ -69,8 +69,7 @@ pub struct ChartParams {
 }
 
 impl Default for ChartParams {
-    /// The published chart: 90 discs of contrast 1.2, 10 frames, slopes up to ±3 px/frame, at half the size of the
-    /// paper's frames.
+    /// The published chart, at half the size of the paper's frames.
     fn default() -> Self {
         Self {
             width: 800,

@@ -149,8 +149,7 @@ impl Example {
         }
     }
 
-    /// The (octave, level) of the response to look at, where it is one of several at its place and not the strongest;
-    /// `None` where it is the strongest.
+    /// The (octave, level) of the response to look at; `None` where it is the strongest at its place.
     pub fn scale(self) -> Option<(i32, i32)> {
         (self == Self::Aliasing).then_some((0, 0))
     }

@@ -80,8 +80,7 @@ impl Layer {
         let s = OVERSAMPLING as i64;
         let taps = TAPS as i64;
         let (sheet_width, sheet_height) = (self.sheet.size().0 as i64, self.sheet.size().1 as i64);
-        // Pixels whose filter touches used samples; the margins keep filters inside the sheet, and clamping handles
-        // rounding.
+        // Pixels whose filter touches used samples; the margins keep it inside the sheet but for rounding.
         let pixels = |first: i64, used: (usize, usize), end: usize| {
             let start = (used.0 as i64 - taps + 1 - first).div_euclid(s).clamp(0, end as i64);
             let stop = ((used.1 as i64 - 1 - first).div_euclid(s) + 1).clamp(0, end as i64);

@@ -90,8 +90,7 @@ impl Camera {
         self.bits.map_or(0.0, quantisation_step)
     }
 
-    /// Standard deviation of the noise of one pixel of one frame where the signal is `signal`; both are fractions of
-    /// full scale.
+    /// Standard deviation of one pixel of one frame where the signal is `signal`; both are fractions of full scale.
     pub fn sigma(&self, signal: f64) -> f64 {
         let rounding = self.quantisation_step().powi(2) / 12.0;
         if self.is_noiseless() {

@@ -25,11 +25,10 @@ pub enum NoiseCase {
     Doubled,
     /// Frames are stored as JPEG files of this quality (1 … 100), 8 bits.
     Jpeg(u8),
-    /// Frames are stored as colour JPEG files of this quality (1 … 100), 8 bits: each colour has its own noise, and the
-    /// luma of the three is searched.
+    /// Frames are colour JPEG files of this quality (1 … 100), 8 bits, each colour with its own noise; their luma is
+    /// searched.
     ColourJpeg(u8),
-    /// Each pixel shares its noise with the neighbouring pixels, with weights 1, 2, 1 along both axes; as strong as
-    /// white noise.
+    /// Each pixel shares its noise with its neighbours, with weights 1, 2, 1 along both axes; as strong as white noise.
     Correlated,
     /// The middle frame is black.
     BlackFrame,
@@ -55,13 +54,11 @@ pub enum NoiseCase {
     DriftingStripes(u8),
     /// The standard deviation varies over 250 px along both axes, from its usual value to this multiple of it (2 … 9).
     Varying(u8),
-    /// The brightness of the rows varies by ±2 % with a period of 180 rows; the bands move by a seventh of a period
-    /// from frame to frame.
+    /// The rows' brightness varies by ±2 % with a period of 180 rows, and moves by a seventh of it from frame to frame.
     Banding,
     /// As [`Self::Banding`], but the bands stay where they are.
     StillBanding,
-    /// Each frame after the first consists of 0.8 of the frame before and 0.2 of a new one, so that the noise falls to
-    /// a third.
+    /// Each frame after the first is 0.8 of the frame before and 0.2 of a new one, so that the noise falls to a third.
     Smoothed,
     /// One pixel in a thousand is brighter by 5 to 20 standard deviations, in half of the frames, at random.
     FlickeringPixels,

@@ -9,8 +9,7 @@ use std::ops::RangeInclusive;
 pub(super) const SNR_HELP: &str = "Signal-to-noise ratio of one pixel in one frame: the difference of the two levels over the standard deviation of the noise \
     at their mean; 'inf' makes no noise";
 
-/// Parser of words that `T` is read from in a parameter file, so that file and command line share their words. All
-/// `words` must be words of `T`.
+/// Parser of `words`, all words of `T` in a parameter file, so that file and command line share their words.
 pub fn words<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T>
 where
     T: DeserializeOwned + Clone + Send + Sync + 'static,

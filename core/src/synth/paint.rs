@@ -121,8 +121,7 @@ impl Sheet {
         }
     }
 
-    /// Adds a soft glow of light to the painted content: `value` at its centre, 0 at `radius`. It does not change
-    /// alpha.
+    /// Adds a glow to the painted content: `value` at its centre, 0 at `radius`. It does not change alpha.
     pub fn glow(&mut self, u: f32, v: f32, radius: f32, value: f32) {
         self.each(Area::around(u, v, radius), |x, y, light, alpha| {
             let q = ((x - u) * (x - u) + (y - v) * (y - v)) / (radius * radius);

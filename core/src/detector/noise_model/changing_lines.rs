@@ -16,8 +16,7 @@ pub struct ChangingLines {
     pub deviation: f32,
     /// Share of their power that remains in the mean of the frames, at the slope at which most remains.
     pub lasting: f32,
-    /// Variance of coarse means of the offsets relative to that of independent lines: above 1 where lines share them
-    /// with the next one.
+    /// Variance of coarse means relative to that of independent lines: above 1 where lines share offsets with the next.
     #[serde(skip)]
     coarse: f32,
     /// Whether neighbouring lines differ.

@@ -16,8 +16,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// Frames, by index, and their weights; the squares of the weights sum to 1, so that a contrast has the variance of one
-/// frame.
+/// Frames and their weights, whose squares sum to 1, so that a contrast has the variance of one frame.
 pub type Contrast = Vec<(usize, f32)>;
 
 /// Contrasts of neighbours among `frames` frames (at least two): those that share no frame come first.
@@ -134,8 +133,7 @@ pub(super) fn shifts(contrast: &Contrast, times: &[f32], slope: f32, range: &Ran
 
 /// Motion from frame to frame, in pixels of the measurement, below which it does not matter.
 const MIN_SHIFT: f32 = 0.25;
-/// Level of the pyramid, above the octave's, at which the motion is measured: noise is small there, and its squares are
-/// still a fraction of the reach of the octave's filters.
+/// Level of the pyramid, above the octave's, at which the motion is measured: noise is small there.
 const LEVELS_UP: i32 = 2;
 
 /// Minimum side of the parts of an image that each have a motion, pixels.
@@ -178,8 +176,8 @@ impl SceneMotion<'_> {
         OctaveMotion { planes, square, candidates }
     }
 
-    /// Slope at each of the image's `places`, for an image of `size`: that of the part around it, of which the middle
-    /// 64 pixels a side are used.
+    /// Slope at each of `places`: that of the part of the image around it, of which the middle 64 pixels a side are
+    /// used.
     pub fn slopes_at(&self, places: &[(f32, f32)], (width, height): (usize, usize)) -> Vec<Slope> {
         let side = PART.max(((width * height) as f32 / MAX_PARTS as f32).sqrt() as usize);
         let (columns, rows) = (width.div_ceil(side), height.div_ceil(side));

@@ -18,8 +18,7 @@ use std::sync::Arc;
 /// The pattern of a sensor, in the units of the frames.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct FixedPattern {
-    /// Columns and rows of pixels that are far brighter or darker than all pixels around them, in every frame or in
-    /// some; row by row.
+    /// Columns and rows of pixels far brighter or darker than all around them, in every frame or in some; row by row.
     pub hot_pixels: Vec<(usize, usize)>,
     /// Offset of each column.
     pub columns: Option<Stripes>,
@@ -181,8 +180,7 @@ fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(us
         }
         around
     };
-    // The local noise, which may be larger than usual: the change of the pixels around from frame to frame. Objects
-    // that cross the pixel make it larger too.
+    // The local noise, which may be larger: the change of the pixels around. Objects that cross make it larger too.
     let n = frames.len() as f32;
     let (mut sums, mut squares) = ([0.0f32; 8], [0.0f32; 8]);
     let (mut value, mut mean, mut own, mut above) = (0.0, 0.0, 0.0, 0usize);

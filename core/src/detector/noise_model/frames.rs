@@ -310,8 +310,7 @@ fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
     1.0
 }
 
-/// Range of the logarithms of the exposures `gains` of the frames `kept`, if the squares brighter than `least` share
-/// the change between the darkest and the brightest frames; else 0.
+/// Range of the logarithms of the exposures `gains`, if the squares brighter than `least` share it; else 0.
 fn shared_drift(squares: &HighPass, kept: &[usize], gains: &[f32], least: f32) -> f32 {
     if kept.len() < 3 {
         return 0.0;
@@ -359,14 +358,13 @@ const EVEN: f32 = 1.75;
 const MAX_LAG: usize = 16;
 
 /// Correlations of the noise of frames 1, 2, … apart, from the flattest squares, and these with a frame's mean variance
-/// in them. No correlations where shared texture may explain them.
+/// in them. None where shared texture may explain them.
 fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>, (Vec<usize>, f32)) {
     let none = (Vec::new(), (Vec::new(), 0.0));
     if kept.len() < 5 {
         return none;
     }
-    // The squares are chosen by the first frames and measured in the others, so that the choice does not bias the
-    // measurement.
+    // The squares are chosen by the first frames and measured in the others, so that the choice has no effect.
     let (choosing, measuring) = kept.split_at(2);
     let mean = |variances: &[&[f32]]| -> Vec<f32> {
         let n = variances.len() as f32;

@@ -18,11 +18,9 @@ pub const SQUARE_PIXELS: usize = 4 * AREA;
 const MAX_SQUARES: usize = 512;
 /// Maximum number of squares of a lattice, about: those of a million pixels.
 const MAX_DENSE: usize = 4096;
-/// Variance of the filtered halved pixels for white noise of variance 1 in the frame's pixels: the mask's squares sum
-/// to 36, a mean over four has a quarter of the variance.
+/// Variance of the filtered values for white noise of variance 1: the mask's squares sum to 36, over four pixels.
 const GAIN: f32 = 9.0;
-/// Effective number of independent values of a square for its mean square: the filter's values are correlated, and Σρ²
-/// over a square is 3.31.
+/// Effective number of independent values of a square: Σρ² of the filter's values over it is 3.31.
 pub const FREE_VALUES: f32 = AREA as f32 / 3.31;
 
 /// The filtered squares of some frames.
@@ -248,8 +246,7 @@ pub fn quantile(sorted: &[f32], part: f32) -> f32 {
     sorted[((sorted.len() - 1) as f32 * part).round() as usize]
 }
 
-/// Relative standard deviation of sorted values, from their quartiles: those of a normal distribution are 1.35 standard
-/// deviations apart.
+/// Relative standard deviation of sorted values, from their quartiles: those of a normal one are 1.35 of it apart.
 pub fn spread(sorted: &[f32]) -> f32 {
     let part = |part| quantile(sorted, part);
     (part(0.75) - part(0.25)) / (1.35 * part(0.5).max(f32::MIN_POSITIVE))

@@ -56,8 +56,7 @@ pub struct NoiseModel {
     /// Share of the variance of one frame's noise that differences of neighbouring frames show.
     #[serde(skip)]
     shown: f32,
-    /// Share of the variance of one frame's noise that is the same in all frames, as a pattern of the sensor too weak
-    /// to be seen pixel by pixel; 0 where there is none.
+    /// Share of the variance of one frame's noise that is the same in all frames, too weak to be seen pixel by pixel.
     #[serde(skip_serializing_if = "is_zero")]
     pub pattern_share: f32,
     /// Flattening of blocks by the codec of the frames' files; `None` where there is none.
@@ -106,8 +105,7 @@ impl NoiseModel {
     }
 
     /// σ of D at `octave` and `level` (0 … S−1) for the slope whose frames are read at `offsets`, at the place of least
-    /// noise and where all frames cover. `gate` is the factor that it will be multiplied with: noise with long tails
-    /// counts as the normal noise that exceeds it as rarely.
+    /// noise. Noise with long tails counts as the normal noise that exceeds `gate` times it as rarely.
     pub fn sigma_d(
         &self,
         space: &ScaleSpace,
@@ -216,8 +214,7 @@ impl NoiseModel {
         ((octave - self.brightness.first_octave).max(0) as usize).min(last)
     }
 
-    /// Variance that the smooth part of stripes leaves in D: that of white stripes after the mean over the columns
-    /// around, for a filter along one axis.
+    /// Variance that the smooth part of stripes leaves in D: that of white ones after the mean over the columns around.
     fn stripes_left(&self, space: &ScaleSpace, octave: i32, level: i32) -> f32 {
         let of = |stripes: &Option<Stripes>| stripes.as_ref().map_or(0.0, |s| s.deviation.powi(2));
         let changing = |lines: &Option<ChangingLines>| match lines {

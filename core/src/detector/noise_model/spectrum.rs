@@ -43,8 +43,7 @@ const NOISE_SPREAD: f32 = 2.5;
 const MIN_OVER_WHITE: f32 = 0.02;
 /// Upper bound of the kurtosis: that of JPEG files of low quality.
 const MAX_KURTOSIS: f32 = 8.0;
-/// Number of independent values in a tile below which the kurtosis is not measured; it is then derived from the finer
-/// level's.
+/// Number of independent values in a tile below which the kurtosis is derived from the finer level's.
 const FREE_FOR_KURTOSIS: f32 = 40.0;
 /// Kurtosis up to which it is not distinguished from 0, and largest standard error at which it is measured.
 const MIN_KURTOSIS: f32 = 0.3;
@@ -95,8 +94,7 @@ fn level_noise(
     if variances.is_empty() {
         return None;
     }
-    // Files act alike everywhere, moving structures only here and there: the lower quartile of the tiles, corrected to
-    // the median expected of noise alone.
+    // Files act alike everywhere: the lower quartile of the tiles, corrected to the median expected of noise alone.
     let of_one_tile = (24.0 / free).sqrt();
     let kurtosis = quantile(&sorted(tiles.iter().map(|t| t.levels[level].1).collect()), 0.25) + 0.674 * of_one_tile;
     // A sample's kurtosis is too low by about 6 over its number of independent values.
@@ -116,15 +114,13 @@ fn level_noise(
     let total_error = of_noise / (variances.len() as f32).sqrt();
     if spread(&ordered) > NOISE_SPREAD * of_noise {
         let expected = before.map_or(1.0, |noise| noise.over_white);
-        // Tiles also differ by how well their brightness predicts their noise: the quiet ones do not lower the estimate
-        // below the median of all.
+        // Tiles also differ by their brightness: the quiet ones do not lower the estimate below the median of all.
         let quiet = quiet_variance(variances, free).max(middle.min(expected));
         let over_white = quiet.min(expected.max(1.0));
         return Some(LevelNoise { over_white, excess_kurtosis: 0.0 });
     }
     let mean = variances.iter().sum::<f32>() / variances.len() as f32;
-    // A difference from white below its own error is taken for 0, and a larger one is shrunk in proportion
-    // (James–Stein).
+    // A difference below its own error is taken for 0, and a larger one is shrunk in proportion (James–Stein).
     let off = mean - 1.0;
     let trust = if off == 0.0 { 0.0 } else { (1.0 - (total_error / off).powi(2)).max(0.0) };
     Some(LevelNoise { over_white: (1.0 + off * trust).max(MIN_OVER_WHITE), excess_kurtosis: kurtosis })
@@ -150,8 +146,7 @@ const TILE: usize = 64;
 const COARSE_TILE: usize = 48;
 /// Number of tiles that an octave should have, to tell moving structures from noise.
 const MIN_TILES: usize = 6;
-/// Number of pixels of the first octave that are measured, about: a standard deviation then has an error of three
-/// percent.
+/// Number of pixels of the first octave that are measured, about, for an error of three percent.
 const PIXELS: usize = 32_768;
 /// Number of pixels of octaves after the first, about; these have less noise.
 const COARSE_PIXELS: usize = 24_000;
@@ -185,8 +180,7 @@ pub struct TileMoments {
     pub levels: Vec<(f32, f32)>,
 }
 
-/// Moments of tiles of `octave` of `space`, spread over the image; none where the octave is too small, too coarse, or
-/// made of skipped pixels.
+/// Moments of tiles spread over the image; none where the octave is too small or coarse, or made of skipped pixels.
 pub fn tiles_of_octave(
     sources: Sources<'_>,
     space: &ScaleSpace,

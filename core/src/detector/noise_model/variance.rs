@@ -17,11 +17,9 @@ use serde::{Serialize, Serializer};
 /// Variance over brightness.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct PhotonTransfer {
-    /// a: variance per brightness, fraction of full scale; the inverse of the number of electrons at full scale for a
-    /// sensor without offset. At least 0.
+    /// a: variance per brightness, fraction of full scale: one over the electrons at full scale. At least 0.
     pub slope: f32,
-    /// b: variance at brightness 0, in (fraction of full scale)²; negative where black is lifted by more than the read
-    /// noise amounts to.
+    /// b: variance at brightness 0, in (fraction of full scale)²; negative where black is lifted by more.
     pub dark: f32,
     /// Lower bound of the variance, in (fraction of full scale)².
     pub min: f32,
@@ -45,14 +43,12 @@ const MIN_SQUARES: usize = 24;
 const MAX_GROUPS: usize = 16;
 /// Relative distance from the line beyond which a group does not count.
 const FAR: f64 = 0.4;
-/// Minimum difference between the darkest and the brightest group, in standard deviations of a square's brightness:
-/// groups of one brightness differ by four.
+/// Minimum span of the groups, in standard deviations of a square's brightness: those of one brightness differ by four.
 const MIN_SPAN: f64 = 7.0;
 const FITS: usize = 12;
 
 impl PhotonTransfer {
-    /// Fits squares of brightness `squares[i].0`, the mean of `pixels` values, and variance `squares[i].1`, from `free`
-    /// independent values. All 0 without squares.
+    /// Fits squares of brightness and variance, of `pixels` values, `free` of them independent. All 0 without squares.
     pub(super) fn fit(squares: &[(f32, f32)], pixels: usize, free: f32) -> Self {
         let mut sorted = squares.to_vec();
         sorted.sort_by(|x, y| x.0.total_cmp(&y.0));
@@ -195,8 +191,7 @@ impl Serialize for ExcessMap {
 
 /// Difference from 1 below which an excess is taken for 1.
 const MIN_EXCESS: f32 = 0.2;
-/// Roughness of the logarithm of the excess around a square, relative to that of noise, up to which the square is
-/// trusted.
+/// Roughness of the logarithm of the excess around a square, relative to noise's, up to which it is trusted.
 const TRUSTED_ROUGHNESS: f32 = 1.8;
 /// Difference from 1, in units of its error, above which an excess is significant.
 const SURE: f32 = 4.0;
@@ -275,8 +270,7 @@ impl ExcessMap {
     }
 }
 
-/// Standard deviation of the logarithm of a cell's ratio that explains the second differences around it: a steady rise
-/// has none.
+/// Deviation of the logarithm of a ratio that explains the second differences around it: a steady rise has none.
 fn roughness(ratios: &Plane, (x, y): (usize, usize)) -> f32 {
     let (columns, rows) = ratios.size();
     let log = |x: usize, y: usize| ratios.at(x, y).max(1e-6).ln();

@@ -225,8 +225,8 @@ const ROWS_APART: usize = 16;
 /// Share of cut-off pixels below which there is no warning.
 const MIN_CUT_OFF: f32 = 0.05;
 
-/// Share of pixels at the ends of the range, and a warning if it is large. Where a black level was subtracted, values
-/// reach below 0: the range then ends at a frame's least value.
+/// Share of pixels at the ends of the range, and a warning if it is large. Values may reach below 0: the range then
+/// ends at a frame's least value.
 pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning>) {
     let (mut black, mut white, mut count) = (0usize, 0usize, 0usize);
     for frame in frames {

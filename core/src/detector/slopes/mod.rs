@@ -104,8 +104,7 @@ fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
 }
 
 impl SlopeFinding {
-    /// Evidence from which the grid is chosen, for a search of `frame_count` frames with `params`: significant, clear,
-    /// and certain by itself or confirmed.
+    /// Evidence from which the grid for a search with `params` is chosen: clear, and certain by itself or confirmed.
     pub fn confirmed(&self, params: &DetectorParams, frame_count: usize) -> Vec<SlopeEvidence> {
         let steps = steps_of(params, params.used_frames(frame_count).len());
         let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
@@ -196,8 +195,8 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     }
 }
 
-/// Whether nothing moves: the evidence lies around slope 0, most of it no farther away than its uncertainty, and what
-/// is surely farther is too little to be confirmed.
+/// Whether the evidence lies around slope 0, most of it no farther away than its uncertainty, and what is surely
+/// farther is too little to be confirmed.
 fn stands_still(evidence: &[SlopeEvidence], steps: Steps, gaps: f64) -> bool {
     let still = STILL_PX / gaps;
     let middle = typical(evidence, |e| f64::from(e.slope.u)).hypot(typical(evidence, |e| f64::from(e.slope.v)));
@@ -275,8 +274,7 @@ pub enum SlopeVerdict {
     /// The frames have nothing significant in common; the grid is the usual one.
     #[default]
     NothingSeen,
-    /// The picture does not move uniformly: no slope aligns all frames. The finding's warnings name the reason where it
-    /// is known.
+    /// No slope aligns all frames. The finding's warnings name the reason where it is known.
     NotStraight,
     /// The frames move by more than a third of the picture: a film that should be cut into bursts.
     Film,
@@ -287,8 +285,7 @@ pub enum SlopeVerdict {
 pub struct SlopeSpectrum {
     /// Slopes, pixels per frame.
     pub slopes: Vec<Slope>,
-    /// For each slope, the power without each frame's own, divided by its standard deviation if the frames had nothing
-    /// in common.
+    /// For each slope, the power over its standard deviation if the frames had nothing in common.
     pub significance: Vec<f32>,
 }
 
@@ -299,19 +296,15 @@ pub struct SlopeFinding {
     pub grid: SlopeGrid,
     /// Kind of motion.
     pub verdict: SlopeVerdict,
-    /// Confidence: the part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds. 0
-    /// where there is none.
+    /// Part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds; 0 without any.
     pub confidence: f32,
-    /// Power of the strongest window divided by its standard deviation if the frames had nothing in common. A window
-    /// counts from 6.5 if it is large, and from 11.5 if it is small.
+    /// Largest significance of a window, which counts from 6.5 if it is large, and from 11.5 if it is small.
     pub significance: f32,
-    /// Direction in which most of the picture moves, degrees from +u towards +v, −180 … 180; `None` where nothing moves
-    /// or nothing is seen.
+    /// Direction in which most of the picture moves, degrees from +u towards +v, −180 … 180; `None` where nothing does.
     pub direction_deg: Option<f32>,
     /// Typical motion of the picture from the first to the last frame, pixels.
     pub moved_px: f32,
-    /// Largest distance of the picture's path from a uniform motion, pixels; `None` where single frames are too noisy
-    /// to measure it.
+    /// Largest distance of the picture's path from a uniform motion, pixels; `None` where frames are too noisy.
     pub deviation_px: Option<f32>,
     /// Irregularities of the motion: frames out of order, missing frames, a picture that turns or grows.
     pub warnings: Vec<MotionWarning>,

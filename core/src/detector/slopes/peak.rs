@@ -260,8 +260,7 @@ const MIN_SIGNIFICANCE: f64 = 6.0;
 /// Maximum number of steps up a peak, and the step length below which they end, level pixels.
 const MAX_STEPS: usize = 60;
 const FINEST_STEP: f64 = 0.02;
-/// Standard error of a shift times the significance of its peak, level pixels: one over the root of the band's
-/// curvature.
+/// Standard error of a shift times its peak's significance, level pixels: one over the root of the band's curvature.
 const SHIFT_ERROR: f64 = 1.2;
 
 /// Path of the picture as a whole; all lengths in one unit.

@@ -15,8 +15,7 @@ use serde::Serialize;
 pub struct MotionWarning {
     /// Kind of irregularity.
     pub kind: MotionWarningKind,
-    /// Frames concerned, counted from the first one used: those that are out of order, or those after which frames are
-    /// missing; none for a picture that turns or grows.
+    /// Those out of order, or after which frames are missing, counted from the first one used.
     pub frames: Vec<usize>,
     /// Size of the effect: number of frames out of order or missing, degrees from +u towards +v, or percent.
     pub number: f32,
@@ -169,9 +168,8 @@ pub(super) fn of_places(evidence: &[SlopeEvidence], steps: Steps, size: Size) ->
     warnings
 }
 
-/// Change of the slope (u, v) with place (u, v), per pixel and frame, from the windows' evidence, and the share of the
-/// windows' spread of slopes that it leaves; `error` is a slope's least error. `None` for too few windows, or if these
-/// lie on a line.
+/// Change of the slope (u, v) with place (u, v), per pixel and frame, and the share of the windows' spread of slopes
+/// that it leaves; `error` is a slope's least error. `None` for too few windows, or if these lie on a line.
 fn affine(evidence: &[&SlopeEvidence], size: Size, error: f64) -> Option<([[f64; 2]; 2], f64)> {
     if evidence.len() < MIN_WINDOWS {
         return None;

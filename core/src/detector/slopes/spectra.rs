@@ -19,8 +19,7 @@ pub(super) const SIDE: usize = 32;
 const AREA: usize = SIDE * SIDE;
 /// Number of values of half a spectrum; the other half follows from it, because the window's values are real.
 const HALF: usize = (SIDE / 2 + 1) * SIDE;
-/// σ of the band's inner Gaussian, level pixels: with the mean over a level pixel about 2 to 2.5 image pixels at level
-/// 1.
+/// σ of the band's inner Gaussian, level pixels: with the mean over a pixel 2 to 2.5 image pixels at level 1.
 const BAND_SIGMA: f64 = 1.0;
 /// Ratio of the outer Gaussian's σ to the inner one's.
 const BAND_RATIO: f64 = 1.6;
@@ -82,8 +81,7 @@ impl CrossSpectra {
         }
     }
 
-    /// Removes the products of the first `count` lags, at which frames have noise in common. Others then repeat each
-    /// other, so that their noise is larger.
+    /// Removes the first `count` lags, at which frames have noise in common; at others it then repeats itself.
     pub fn forget_lags(&mut self, count: usize) {
         self.lags.iter_mut().take(count).for_each(|lag| *lag = Spectrum::zeros());
         let repeated = ((count + 1) * (count + 1)) as f64;
@@ -204,8 +202,7 @@ impl Fourier {
         let mut out = Vec::with_capacity(spectra.len());
         for two in spectra.chunks(2) {
             merge(&two[0], two.get(1), &mut scratch.packed);
-            // A spectrum has the frequencies of u first, as `transform` leaves it; applying it again restores the
-            // order.
+            // `transform` leaves the frequencies of u first; applying it again restores the order.
             transform(&*self.inverse, &mut scratch.packed, &mut scratch.turned, &mut scratch.fft);
             let scale = 1.0 / AREA as f32;
             out.push(scratch.packed.iter().map(|z| z.re * scale).collect());

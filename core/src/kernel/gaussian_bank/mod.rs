@@ -89,11 +89,9 @@ struct FilterJob<'a, L: Lines + ?Sized> {
     batch_done: &'a mut dyn FnMut(&[Tile], Range<usize>),
 }
 
-/// Filters `region` of the image that `lines` holds, whose width and height are those of the axes.
-///
-/// `differences` (one fewer than levels) are reset to the region and become level `i + 1` minus level `i`. `keep` names
-/// a level to store as well, and its tile. `batch_done` is called as rows are finished, with the differences and the
-/// range of new rows.
+/// Filters `region` of the image that `lines` holds. `differences` (one fewer than levels) become level `i + 1` minus
+/// level `i`. `keep` names a level to store as well, and its tile. `batch_done` is called with the differences and the
+/// range of rows just finished.
 pub fn filter_tile<L: Lines + ?Sized>(
     (along_u, along_v): (&Axis, &Axis),
     lines: &L,
@@ -176,8 +174,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         let wide = self.along_u.inputs(columns);
         let offset = reach - (columns.start - wide.start);
         let FilterScratch { line, bands, .. } = &mut *self.scratch;
-        // Where the row's memory covers everything that the vectors touch, it is read in place; values beyond the image
-        // have no effect.
+        // A row whose memory covers all that the vectors touch is read in place.
         let there = self.lines.line(v, wide.start);
         let line: &[f32] = if offset == 0 && there.len() >= self.stride + 2 * reach {
             there

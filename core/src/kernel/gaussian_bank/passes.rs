@@ -99,8 +99,7 @@ fn convolve<S: Simd, const L: usize>(
             let tap = simd.splat_f32s(tap);
             *acc = [simd.mul_f32s(tap, centre[0]), simd.mul_f32s(tap, centre[1])];
         }
-        // For each distance, the pixels before and behind and the taps of all levels. Iterators need no bounds checks
-        // in the loop.
+        // For each distance, the pixels before and behind and all levels' taps. Iterators need no bounds checks.
         let before = line[at - radius..at + 2 * lanes - 1].windows(2 * lanes).rev();
         let behind = line[at + 1..at + 2 * lanes + radius].windows(2 * lanes);
         let mut distances = before.zip(behind).zip(group.taps[L..].chunks_exact(L));
