@@ -105,8 +105,7 @@ fn cubic(c: &[f32; 4], q: f32) -> f32 {
     q.mul_add(q.mul_add(q.mul_add(c[3], c[2]), c[1]), c[0])
 }
 
-/// The sums that make a [`KernelResponse`], over the pixels from (`first.0`, `first.1`) on. `x` and `y` are the
-/// distances of their columns and rows from the place in radii; columns that only pad a vector have distances beyond 1.
+/// The sums that make a [`KernelResponse`]. `x` and `y` are the distances of columns and rows, in radii.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn sums(
     kernel: &CompactKernel,

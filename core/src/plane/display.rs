@@ -20,8 +20,7 @@ pub const GAMMA_RANGE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
-    /// Value shown with the map's first colour, as all smaller ones are, in the picture's unit (fraction of full
-    /// scale).
+    /// Value shown with the map's first colour, as smaller ones are, in the picture's unit (fraction of full scale).
     pub min: f32,
     /// Value shown with the map's last colour. Larger values get the same colour.
     pub max: f32,
@@ -263,12 +262,9 @@ fn neutral_centre(map: impl Fn(f64) -> Rgb, t: f64) -> Rgb {
     })
 }
 
-/// A cyclic colour for a direction: the hue tells `angle_rad` (from +u towards +v), the saturation tells
-/// `magnitude_fraction` in [0, 1].
-///
-/// Lightness is about the same all around, so no direction looks much stronger than another; magnitude 0 is a neutral
-/// grey. Saturation grows faster at first (power 0.6), so that small motions can be told from none. The hues are those
-/// of the OKLCH colour space (Ottosson 2020, "A perceptual color space for image processing").
+/// A cyclic colour for a direction: the hue tells `angle_rad` (from +u towards +v), the saturation `magnitude_fraction`
+/// in [0, 1], at first faster (power 0.6). Lightness is about the same all around. The hues are those of the OKLCH
+/// colour space (Ottosson 2020, "A perceptual color space for image processing").
 pub fn direction_colour(angle_rad: f32, magnitude_fraction: f32) -> Rgb {
     const LIGHTNESS: f32 = 0.75;
     // A little beyond what sRGB holds for every hue: cyan is clamped, the others gain.

@@ -22,8 +22,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A plane of zeros of `width × height` pixels. Either may be 0. Unwinds as [`memory::NoMemory`] where the system
-    /// refuses the memory, as all constructors of planes do.
+    /// A plane of zeros. Unwinds as [`memory::NoMemory`] where the system refuses the memory, as all constructors do.
     pub fn zeros(width: usize, height: usize) -> Self {
         Self { width, height, data: Pixels::Own(memory::zeroed(width.saturating_mul(height))) }
     }

@@ -35,11 +35,9 @@ pub fn difference(a: &Plane, b: &Plane, b_px_per_a_px: f32) -> Plane {
     })
 }
 
-/// A square patch of `size × size` samples around `centre` = (u, v), reaching `half_width_px` pixels to each side. Its
-/// horizontal axis points along `angle_rad` (from +u towards +v): what a descriptor with that orientation sees.
-///
-/// Sample (i, j) is the value at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`, turned: the samples
-/// are the centres of `size²` equal squares. Samples outside the plane are NaN, which is shown in its own colour.
+/// A square patch of `size × size` samples around `centre` = (u, v), reaching `half_width_px` pixels to each side,
+/// whose horizontal axis points along `angle_rad` (from +u towards +v): what a descriptor with that orientation sees.
+/// Sample (i, j) is the value at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`, turned; outside NaN.
 pub fn sample_patch(plane: &Plane, centre: (f32, f32), half_width_px: f32, angle_rad: f32, size: usize) -> Plane {
     let (sin, cos) = angle_rad.sin_cos();
     let offset = |i: usize| half_width_px * ((2 * i + 1) as f32 / size as f32 - 1.0);

@@ -279,8 +279,7 @@ pub enum RadiusLaw {
 }
 
 impl RadiusLaw {
-    /// Draws a radius from `range` (pixels, above 0). Both distributions take one number from `stream`, so charts of
-    /// the same seed differ only in their radii.
+    /// Both distributions take one number from `stream`, so charts of the same seed differ only in their radii.
     pub(super) fn draw(self, range: &RangeInclusive<f64>, stream: &mut Stream) -> f64 {
         let (smallest, largest) = (*range.start(), *range.end());
         match self {

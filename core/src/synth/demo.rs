@@ -42,8 +42,7 @@ pub fn demo_burst() -> Burst {
     demo_burst_at("demo", 0.0, SEED)
 }
 
-/// The demo's street [`LATER_FRAMES`] frames later, with other noise, to match with the first burst. Three layers have
-/// moved on horizontally, as for a camera that moves sideways; the lanterns rise and fit no such camera.
+/// The demo's street [`LATER_FRAMES`] frames later, with other noise, to match with the first burst.
 pub fn later_demo_burst() -> Burst {
     demo_burst_at("demo-later", LATER_FRAMES, SEED + 1)
 }

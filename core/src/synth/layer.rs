@@ -27,7 +27,6 @@ pub struct Layer {
     pub slope_u: f64,
     pub slope_v: f64,
     pub sheet: Sheet,
-    /// Discs on it, in the order in which they were painted.
     pub landmarks: Vec<Landmark>,
 }
 
@@ -71,7 +70,6 @@ impl Layer {
         self.landmarks.push(Landmark { u, v, radius, bright });
     }
 
-    /// Composites the layer, as it is `dt` frames after mid-burst, over `picture`.
     pub fn draw_over(&self, picture: &mut Plane, dt: f64, monitor: &Monitor) -> Result<(), Cancelled> {
         let Some([c0, c1, r0, r1]) = self.sheet.used() else { return Ok(()) };
         let half = 0.5 * (OVERSAMPLING as f64 - 1.0);

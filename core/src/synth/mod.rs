@@ -158,8 +158,7 @@ pub fn check_camera(read_noise: f64, bits: u32) -> Result<(), SynthError> {
     Ok(())
 }
 
-/// Draws and captures `frames` frames. Frame t takes its noise from stream t + 1 of the seed (stream 0 lays out the
-/// scene), so the result does not depend on the threads.
+/// Frame t takes its noise from stream t + 1 of the seed, so the result does not depend on the threads.
 fn capture_burst(
     name: &str,
     frames: usize,

@@ -36,8 +36,7 @@ pub struct SceneParams {
     /// Largest slope on each axis, pixels per frame.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SLOPE", default_value_t = Self::default().max_slope))]
     pub max_slope: f64,
-    /// Signal-to-noise ratio of one pixel in one frame between boards ([`BOARD`]) and marks ([`MARK`]); may be
-    /// infinite.
+    /// Signal-to-noise ratio of one pixel in one frame between boards ([`BOARD`]) and marks ([`MARK`]).
     #[cfg_attr(feature = "cli", arg(long, value_name = "RATIO", default_value_t = Self::default().snr, help = SNR_HELP))]
     pub snr: f64,
     /// Standard deviation of the read noise, electrons.

@@ -38,8 +38,7 @@ pub enum Extent {
 
 /// Number of standard errors above which what the bands have in common is significant.
 const SURE: f32 = 6.0;
-/// Correlation with the next line, and with the one after it, up to which lines are sharp. Interpolation between
-/// columns, as where stripes drift, shares up to a half with the next one.
+/// Correlation with the next two lines up to which lines are sharp: interpolation shares up to a half with the next.
 const SHARP: [f32; 2] = [0.6, 0.4];
 /// Minimum ratio of the power that the bands share to the variance between them, for sharp and for wide lines.
 const SHARED: [f32; 2] = [0.25, 4.0];
@@ -96,14 +95,13 @@ impl ChangingLines {
         }
     }
 
-    /// Variance of independent lines that have the same coarse means as the offsets in the mean of the frames, before
-    /// they are taken off. Interpolation takes a part of what lasts, but not of coarse means.
+    /// Variance of independent lines with the same coarse means as the offsets in the mean of the frames: interpolation
+    /// takes a part of what lasts, but not of coarse means.
     pub(super) fn variance_in_mean(&self) -> f32 {
         if self.is_whole { 0.0 } else { self.deviation.powi(2) * self.coarse * (INTERPOLATED * self.lasting).min(1.0) }
     }
 }
 
-/// Offsets that the bands of one frame have in common, fraction of full scale.
 struct Shared {
     even: Vec<f32>,
     odd: Vec<f32>,

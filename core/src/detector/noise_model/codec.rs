@@ -16,8 +16,7 @@ const BLOCKS: usize = 2048;
 const FRAMES: usize = 4;
 /// Share of the blocks from which on they are no evidence of low noise.
 const MIN_FLAT: f32 = 0.25;
-/// Ratio of the shares with structure, half a block off the codec's blocks to in them, above which the blocks are a
-/// codec's: one with structure shares its pixels with four of those, an object of the scene lies in as many of either.
+/// Ratio of the shares with structure, half a block off to in place, above which the blocks are a codec's.
 const OFF_TO_IN: f32 = 1.25;
 const SURE: f32 = 5.0;
 /// Standard deviation of a filter, pixels, above which it does not resolve blocks.
@@ -159,9 +158,8 @@ impl InBlock {
     }
 }
 
-/// Factor on the standard deviation of the mean of `frames` frames, so that `gate` times it is exceeded as rarely as
-/// normal noise exceeds `gate`, where the noise of one frame has the excess kurtosis `kurtosis`: it is taken for normal
-/// noise that is present in a share 3/(3 + kurtosis) of the frames at each place. At least 1.
+/// Factor on σ of the mean of `frames` frames so that `gate` times it is exceeded as rarely as by normal noise. Noise
+/// of this excess `kurtosis` is taken for normal noise present in a share 3/(3 + kurtosis) of the frames. At least 1.
 pub fn rare(kurtosis: f32, frames: usize, gate: f32) -> f32 {
     let present = 3.0 / (3.0 + f64::from(kurtosis.max(0.0)));
     // Beyond some dozens of frames the mean is nearly normal, and their exact number matters no more.

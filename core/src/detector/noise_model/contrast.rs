@@ -32,8 +32,7 @@ pub fn contrasts(frames: usize) -> Vec<Contrast> {
     starts.map(|start| of(start, &[1.0, -2.0, 1.0])).collect()
 }
 
-/// The frames, of `frames` frames of `pixels` pixels each, that are examined closely, and the contrasts among these: at
-/// least two triples of neighbours, from the first to the last; all frames where they are few.
+/// The frames that are examined closely, and their contrasts: at least two triples of neighbours; all frames if few.
 pub fn looked_at(frames: usize, pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     let max = frames / 3;
     let triples = (LOOKED_PIXELS / (3 * pixels.max(1))).clamp(2, max.max(2));
@@ -112,9 +111,8 @@ impl Pixels<'_> {
 /// Number of extra columns that a row of a tile has room for, for filters that read whole vectors.
 const PADDING: usize = 32;
 
-/// Shifts in whole pixels by which the frames of a contrast, taken at `times`, are read farther along an axis of `n`
-/// pixels for a scene that moves by `slope` pixels a frame. All are moved by the same amount where that keeps the read
-/// of the pixels `range` inside: near a border another part of the scene is used.
+/// Shifts in whole pixels by which frames at `times` are read farther along an axis of `n` pixels for a scene that
+/// moves by `slope` px/frame; all moved alike where that keeps the read of `range` inside.
 pub(super) fn shifts(contrast: &Contrast, times: &[f32], slope: f32, range: &Range<usize>, n: usize) -> Vec<i64> {
     let middle = times[contrast[contrast.len() / 2].0];
     let mut shifts: Vec<i64> = contrast.iter().map(|&(t, _)| ((times[t] - middle) * slope).round() as i64).collect();
@@ -176,8 +174,7 @@ impl SceneMotion<'_> {
         OctaveMotion { planes, square, candidates }
     }
 
-    /// Slope at each of `places`: that of the part of the image around it, of which the middle 64 pixels a side are
-    /// used.
+    /// Slope at each of `places`: that of the middle 64 pixels a side of the part of the image around it.
     pub fn slopes_at(&self, places: &[(f32, f32)], (width, height): (usize, usize)) -> Vec<Slope> {
         let side = PART.max(((width * height) as f32 / MAX_PARTS as f32).sqrt() as usize);
         let (columns, rows) = (width.div_ceil(side), height.div_ceil(side));

@@ -41,8 +41,8 @@ pub struct FixedPattern {
 const MAX_HOT: f32 = 0.005;
 
 impl FixedPattern {
-    /// Contrast with its row above which a pixel stands out when frames with noise of this `variance` are
-    /// [read](Reading::new); `None` where no pattern can be found: in few frames, tiny ones, or without noise.
+    /// Contrast with its row above which a pixel stands out, for noise of this `variance`; `None` for few or tiny
+    /// frames.
     pub(super) fn stands_out(frames: usize, (width, height): (usize, usize), variance: f32) -> Option<f32> {
         let can_be_found = frames >= 4 && width >= 2 * REACH && height >= 2 * REACH && variance > 0.0;
         can_be_found.then(|| HOT * (variance / frames as f32).sqrt())
@@ -167,8 +167,7 @@ fn beyond(value: f32, around: &[f32; 8]) -> f32 {
     (value - max).max(0.0) + (value - min).min(0.0)
 }
 
-/// Whether the pixel is beyond all its neighbours except the hot ones `known`, in the mean of the frames and either in
-/// nearly every frame or, far beyond them, in some.
+/// Whether the pixel is beyond all its neighbours but those `known`, in the mean and in nearly all or some frames.
 fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(usize, usize)]) -> bool {
     let places = neighbours(u, v, frames[0].size());
     let masked = places.map(|at| known.contains(&at));
@@ -206,8 +205,7 @@ fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(us
     if off.abs() <= HOT * error || mean.abs() <= HOT * error {
         return false;
     }
-    // A pixel that flickers is far off in some frames. An object that crosses it shows in the pixels around as well,
-    // whose change from frame to frame is then larger than the noise.
+    // A pixel that flickers is far off in some frames; an object that crosses it shows in the pixels around as well.
     let far = FLICKERS * around.max(variance).sqrt();
     let flickers = || {
         around <= QUIET * variance && shown.iter().filter(|x| x.signum() == mean.signum() && x.abs() > far).count() >= 2
@@ -215,19 +213,16 @@ fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(us
     (in_nearly_all && mean.abs() > HOT * 0.5 * (own.max(0.0) / n).sqrt()) || flickers()
 }
 
-/// Variance of a square in one contrast, in the noise's, above which something was there for a moment only, and in all
-/// other contrasts up to which nothing else was.
+/// Variance of a square, in the noise's, above which it was struck in one contrast, and below which it was not.
 const STRUCK: [f32; 2] = [4.0, 2.0];
 /// Number of squares in which it has to have been.
 const MIN_STRUCK: usize = 3;
-/// Distance of a pixel from all pixels around it in the frames before and after, in standard deviations of a frame's
-/// noise, from which on it is struck; and that for pixels beside a struck one.
+/// Distance from all pixels around in the frames before and after, in deviations: of a struck one, and one beside it.
 const STRIKES: [f32; 2] = [5.0, 2.5];
 /// Share of struck pixels of a frame above which they are taken for moving structures.
 const MAX_STRUCK: f32 = 0.005;
 
-/// Whether something was in single frames only, as cosmic rays are: some squares have far more than `noise` in one of
-/// the `contrasts`, and no more than it in the others. Structures that move are in all of them.
+/// Whether some squares have far more than `noise` in one contrast only. Structures that move are in all of them.
 pub fn are_struck(squares: &HighPass, contrasts: &[Contrast], noise: f32) -> bool {
     let all: Vec<Vec<f32>> = contrasts.iter().map(|contrast| squares.variances(contrast)).collect();
     let is_struck = |square: &usize| {

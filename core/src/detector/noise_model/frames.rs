@@ -114,8 +114,8 @@ impl FrameSurvey {
         (mean / usual).clamp(0.02, 1.0)
     }
 
-    /// Share of the variance of a frame's noise that all frames have in common, from their mean, if it has `noise` and
-    /// more, alike in all squares; else 0. Texture differs from square to square.
+    /// Share of the variance that all frames have in common, if their mean has more than `noise`, alike everywhere;
+    /// else 0.
     pub fn pattern_share(&self, squares: &HighPass, noise: f32) -> f32 {
         let kept = self.kept();
         if kept.len() < 4 || !self.correlations.is_empty() || squares.are_flattened || noise <= 0.0 {
@@ -394,8 +394,7 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     if shared <= MIN_CORRELATION || spread(flat.iter().map(|&i| of_frames[i]).collect()) >= EVEN {
         return none;
     }
-    // From all frames, relative to their mean variance: so the sum over all lags is the variance of the frames' mean,
-    // even if the noise differs from frame to frame, as at the beginning of a recording.
+    // From all frames, relative to their mean variance: so the sum over all lags is the variance of the frames' mean.
     let alone = |t: usize| in_flat(&looks.frames[t]);
     let usual = kept.iter().map(|&t| alone(t)).sum::<f32>() / kept.len() as f32;
     let at_lag = |lag: usize| {

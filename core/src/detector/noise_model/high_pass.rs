@@ -12,7 +12,6 @@ use rayon::prelude::*;
 /// Side of a square, halved pixels.
 const SIDE: usize = 8;
 const AREA: usize = SIDE * SIDE;
-/// Number of image pixels of a square.
 pub const SQUARE_PIXELS: usize = 4 * AREA;
 /// Enough for an accuracy of one percent overall.
 const MAX_SQUARES: usize = 512;
@@ -23,7 +22,6 @@ const GAIN: f32 = 9.0;
 /// Effective number of independent values of a square: Σρ² of the filter's values over it is 3.31.
 pub const FREE_VALUES: f32 = AREA as f32 / 3.31;
 
-/// The filtered squares of some frames.
 #[derive(Debug, Clone)]
 pub struct HighPass {
     /// Centre of each square, image pixels.
@@ -101,8 +99,8 @@ impl HighPass {
         (0..self.places.len()).map(of_square).collect()
     }
 
-    /// Variance of the noise of one frame in each square: the mean over `contrasts` of `frames`, taken at `times` and
-    /// read where the scene, which moves by `slopes[square]` px/frame, has moved to.
+    /// Variance of one frame's noise in each square: the mean over `contrasts` of `frames`, read where the scene has
+    /// moved.
     pub fn still_variances(
         &self,
         frames: &[&Plane],

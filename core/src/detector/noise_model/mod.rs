@@ -84,8 +84,7 @@ struct Brightness {
     first_octave: i32,
 }
 
-/// Relative growth of the gate where all noise is cut off on one side: the rest is skewed, and so, a little, is D. With
-/// half of the pixels cut off the measured excess of false features requires six percent.
+/// Relative growth of the gate where all noise is cut off on one side: the rest is skewed, and so, a little, is D.
 const SKEWED: f32 = 0.12;
 /// Relative growth of the gate for each unit by which the logarithm of the noise, relative to white noise, rises over
 /// an octave: correlated noise falls more slowly with scale, so that more of its extremes beat the finer level too.
@@ -139,8 +138,7 @@ impl NoiseModel {
         sigma.max(ROUNDING * self.brightness.brightest)
     }
 
-    /// Ratio of σ of D at the image's pixel (u, v), in the stack whose frames are read at `offsets`, to its smallest
-    /// value: from the mean over some of the frames that cover it. At least 1.
+    /// Ratio (at least 1) of σ of D at pixel (u, v) to its smallest value, from some of the frames that cover it.
     pub fn place_factor(
         &self,
         octave: i32,
@@ -244,9 +242,9 @@ impl NoiseModel {
         variance * energy as f32
     }
 
-    /// Variance in the mean of `frames` frames, relative to that of independent ones whose differences show as much
-    /// noise, for a slope of `speed` px/frame: noise that stays in place counts again as far as the filter, the
-    /// difference of Gaussians of the variances `filter` (pixels²), still reaches it.
+    /// Variance in the mean of `frames` frames relative to that of independent ones whose differences show as much
+    /// noise: what stays in place at `speed` px/frame counts again as far as the filter (variances, pixels²) reaches
+    /// it.
     fn repeated_over_time(&self, frames: usize, speed: f32, filter: [f32; 2]) -> f32 {
         if self.correlations.is_empty() && self.pattern_share == 0.0 {
             return 1.0;

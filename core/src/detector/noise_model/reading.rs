@@ -47,9 +47,9 @@ struct Band {
 }
 
 impl Reading {
-    /// Reads `frames` of one size (at least 2×2 pixels) into pyramids of `levels` levels. With `stands_out`, from at
-    /// least two frames, so is the data of the sensor's pattern, and pixels are listed whose mean over the frames differs
-    /// from those beside them by more than it.
+    /// Reads `frames` of one size (at least 2×2 pixels) into pyramids of `levels` levels; with `stands_out`, from at
+    /// least two frames, also the pattern's data, and the pixels whose mean differs by more than it from those beside
+    /// them.
     pub fn new(
         frames: &[&Plane],
         levels: usize,
@@ -249,8 +249,8 @@ fn halve_pair(upper: &[f32], lower: &[f32], out: &mut [f32]) {
     }
 }
 
-/// Value of a pyramid's `plane`, whose pixels are squares of `square` image pixels, at the image's place (u, v):
-/// bilinear between the centres of the squares, constant beyond the outermost.
+/// Value of a pyramid's `plane` of squares of `square` px at the image's (u, v): bilinear, constant beyond the
+/// outermost.
 pub fn sample_at(plane: &Plane, square: f32, u: f32, v: f32) -> f32 {
     let split = |x: f32, n: usize| {
         let at = ((x + 0.5) / square - 0.5).clamp(0.0, n as f32 - 1.0);

@@ -50,7 +50,6 @@ const MIN_KURTOSIS: f32 = 0.3;
 /// Kurtosis of one frame relative to that of a combination of frames with weights 1, −2, 1, or 1, −1.
 const OF_ONE_FRAME: f32 = 2.0;
 
-/// Measures the levels 0 … S−1 of the octaves `octaves` of `space`.
 pub fn measure(
     sources: Sources<'_>,
     space: &ScaleSpace,
@@ -79,7 +78,6 @@ pub fn measure(
     Ok(levels)
 }
 
-/// Noise of a level of `space` from its tiles, after the finer level `before`. `None` where there is no tile.
 fn level_noise(
     tiles: &[TileMoments],
     level: usize,
@@ -152,8 +150,7 @@ const PIXELS: usize = 32_768;
 const COARSE_PIXELS: usize = 24_000;
 /// Ratio of the numbers of pixels that are measured where noise is rare and elsewhere.
 const FOR_RARE: usize = 8;
-/// Number of octaves that are measured, from the first one searched. Noise correlated over the distances of coarser
-/// octaves is rare, and there the scene is far stronger than the noise.
+/// Number of octaves that are measured: in coarser ones the scene is far stronger than the noise.
 const OCTAVES: i32 = 3;
 /// Border of the image that is left out, octave pixels: filters that repeat the border let more noise pass there.
 const BORDER: usize = 8;

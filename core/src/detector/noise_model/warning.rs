@@ -61,7 +61,6 @@ impl NoiseWarning {
     }
 }
 
-/// Warnings about frames left out, by the reason, about flicker (evened out or not) and about correlation over time.
 pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarning> {
     let total = survey.frames.len();
     let mut warnings = Vec::new();
@@ -222,11 +221,9 @@ pub(super) fn of_places(excess: Option<&ExcessMap>) -> Option<NoiseWarning> {
 }
 
 const ROWS_APART: usize = 16;
-/// Share of cut-off pixels below which there is no warning.
 const MIN_CUT_OFF: f32 = 0.05;
 
-/// Share of pixels at the ends of the range, and a warning if it is large. Values may reach below 0: the range then
-/// ends at a frame's least value.
+/// Share of pixels at the ends of the range (from a frame's least value where that is below 0); a warning if large.
 pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning>) {
     let (mut black, mut white, mut count) = (0usize, 0usize, 0usize);
     for frame in frames {
@@ -252,7 +249,6 @@ pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning
     (share, warning)
 }
 
-/// Text of up to six frame numbers, and of how many more there are.
 fn numbered(frames: &[usize]) -> String {
     let shown: Vec<String> = frames.iter().take(6).map(usize::to_string).collect();
     let rest = if frames.len() > 6 { format!(" and {} more", frames.len() - 6) } else { String::new() };

@@ -21,8 +21,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub struct SlopeEvidence {
     /// Slope at which the motion stack has the most power, pixels per frame.
     pub slope: Slope,
-    /// Power at that slope, without each frame's own, divided by its standard deviation if the frames had nothing in
-    /// common.
+    /// Power at that slope over its standard deviation if the frames had nothing in common.
     pub significance: f32,
     /// Possible error of the slope, pixels per frame, in the direction in which it is least certain (along an edge).
     pub uncertainty: f32,

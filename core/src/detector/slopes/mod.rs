@@ -42,8 +42,7 @@ const STILL_PX: f64 = 0.95;
 const SURELY: f64 = 2.5;
 /// Number of confirmed windows that move from which on a picture whose most stands still does not.
 const MIN_MOVING: usize = 3;
-/// Distance from a uniform motion, in pixels of the pyramid's level, up to which a picture whose windows stand still
-/// does so: the path of sparse structures is less exact than its noise.
+/// Distance from a uniform motion, in pixels of the level, up to which a picture whose windows stand still does so.
 const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
@@ -123,7 +122,6 @@ pub(crate) fn axis_through(
     (!evidence.is_empty()).then(|| evidence::axis(range(), steps_of(params, frames).search, LINE_SLOPES))
 }
 
-/// Number of slopes with which the range of `axis` would be searched.
 pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: usize, is_plane: bool) -> usize {
     let most = if is_plane { PLANE_SLOPES } else { LINE_SLOPES };
     evidence::count([axis.min, axis.max].map(f64::from), steps_of(params, frames).search, most)
@@ -159,7 +157,6 @@ pub fn resolve(
 struct Size {
     /// Number of frames less one.
     gaps: f64,
-    /// Columns and rows.
     pixels: (usize, usize),
 }
 
@@ -195,8 +192,7 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     }
 }
 
-/// Whether the evidence lies around slope 0, most of it no farther away than its uncertainty, and what is surely
-/// farther is too little to be confirmed.
+/// Whether most evidence lies no farther from slope 0 than its uncertainty, and too little is surely farther.
 fn stands_still(evidence: &[SlopeEvidence], steps: Steps, gaps: f64) -> bool {
     let still = STILL_PX / gaps;
     let middle = typical(evidence, |e| f64::from(e.slope.u)).hypot(typical(evidence, |e| f64::from(e.slope.v)));

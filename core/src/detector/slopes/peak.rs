@@ -17,7 +17,6 @@ const REACH: f64 = 0.4 * SIDE as f64;
 const SEARCH_LAGS: usize = 5;
 /// Largest shift between neighbouring slopes of the grid, level pixels.
 const SEARCH_STEP: f64 = 0.8;
-/// Overlap below which there is taken to be none.
 const MIN_OVERLAP: f32 = 0.03;
 /// Part of P by which texture may shift its peak, in addition to the noise.
 const TEXTURE_PART: f64 = 0.01;
@@ -34,15 +33,12 @@ pub(super) enum Track {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Peak {
     pub slope: [f64; 2],
-    /// Power there divided by its standard deviation if the frames had nothing in common.
     pub significance: f64,
     /// Possible error of the slope in the direction in which it is least certain.
     pub uncertainty: f64,
-    /// Power at the strongest other slope divided by that at this one.
     pub ambiguity: f64,
 }
 
-/// Indices and weights for reading the correlation of one lag at one slope of the grid.
 struct Tap {
     at: [u16; 4],
     weight: [f32; 4],
@@ -103,7 +99,6 @@ impl SearchTable {
         }
     }
 
-    /// Significance at every slope of the grid, from the first few lags.
     pub fn scores(&self, planes: &[Vec<f32>], variance: &[f64]) -> Vec<f64> {
         let score = |taps: &Vec<Tap>| {
             let (mut power, mut noise) = (0.0f64, 0.0f64);
@@ -334,7 +329,6 @@ pub(super) fn lags_of_shared_noise(products: &CrossSpectra, fourier: &Fourier) -
     (1..planes.len()).take_while(|lag| is_noise(*lag)).count()
 }
 
-/// Shift at which a correlation is largest, and its significance; `None` where that is too small.
 fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f64)> {
     let largest = largest_at(plane);
     let significance = f64::from(plane[largest]) / variance.sqrt();

@@ -37,7 +37,6 @@ pub enum MotionWarningKind {
     Grows,
 }
 
-/// Minimum number of frames for a judgement of their order.
 const MIN_FRAMES: usize = 4;
 /// Difference from a whole number of steps, in steps, up to which a distance is regular.
 const REGULAR: f64 = 0.3;
@@ -108,7 +107,6 @@ fn missing_frames(after: Vec<usize>, missing: usize) -> MotionWarning {
     MotionWarning { kind: MotionWarningKind::MissingFrames, number: missing as f32, frames: after, text }
 }
 
-/// Positions along and across the direction in which they are spread most.
 fn main_axis(way: &[[f64; 2]]) -> (Vec<f64>, Vec<f64>) {
     let mean = |axis: usize| way.iter().map(|x| x[axis]).sum::<f64>() / way.len() as f64;
     let mean = [mean(0), mean(1)];
@@ -121,9 +119,7 @@ fn main_axis(way: &[[f64; 2]]) -> (Vec<f64>, Vec<f64>) {
     way.iter().map(turned).unzip()
 }
 
-/// Minimum number of windows for an affine map.
 const MIN_WINDOWS: usize = 8;
-/// Number of iterations of the robust fit.
 const FITS: usize = 8;
 /// Distance from the fit, in its typical distance, beyond which a window does not count.
 const FAR: f64 = 4.0;
@@ -208,7 +204,6 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Distance of each slope from the affine map `fit` of its place.
 fn distances<'a>(at: &'a [[f64; 3]], slopes: &'a [[f64; 2]], fit: &'a [[f64; 3]; 2]) -> impl Iterator<Item = f64> + 'a {
     at.iter().zip(slopes).map(|(x, slope)| {
         let of = |axis: usize| slope[axis] - (0..3).map(|i| fit[axis][i] * x[i]).sum::<f64>();

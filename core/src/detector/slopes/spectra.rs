@@ -21,7 +21,6 @@ const AREA: usize = SIDE * SIDE;
 const HALF: usize = (SIDE / 2 + 1) * SIDE;
 /// σ of the band's inner Gaussian, level pixels: with the mean over a pixel 2 to 2.5 image pixels at level 1.
 const BAND_SIGMA: f64 = 1.0;
-/// Ratio of the outer Gaussian's σ to the inner one's.
 const BAND_RATIO: f64 = 1.6;
 /// Largest lag that is used: pairs of frames further apart add little new information.
 pub(super) const MAX_LAG: usize = 12;
@@ -33,7 +32,6 @@ pub(super) struct Spectrum {
 }
 
 impl Spectrum {
-    /// Adds conj(a)·b.
     fn add_product(&mut self, a: &Self, b: &Self) {
         add_conjugate_products(&a.re, &a.im, &b.re, &b.im, &mut self.re, &mut self.im);
     }
@@ -97,7 +95,6 @@ impl CrossSpectra {
     }
 }
 
-/// Data shared by all windows: the transforms, the window function, the band.
 pub(super) struct Fourier {
     forward: Arc<dyn Fft<f32>>,
     inverse: Arc<dyn Fft<f32>>,

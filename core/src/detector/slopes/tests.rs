@@ -6,13 +6,11 @@ fn find(burst: &Burst) -> SlopeFinding {
     find_slopes(burst, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled")
 }
 
-/// Right step for frames at the default levels, pixels per frame.
 fn step(burst: &Burst) -> f64 {
     let space = ScaleSpace::of(&DetectorParams::default());
     2.0 * space.sigma_image(0, 0.0) / (burst.len() - 1) as f64
 }
 
-/// Whether the grid holds `slope`, with a tolerance of `around` pixels per frame.
 fn holds(grid: &SlopeGrid, slope: Slope, around: f64) -> bool {
     let [along, across] = turned(slope, f64::from(grid.direction_deg));
     let within = |x: f64, axis: &crate::detector::SlopeAxis| {

@@ -89,9 +89,8 @@ struct FilterJob<'a, L: Lines + ?Sized> {
     batch_done: &'a mut dyn FnMut(&[Tile], Range<usize>),
 }
 
-/// Filters `region` of the image that `lines` holds. `differences` (one fewer than levels) become level `i + 1` minus
-/// level `i`. `keep` names a level to store as well, and its tile. `batch_done` is called with the differences and the
-/// range of rows just finished.
+/// `differences` (one fewer than levels) become level `i + 1` minus level `i`. `keep` names a level to store as well,
+/// and its tile. `batch_done` is called with the differences and the range of rows just finished.
 pub fn filter_tile<L: Lines + ?Sized>(
     (along_u, along_v): (&Axis, &Axis),
     lines: &L,

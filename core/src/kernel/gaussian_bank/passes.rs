@@ -273,8 +273,7 @@ pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
     }
 }
 
-/// Computes `ROWS` rows near a border, from row `first` on, of a block of columns whose first one in the tile is
-/// `column`. `rows` are those of the band, which begins at row `top`.
+/// Computes `ROWS` rows near a border, from row `first` on; `rows` are those of the band from row `top` on.
 #[inline(always)]
 pub(crate) fn edge_rows<S: Simd, const ROWS: usize>(
     simd: S,
