@@ -155,6 +155,41 @@ impl Patch {
             }
         }
     }
+
+    /// Blurs at least four rows into `out`. The patch must extend beyond them by the kernel's radius.
+    pub fn blurred(
+        &self,
+        columns: Range<i64>,
+        rows: Range<i64>,
+        kernel: &GaussianKernel,
+        scratch: &mut BlurScratch,
+        out: &mut Self,
+    ) {
+        let radius = kernel.radius() as i64;
+        let (left, top) = (columns.start - radius, rows.start - radius);
+        assert!(self.columns().start <= left && self.columns().end >= columns.end + radius, "the patch is wide enough");
+        assert!(self.rows().start <= top && self.rows().end >= rows.end + radius, "the patch is high enough");
+        // Vectors that begin at cache lines.
+        let skipped = (left - self.columns().start) as usize % LANES;
+        let (width, count) = (columns.clone().count(), rows.clone().count());
+        assert!(count >= TOGETHER, "{count} rows are too few");
+        out.reset(columns.clone(), rows.clone());
+        let stride = out.stride();
+        let band_stride = (skipped + width + 2 * kernel.radius()).next_multiple_of(LANES);
+        scratch.0.grow(TOGETHER * band_stride + LANES);
+        Arch::new().dispatch(BlurRows {
+            from: self.values(left - skipped as i64, top),
+            from_stride: self.stride(),
+            half: kernel.half(),
+            band: &mut scratch.0,
+            band_stride,
+            skipped,
+            out: out.values_mut(columns.start, rows.start),
+            stride,
+            columns: width,
+            rows: count,
+        });
+    }
 }
 
 /// Fills the part of `patch` inside the frames with their motion-stack image.
@@ -193,43 +228,6 @@ fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, si
 
 #[derive(Debug, Default)]
 pub struct BlurScratch(Aligned);
-
-impl Patch {
-    /// Blurs at least four rows into `out`. The patch must extend beyond them by the kernel's radius.
-    pub fn blurred(
-        &self,
-        columns: Range<i64>,
-        rows: Range<i64>,
-        kernel: &GaussianKernel,
-        scratch: &mut BlurScratch,
-        out: &mut Self,
-    ) {
-        let radius = kernel.radius() as i64;
-        let (left, top) = (columns.start - radius, rows.start - radius);
-        assert!(self.columns().start <= left && self.columns().end >= columns.end + radius, "the patch is wide enough");
-        assert!(self.rows().start <= top && self.rows().end >= rows.end + radius, "the patch is high enough");
-        // Vectors that begin at cache lines.
-        let skipped = (left - self.columns().start) as usize % LANES;
-        let (width, count) = (columns.clone().count(), rows.clone().count());
-        assert!(count >= TOGETHER, "{count} rows are too few");
-        out.reset(columns.clone(), rows.clone());
-        let stride = out.stride();
-        let band_stride = (skipped + width + 2 * kernel.radius()).next_multiple_of(LANES);
-        scratch.0.grow(TOGETHER * band_stride + LANES);
-        Arch::new().dispatch(BlurRows {
-            from: self.values(left - skipped as i64, top),
-            from_stride: self.stride(),
-            half: kernel.half(),
-            band: &mut scratch.0,
-            band_stride,
-            skipped,
-            out: out.values_mut(columns.start, rows.start),
-            stride,
-            columns: width,
-            rows: count,
-        });
-    }
-}
 
 /// Rows blurred by the kernel whose centre and right half are `half`.
 struct BlurRows<'a> {

@@ -41,7 +41,6 @@ use crate::plane::Plane;
 use random::Stream;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Directions of motion.
@@ -126,15 +125,12 @@ pub fn check_common(
     check_camera(read_noise, bits)
 }
 
-/// Least and greatest ratio of signal to noise, of those that are finite.
-const SNR_RANGE: RangeInclusive<f64> = 1e-6..=1e9;
-
 /// Checks a ratio of signal to noise.
 ///
 /// # Errors
 /// As [`check_common`].
 pub fn check_snr(snr: f64) -> Result<(), SynthError> {
-    if snr == f64::INFINITY || SNR_RANGE.contains(&snr) {
+    if snr == f64::INFINITY || (1e-6..=1e9).contains(&snr) {
         return Ok(());
     }
     Err(SynthError::param(

@@ -77,23 +77,7 @@ pub enum NoiseCase {
     FixedPattern(u8),
 }
 
-const NOISY_FRAME: f64 = 5.0;
-const NOISY_HALF: f64 = 3.0;
-const PIXELS_A_STREAK: usize = 20_000;
-/// Pixels.
-const STREAK_LENGTHS: (f64, f64) = (5.0, 40.0);
-const VARYING_PERIOD: f64 = 250.0;
-/// Amplitude of [`NoiseCase::Banding`], relative to the level.
-const BANDS: f64 = 0.02;
-const BAND_ROWS: f64 = 180.0;
-/// Periods per frame.
-const BANDS_A_FRAME: f64 = 1.0 / 7.0;
-/// Share of the frame before.
-const SMOOTHING: f64 = 0.8;
-const PIXELS_A_FLICKERING: usize = 1000;
 const COLUMNS_A_NOISY: usize = 50;
-const HOT_PIXELS: usize = 200;
-const FLICKER: f64 = 0.1;
 
 impl NoiseCase {
     /// Grey level of the scene where no other is asked for, fraction of full scale.
@@ -192,7 +176,7 @@ impl NoiseCase {
                 planes.push(planes[t - 1].clone());
                 continue;
             }
-            let gain = if self == Self::GainFlicker { 1.0 + FLICKER * exposures.normal() } else { 1.0 };
+            let gain = if self == Self::GainFlicker { 1.0 + 0.1 * exposures.normal() } else { 1.0 };
             let stream = &mut Stream::new(seed, t as u64 + 1);
             let frame = self.frame(size, (level, sigma), &pattern, (t, frames), stream);
             planes.push(match self {
@@ -207,7 +191,7 @@ impl NoiseCase {
                 Self::ClippedBlack | Self::Saturated => mapped(&frame, |x| x.clamp(0.0, 1.0)),
                 Self::Smoothed => match planes.last() {
                     Some(before) => {
-                        let share = SMOOTHING as f32;
+                        let share = 0.8;
                         let both = before.data().iter().zip(frame.data());
                         Plane::from_vec(size.0, size.1, both.map(|(b, x)| share * b + (1.0 - share) * x).collect())
                     }
@@ -234,7 +218,7 @@ impl NoiseCase {
             }
             Self::HotPixels | Self::FlickeringPixels => {
                 let is_hot = self == Self::HotPixels;
-                for _ in 0..if is_hot { HOT_PIXELS } else { width * height / PIXELS_A_FLICKERING } {
+                for _ in 0..if is_hot { 200 } else { width * height / 1000 } {
                     let (u, v) = (stream.below(width), stream.below(height));
                     pattern.row_mut(v)[u] = (sigma * stream.within(5.0, 20.0)) as f32;
                 }
@@ -273,12 +257,12 @@ impl NoiseCase {
             _ => level,
         };
         let factor = |u: usize, v: usize| match self {
-            Self::NoisyFrame if middle => NOISY_FRAME,
-            Self::NoisyHalf if 2 * u >= size.0 => NOISY_HALF,
+            Self::NoisyFrame if middle => 5.0,
+            Self::NoisyHalf if 2 * u >= size.0 => 3.0,
             Self::ConstantFrame | Self::BlackFrame if middle => 0.0,
             Self::Constant => 0.0,
             Self::Varying(times) => {
-                let wave = |x: usize| libm::sin(TAU * x as f64 / VARYING_PERIOD);
+                let wave = |x: usize| libm::sin(TAU * x as f64 / 250.0);
                 libm::pow(f64::from(times), 0.5 + 0.5 * wave(u) * wave(v))
             }
             _ => 1.0,
@@ -287,8 +271,8 @@ impl NoiseCase {
         let speed = if let Self::DriftingStripes(tenths) = self { f64::from(tenths) / 10.0 } else { 0.0 };
         let drifted = |u: usize| (u + size.0 / 2) as f64 - speed * t as f64;
         let band = |v: usize| {
-            let phase = if self == Self::Banding { BANDS_A_FRAME * t as f64 } else { 0.0 };
-            level * BANDS * libm::sin(TAU * (v as f64 / BAND_ROWS + phase))
+            let phase = if self == Self::Banding { (1.0 / 7.0) * t as f64 } else { 0.0 };
+            level * 0.02 * libm::sin(TAU * (v as f64 / 180.0 + phase))
         };
         let added = |u: usize, v: usize, stream: &mut Stream| match self {
             Self::DriftingStripes(_) => {
@@ -371,14 +355,14 @@ fn through_jpeg(channels: &[&Plane], quality: u8) -> Plane {
 
 fn with_streaks(mut frame: Plane, sigma: f64, stream: &mut Stream) -> Plane {
     let (width, height) = frame.size();
-    for _ in 0..(width * height).div_ceil(PIXELS_A_STREAK) {
+    for _ in 0..(width * height).div_ceil(20_000) {
         let (u, v) = (width as f64 * stream.uniform(), height as f64 * stream.uniform());
         let (along, across) = (libm::cos(TAU * stream.uniform()), stream.uniform() < 0.5);
         let across = (1.0 - along * along).sqrt() * if across { 1.0 } else { -1.0 };
         let amplitude = (sigma * stream.within(5.0, 20.0)) as f32;
         // Steps of a pixel along the longer axis, so that each pixel of the line is lit once.
         let longer = along.abs().max(across.abs());
-        let steps = (stream.within(STREAK_LENGTHS.0, STREAK_LENGTHS.1) * longer) as usize;
+        let steps = (stream.within(5.0, 40.0) * longer) as usize;
         for i in 0..=steps {
             let at = |from: f64, by: f64| (from + i as f64 * by / longer).round();
             let (x, y) = (at(u, along), at(v, across));

@@ -94,7 +94,6 @@ impl Flattened {
     }
 }
 
-/// Whether the values of the block at (u, v) differ by one step at most.
 fn is_flat(frame: &Plane, (u, v): (usize, usize), step: f32) -> bool {
     let (mut min, mut max) = (f32::INFINITY, f32::NEG_INFINITY);
     (v..v + SIDE).all(|v| {

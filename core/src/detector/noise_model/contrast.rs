@@ -58,14 +58,6 @@ pub enum Pixels<'a> {
 }
 
 impl Pixels<'_> {
-    /// Size of the pixels that are read, and the width of each in image pixels.
-    fn grid(&self) -> ((usize, usize), f32) {
-        match self {
-            Self::Frames(frames, _) => (frames[0].size(), 1.0),
-            Self::Squares(pyramids, level) => (pyramids[0].level(*level).size(), (1usize << level) as f32),
-        }
-    }
-
     /// Writes the contrast in `region` of the octave, for a scene that moves by `slope` px/frame. `single` is scratch.
     pub fn contrast(
         &self,
@@ -75,8 +67,11 @@ impl Pixels<'_> {
     ) {
         out.reset(region, (region.columns.len() + PADDING).next_multiple_of(16));
         region.rows.clone().for_each(|v| out.row_mut(v).fill(0.0));
-        let ((width, height), pixel) = self.grid();
-        let unit = if let Self::Frames(_, octave) = self { (*octave as f32).exp2() } else { 1.0 };
+        // The width of what is read in image pixels, and that of the octave's pixels in it.
+        let ((width, height), pixel, unit) = match self {
+            Self::Frames(frames, octave) => (frames[0].size(), 1.0, (*octave as f32).exp2()),
+            Self::Squares(pyramids, level) => (pyramids[0].level(*level).size(), (1usize << level) as f32, 1.0),
+        };
         let read = |range: &Range<usize>| {
             (range.start as f32 * unit).floor() as usize..(range.end as f32 * unit).ceil() as usize
         };
@@ -252,7 +247,6 @@ impl OctaveMotion {
     }
 }
 
-/// Each value less the mean of its four neighbours, with the border repeated.
 fn without_slopes(plane: &Plane) -> Plane {
     let (width, height) = plane.size();
     let mut out = Plane::zeros(width, height);

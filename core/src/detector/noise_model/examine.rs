@@ -165,7 +165,6 @@ fn repeated_in_place(correlations: &[f32], frames: usize) -> f32 {
     1.0 + 2.0 * shared.sum::<f32>()
 }
 
-/// Reads the frames `looked` and removes the sensor's pattern from all: first what stays, then what changes.
 fn read(
     clean: &mut [Arc<Plane>],
     looked: &[usize],

@@ -37,7 +37,6 @@ pub struct FixedPattern {
     pub inseparable: usize,
 }
 
-/// Share of hot pixels above which they are taken for texture.
 const MAX_HOT: f32 = 0.005;
 
 impl FixedPattern {
@@ -96,7 +95,6 @@ fn halves(frames: &[Lines]) -> [Lines; 2] {
     })
 }
 
-/// Whether the scene stays: outside `hot` pixels the halves of the frames have more in common than they differ by.
 fn stays(pyramids: &[BoxPyramid], hot: &[(usize, usize)]) -> bool {
     if pyramids.iter().any(BoxPyramid::is_empty) {
         return false;
@@ -215,11 +213,9 @@ fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(us
 
 /// Variance of a square, in the noise's, above which it was struck in one contrast, and below which it was not.
 const STRUCK: [f32; 2] = [4.0, 2.0];
-/// Number of squares in which it has to have been.
 const MIN_STRUCK: usize = 3;
 /// Distance from all pixels around in the frames before and after, in deviations: of a struck one, and one beside it.
 const STRIKES: [f32; 2] = [5.0, 2.5];
-/// Share of struck pixels of a frame above which they are taken for moving structures.
 const MAX_STRUCK: f32 = 0.005;
 
 /// Whether some squares have far more than `noise` in one contrast only. Structures that move are in all of them.
@@ -295,7 +291,6 @@ pub struct Stripes {
     pub deviation: f32,
 }
 
-/// Number of standard errors above which the stripes that both halves share are significant.
 const STRIPES: f32 = 6.0;
 
 impl Stripes {

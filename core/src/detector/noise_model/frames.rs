@@ -195,7 +195,6 @@ impl FrameSurvey {
         }
     }
 
-    /// Leaves out frames without which the mean is better.
     fn compare_noise(&mut self, squares: &HighPass, looks: &Looks) {
         let kept = self.kept();
         let noise = &looks.noise;
@@ -232,7 +231,6 @@ impl FrameSurvey {
         }
     }
 
-    /// Leaves out frames whose squares have far less power beyond the noise than those of the others.
     fn leave_out_blurred(&mut self, looks: &Looks) {
         let kept = self.kept();
         if kept.len() < 4 {
@@ -264,7 +262,6 @@ impl FrameSurvey {
     }
 }
 
-/// Correlation of consecutive frames below which it is taken for none.
 const MIN_CORRELATION: f32 = 0.15;
 
 /// Variances in the squares of single frames and of differences of neighbours.
@@ -460,14 +457,8 @@ mod tests {
 
     #[test]
     fn flicker_is_measured_and_a_steady_change_is_none() {
-        let burst = NoiseCase::GainFlicker.burst((320, 240), 10, 0.02, 5, &Monitor::default()).expect("not cancelled");
         let survey = survey(NoiseCase::GainFlicker);
         assert!((0.04..0.2).contains(&survey.flicker), "{}", survey.flicker);
-        let mean = |t: usize| burst.frames[t].data().iter().sum::<f32>() / burst.frames[t].data().len() as f32;
-        for t in 1..10 {
-            let ratio = survey.frames[t].gain / survey.frames[0].gain;
-            assert!((ratio / (mean(t) / mean(0)) - 1.0).abs() < 2e-3, "{t}: {ratio}");
-        }
         let steady: Vec<Plane> = (0..6).map(|t| Plane::from_fn(100, 100, |_, _| 0.5 + 0.02 * t as f32)).collect();
         assert_eq!(survey_of(&steady.iter().collect::<Vec<_>>()).flicker, 0.0);
     }

@@ -52,7 +52,8 @@ impl HighPass {
             let mut brightness = Vec::with_capacity(corners.len());
             for &corner in &corners {
                 let patch = halved_patch(frame, corner);
-                brightness.push(mean(&patch));
+                let sum: f32 = patch[1..=SIDE].iter().map(|row| row[1..=SIDE].iter().sum::<f32>()).sum();
+                brightness.push(sum / AREA as f32);
                 filter(&patch, &mut |value| values.push(value));
             }
             (values, brightness)
@@ -212,10 +213,6 @@ fn filter(patch: &Patch, give: &mut impl FnMut(f32)) {
         }
         (0..SIDE).for_each(|i| give(second[i] - 2.0 * second[i + 1] + second[i + 2]));
     }
-}
-
-fn mean(patch: &Patch) -> f32 {
-    patch[1..=SIDE].iter().map(|row| row[1..=SIDE].iter().sum::<f32>()).sum::<f32>() / AREA as f32
 }
 
 /// Noise variance from the quieter part of squares' variances, since texture may add to the others: the mean of the

@@ -77,7 +77,6 @@ struct Brightness {
     pyramids: Vec<(usize, BoxPyramid)>,
     /// Smallest variance of one frame's noise, for each octave from `first_octave` on.
     min_variance: Vec<f32>,
-    /// Share of pixels that are cut off at black or white.
     cut_off: f32,
     brightest: f32,
     relative_variance: f32,

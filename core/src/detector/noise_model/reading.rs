@@ -42,7 +42,6 @@ fn cuts(height: usize) -> Vec<Range<usize>> {
 struct Band {
     standing_out: Vec<(usize, usize)>,
     columns: Vec<Vec<f32>>,
-    /// For each frame, values by band of columns, one a row.
     rows: Vec<Lines>,
 }
 
@@ -162,7 +161,6 @@ fn is_out(left: f32, at: f32, right: f32, limit: f32) -> bool {
     (at > left.max(right) + limit) | (at < left.min(right) - limit)
 }
 
-/// Whether any pixel of `row` except the first and the last is out.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn any_out(row: &[f32], limit: f32) -> bool {
     let n = row.len() - 2;

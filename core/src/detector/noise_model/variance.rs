@@ -41,7 +41,6 @@ pub struct TransferPoint {
 /// Squares of a group at least, and groups at most.
 const MIN_SQUARES: usize = 24;
 const MAX_GROUPS: usize = 16;
-/// Relative distance from the line beyond which a group does not count.
 const FAR: f64 = 0.4;
 /// Minimum span of the groups, in standard deviations of a square's brightness: those of one brightness differ by four.
 const MIN_SPAN: f64 = 7.0;
@@ -189,7 +188,6 @@ impl Serialize for ExcessMap {
     }
 }
 
-/// Difference from 1 below which an excess is taken for 1.
 const MIN_EXCESS: f32 = 0.2;
 /// Roughness of the logarithm of the excess around a square, relative to noise's, up to which it is trusted.
 const TRUSTED_ROUGHNESS: f32 = 1.8;
@@ -201,10 +199,8 @@ const BORDER: f32 = 1.4;
 const EVEN_SPREAD: f32 = 1.25;
 /// Reach of the noise that a filter collects, as the standard deviation of its square, in pixels of its octave.
 const COLLECTED: f32 = 2.0;
-/// Octaves whose filters collect noise from different cells.
 const OCTAVES: i32 = 6;
 
-/// Whether squares of `free` independent values differ by more than noise does from what their brightness predicts.
 pub fn differ_by_place(squares: &[Square], transfer: &PhotonTransfer, free: f32) -> bool {
     let ratios = sorted(squares.iter().map(|square| square.excess(transfer)).collect());
     ratios.len() >= 16 && spread(&ratios) > EVEN_SPREAD * (2.0 / free).sqrt()
@@ -263,7 +259,6 @@ impl ExcessMap {
         sample_at(map, self.cell_px, u - self.first_px, v - self.first_px)
     }
 
-    /// Smallest and largest measured excess.
     pub(super) fn range(&self) -> (f32, f32) {
         let fold = |f: fn(f32, f32) -> f32| self.cells.data().iter().copied().reduce(f).unwrap_or(1.0);
         (fold(f32::min), fold(f32::max))
@@ -305,6 +300,7 @@ fn with_borders(cells: &Plane) -> Plane {
 
 #[cfg(test)]
 mod tests {
+    use super::super::contrast::contrasts;
     use super::super::high_pass::{FREE_VALUES, HighPass};
     use super::*;
     use crate::monitor::Monitor;
@@ -377,13 +373,11 @@ mod tests {
 
     fn squares_in_place(case: NoiseCase) -> Vec<Square> {
         let burst = case.burst(SIZE, 9, 0.02, 5, &Monitor::default()).expect("not cancelled");
-        let high_pass =
-            HighPass::on_lattice(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>(), Lattice::dense(SIZE));
-        let thirds: Vec<Vec<f32>> =
-            [0, 3, 6].map(|t| high_pass.variances(&[(t, 1.0), (t + 1, -2.0), (t + 2, 1.0)])).to_vec();
-        let variance = |i: usize| thirds.iter().map(|v| v[i]).sum::<f32>() / 3.0;
-        let each = high_pass.places.iter().zip(&high_pass.brightness[1]).enumerate();
-        each.map(|(i, (&place, &brightness))| Square { place, brightness, variance: variance(i) }).collect()
+        let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
+        let high_pass = HighPass::on_lattice(&frames, Lattice::dense(SIZE));
+        let variances = high_pass.mean_variances(&contrasts(9)[..3]);
+        let each = high_pass.places.iter().zip(&high_pass.brightness[1]).zip(variances);
+        each.map(|((&place, &brightness), variance)| Square { place, brightness, variance }).collect()
     }
 
     fn map(squares_in_place: &[Square]) -> Option<ExcessMap> {

@@ -56,7 +56,6 @@ pub(super) struct Looking<'a> {
     pub ignored_lags: usize,
 }
 
-/// The evidence of every window at some levels, from all lags but the first few that are ignored.
 pub(super) fn look(
     frames: &[&Plane],
     (levels, ignored_lags): (Range<u32>, usize),
@@ -122,7 +121,8 @@ impl Looking<'_> {
                 products.forget_lags(self.ignored_lags);
                 let peak = self.peak(&products, 1.0, &mut scratch);
                 evidence.extend(peak.map(|peak| self.evidence(level, &peak, [u..u + SIDE, v..v + SIDE])));
-                sum.take(&products, [u..u + SIDE, v..v + SIDE]);
+                sum.products.add(&products);
+                sum.widen([u..u + SIDE, v..v + SIDE], 1);
             }
         }
         Ok((evidence, sum))
@@ -177,11 +177,6 @@ impl Sum {
         Self { products: CrossSpectra::zeros(frame_count), windows: 0, area: [0..0, 0..0] }
     }
 
-    fn take(&mut self, products: &CrossSpectra, area: [Range<usize>; 2]) {
-        self.products.add(products);
-        self.widen(area, 1);
-    }
-
     fn add(&mut self, other: &Self) {
         self.products.add(&other.products);
         if other.windows > 0 {
@@ -197,11 +192,9 @@ impl Sum {
     }
 }
 
-/// Significance from which on a large window counts.
 const LARGE_SIGNIFICANCE: f32 = 6.5;
 /// Additional significance for a window of the smallest size to count: the largest of 28 bursts of pure noise had 9.8.
 const SMALL_SIGNIFICANCE: f32 = 5.0;
-/// Ambiguity from which on a window does not count.
 const MAX_AMBIGUITY: f32 = 0.85;
 /// Uncertainty up to which one of the smallest windows counts, in steps that smear the finest features.
 const SMALL_UNCERTAINTY: f64 = 0.8;
@@ -216,7 +209,6 @@ const MIN_BESIDE: usize = 3;
 pub(super) const LINE_SLOPES: usize = 27;
 /// Maximum number of slopes along each axis of a plane, with that exception.
 pub(super) const PLANE_SLOPES: usize = 11;
-/// Coarsest step, as a multiple of the right one.
 const COARSEST: f64 = 2.0;
 /// Steps to choose from, as multiples of the right one: few, so that the choice rarely changes.
 const COARSER: [f64; 4] = [1.0, 4.0 / 3.0, 5.0 / 3.0, COARSEST];
@@ -232,7 +224,6 @@ const MUCH_SMALLER: f64 = 0.6;
 /// Steps that define near and far slopes, pixels per frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Steps {
-    /// Step of the search.
     pub search: f64,
     /// Step that smears the outermost frames by 1.9 px: evidence of slopes within it is of one slope.
     pub same: f64,
@@ -247,7 +238,6 @@ fn side_in_smallest(evidence: &SlopeEvidence) -> f32 {
     (evidence.size[0] * evidence.size[1]).sqrt() / (SIDE << evidence.level) as f32
 }
 
-/// Whether a window determines its slope clearly.
 pub(super) fn is_clear(evidence: &SlopeEvidence, steps: Steps) -> bool {
     let limit = if side_in_smallest(evidence) > 1.2 { LARGE_UNCERTAINTY } else { SMALL_UNCERTAINTY };
     is_significant(evidence)

@@ -109,6 +109,43 @@ impl SlopeFinding {
         let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
         confirmed(&clear, steps)
     }
+
+    /// `deviation` is the distance from a uniform motion, and the limit above which it changes the verdict, pixels.
+    fn with_deviation(self, deviation: Option<(f64, f64)>) -> Self {
+        let bent = deviation.is_some_and(|(distance, limit)| distance > limit);
+        let verdict = match self.verdict {
+            SlopeVerdict::Found | SlopeVerdict::Still if bent => SlopeVerdict::NotStraight,
+            verdict => verdict,
+        };
+        Self { verdict, deviation_px: deviation.map(|(distance, _)| distance as f32), ..self }
+    }
+
+    /// Texts of the warnings.
+    pub fn irregularities(&self) -> String {
+        self.warnings.iter().map(|warning| &warning.text[..]).collect::<Vec<_>>().join("; ")
+    }
+
+    /// One line of text: the verdict, the grid, the confidence, and the irregularities.
+    pub fn summary(&self) -> String {
+        let grid = grid_text(&self.grid);
+        let sure = format!("{:.0} % of what is seen agrees", 100.0 * self.confidence);
+        let verdict = match self.verdict {
+            SlopeVerdict::Found => format!("found: {grid}; {sure}"),
+            SlopeVerdict::Still => "nothing moves: slope 0".to_owned(),
+            SlopeVerdict::NothingSeen => format!("nothing to be seen: {grid}"),
+            // The irregularities are the reason.
+            SlopeVerdict::NotStraight if !self.warnings.is_empty() => grid,
+            SlopeVerdict::NotStraight => format!(
+                "the motion is not straight (up to {:.1} px off): {grid}; use fewer frames",
+                self.deviation_px.unwrap_or(0.0)
+            ),
+            SlopeVerdict::Film => format!(
+                "the frames move by {:.0} px, more than a third of the picture: {grid}; cut the film into bursts",
+                self.moved_px
+            ),
+        };
+        if self.warnings.is_empty() { verdict } else { format!("{verdict}; {}", self.irregularities()) }
+    }
 }
 
 /// Axis of slopes in direction `direction_deg` for a line that holds the confirmed `evidence`; `None` without any.
@@ -310,45 +347,6 @@ pub struct SlopeFinding {
     /// Power over slopes.
     #[serde(skip)]
     pub spectrum: SlopeSpectrum,
-}
-
-impl SlopeFinding {
-    /// `deviation` is the distance from a uniform motion, and the limit above which it changes the verdict, pixels.
-    fn with_deviation(self, deviation: Option<(f64, f64)>) -> Self {
-        let bent = deviation.is_some_and(|(distance, limit)| distance > limit);
-        let verdict = match self.verdict {
-            SlopeVerdict::Found | SlopeVerdict::Still if bent => SlopeVerdict::NotStraight,
-            verdict => verdict,
-        };
-        Self { verdict, deviation_px: deviation.map(|(distance, _)| distance as f32), ..self }
-    }
-
-    /// Texts of the warnings.
-    pub fn irregularities(&self) -> String {
-        self.warnings.iter().map(|warning| &warning.text[..]).collect::<Vec<_>>().join("; ")
-    }
-
-    /// One line of text: the verdict, the grid, the confidence, and the irregularities.
-    pub fn summary(&self) -> String {
-        let grid = grid_text(&self.grid);
-        let sure = format!("{:.0} % of what is seen agrees", 100.0 * self.confidence);
-        let verdict = match self.verdict {
-            SlopeVerdict::Found => format!("found: {grid}; {sure}"),
-            SlopeVerdict::Still => "nothing moves: slope 0".to_owned(),
-            SlopeVerdict::NothingSeen => format!("nothing to be seen: {grid}"),
-            // The irregularities are the reason.
-            SlopeVerdict::NotStraight if !self.warnings.is_empty() => grid,
-            SlopeVerdict::NotStraight => format!(
-                "the motion is not straight (up to {:.1} px off): {grid}; use fewer frames",
-                self.deviation_px.unwrap_or(0.0)
-            ),
-            SlopeVerdict::Film => format!(
-                "the frames move by {:.0} px, more than a third of the picture: {grid}; cut the film into bursts",
-                self.moved_px
-            ),
-        };
-        if self.warnings.is_empty() { verdict } else { format!("{verdict}; {}", self.irregularities()) }
-    }
 }
 
 /// Text of a grid, as the options of the command line take it.

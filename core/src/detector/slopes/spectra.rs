@@ -272,22 +272,14 @@ pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Ra
 }
 
 pub(super) fn pyramids(frames: &[&Plane], levels: Range<u32>, monitor: &Monitor) -> Result<Vec<Vec<Plane>>, Cancelled> {
-    let of_frames: Vec<Vec<Plane>> = frames
-        .par_iter()
-        .map(|frame| {
+    let mut by_level: Vec<Vec<Plane>> = Vec::with_capacity(levels.len());
+    for level in levels {
+        let plane = |t: usize| {
             monitor.check()?;
-            let mut planes: Vec<Plane> = Vec::with_capacity(levels.len());
-            for level in levels.clone() {
-                planes.push(planes.last().map_or_else(|| means(frame, 1 << level), |finer| means(finer, 2)));
-            }
-            Ok(planes)
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    let mut by_level: Vec<Vec<Plane>> = levels.map(|_| Vec::with_capacity(frames.len())).collect();
-    for planes in of_frames {
-        for (level, plane) in by_level.iter_mut().zip(planes) {
-            level.push(plane);
-        }
+            Ok(by_level.last().map_or_else(|| means(frames[t], 1 << level), |finer| means(&finer[t], 2)))
+        };
+        let planes = (0..frames.len()).into_par_iter().map(plane).collect::<Result<_, Cancelled>>()?;
+        by_level.push(planes);
     }
     Ok(by_level)
 }

@@ -140,56 +140,44 @@ pub(crate) fn edge_columns<S: Simd>(
     simd: S,
     level: &Weights,
     columns: &Range<usize>,
-    line: (&[f32], usize),
-    blocks: Blocks,
-    out: &mut [f32],
-) {
-    for dense in [&level.head, &level.tail] {
-        let mine = dense.outs.start.max(columns.start)..dense.outs.end.min(columns.end);
-        if !mine.is_empty() {
-            edge(simd, dense, &mine, columns, line, blocks, out);
-        }
-    }
-}
-
-#[inline(always)]
-fn edge<S: Simd>(
-    simd: S,
-    dense: &Dense,
-    mine: &Range<usize>,
-    columns: &Range<usize>,
     (line, reach): (&[f32], usize),
     blocks: Blocks,
     out: &mut [f32],
 ) {
     let lanes = S::F32_LANES;
-    let inputs = dense.inputs(mine);
-    let pixels = &line[reach + inputs.start - columns.start..reach + inputs.end - columns.start];
-    let weights = &dense.weights[(inputs.start - dense.ins.start) * dense.stride..][..pixels.len() * dense.stride];
-    let first = dense.outs.start;
-    for start in (0..dense.outs.len()).step_by(lanes) {
-        let outs = first + start..(first + start + lanes).min(dense.outs.end);
-        let part = outs.start.max(mine.start)..outs.end.min(mine.end);
-        if part.is_empty() {
+    for dense in [&level.head, &level.tail] {
+        let mine = dense.outs.start.max(columns.start)..dense.outs.end.min(columns.end);
+        if mine.is_empty() {
             continue;
         }
-        // Two sums, so that neither waits for the other.
-        let mut acc = [simd.splat_f32s(0.0); 2];
-        let (mut row, mut input) = (start, 0);
-        while input + 1 < pixels.len() {
-            for (i, acc) in acc.iter_mut().enumerate() {
-                let weights = load::<S>(weights, row + i * dense.stride);
-                *acc = simd.mul_add_f32s(simd.splat_f32s(pixels[input + i]), weights, *acc);
+        let inputs = dense.inputs(&mine);
+        let pixels = &line[reach + inputs.start - columns.start..reach + inputs.end - columns.start];
+        let weights = &dense.weights[(inputs.start - dense.ins.start) * dense.stride..][..pixels.len() * dense.stride];
+        let first = dense.outs.start;
+        for start in (0..dense.outs.len()).step_by(lanes) {
+            let outs = first + start..(first + start + lanes).min(dense.outs.end);
+            let part = outs.start.max(mine.start)..outs.end.min(mine.end);
+            if part.is_empty() {
+                continue;
             }
-            (row, input) = (row + 2 * dense.stride, input + 2);
-        }
-        if let Some(&pixel) = pixels.get(input) {
-            acc[0] = simd.mul_add_f32s(simd.splat_f32s(pixel), load::<S>(weights, row), acc[0]);
-        }
-        let mut made = [0.0f32; VECTOR];
-        store::<S>(&mut made, 0, simd.add_f32s(acc[0], acc[1]));
-        for (output, value) in part.clone().zip(&made[part.start - outs.start..]) {
-            out[blocks.place(output - columns.start)] = *value;
+            // Two sums, so that neither waits for the other.
+            let mut acc = [simd.splat_f32s(0.0); 2];
+            let (mut row, mut input) = (start, 0);
+            while input + 1 < pixels.len() {
+                for (i, acc) in acc.iter_mut().enumerate() {
+                    let weights = load::<S>(weights, row + i * dense.stride);
+                    *acc = simd.mul_add_f32s(simd.splat_f32s(pixels[input + i]), weights, *acc);
+                }
+                (row, input) = (row + 2 * dense.stride, input + 2);
+            }
+            if let Some(&pixel) = pixels.get(input) {
+                acc[0] = simd.mul_add_f32s(simd.splat_f32s(pixel), load::<S>(weights, row), acc[0]);
+            }
+            let mut made = [0.0f32; VECTOR];
+            store::<S>(&mut made, 0, simd.add_f32s(acc[0], acc[1]));
+            for (output, value) in part.clone().zip(&made[part.start - outs.start..]) {
+                out[blocks.place(output - columns.start)] = *value;
+            }
         }
     }
 }
