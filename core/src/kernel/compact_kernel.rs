@@ -29,7 +29,6 @@ pub struct CompactKernel {
     pub gradient_noise: f64,
 }
 
-/// Kernel for blobs with a rim.
 pub const RIM: CompactKernel = CompactKernel {
     value: [1.0, 3.0, -24.0, 0.0],
     first: [0.0, -60.0, 120.0, 0.0],
@@ -37,7 +36,6 @@ pub const RIM: CompactKernel = CompactKernel {
     zero_at: 0.525_329,
     gradient_noise: 2.9960,
 };
-/// Kernel for all other structure.
 pub const SOFT: CompactKernel = CompactKernel {
     value: [1.0, -10.0, 24.0, -21.0],
     first: [-13.0, 88.0, -183.0, 126.0],
@@ -99,7 +97,6 @@ impl KernelResponse {
     }
 }
 
-/// c₀ + c₁q + c₂q² + c₃q³.
 #[inline(always)]
 fn cubic(c: &[f32; 4], q: f32) -> f32 {
     q.mul_add(q.mul_add(q.mul_add(c[3], c[2]), c[1]), c[0])

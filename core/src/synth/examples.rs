@@ -1,14 +1,5 @@
 //! Small built-in bursts as examples: two failures of the paper's method, and scenes that show one effect each.
-//!
-//! | example | content | where to probe |
-//! | --- | --- | --- |
-//! | aliasing | three garlands with a small lamp every 8 px, under larger lamps that stand apart, all moving by 1 px/frame: the garlands respond again at −7 px/frame | a dark gap beside a lamp, which is kept at −7 px/frame |
-//! | low contrast | nine discs, each fainter than the one before, the last ones hidden by noise | a disc that only the gate rejects |
-//! | many depths | a column of lamps at each of nine depths, slope 0 on the left to 2.4 px/frame on the right: a fan in the x–t slice | a lamp in the middle |
-//! | tripod | a still camera: everything has slope 0, so depths cannot be told apart | a disc |
-//! | hot pixels | lamps that move by 1 px/frame, behind sixty hot pixels of the sensor | a hot pixel |
-//! | crossing | lamps that pass to the right behind lamps that pass to the left: slopes respond with which nothing moves | the end of a lamp's streak, kept at slope 0 |
-//! | street, street later | textured walls at two depths in the dark, and the same ones later: for matching | a lamp |
+//! [`Example::help`] says what an example shows, [`Example::place`] where to probe it.
 
 use super::capture_burst;
 use super::demo::camera;
@@ -225,7 +216,6 @@ impl Example {
 pub const GARLAND_PERIOD: f32 = 8.0;
 /// Slope of everything in the aliasing example, px/frame.
 pub const ALIASING_SLOPE: f32 = 1.0;
-/// Rows of the garlands.
 const GARLANDS: [f32; 3] = [104.0, 128.0, 152.0];
 /// A dark gap between two lamps of a garland, which is kept as a feature at −7 px/frame.
 const GARLAND_PLACE: [f32; 2] = [172.0, 101.3];

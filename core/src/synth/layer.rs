@@ -110,22 +110,11 @@ impl Layer {
             for (k, pixel) in out.iter_mut().enumerate() {
                 let start = first_column + s * (columns.start + k) as i64 - from as i64;
                 let (mut value, mut alpha) = (0.0, 0.0);
-                match usize::try_from(start).ok().filter(|start| start + TAPS <= values.len()) {
-                    Some(start) => {
-                        let taps = values[start..start + TAPS].iter().zip(&alphas[start..start + TAPS]);
-                        for (&w, (&x, &a)) in weights_u.iter().zip(taps) {
-                            value += w * x;
-                            alpha += w * a;
-                        }
-                    }
+                for (tap, &w) in weights_u.iter().enumerate() {
                     // At the sheet's edge its last sample is repeated.
-                    None => {
-                        for (tap, &w) in weights_u.iter().enumerate() {
-                            let i = (start + tap as i64).clamp(0, values.len() as i64 - 1) as usize;
-                            value += w * values[i];
-                            alpha += w * alphas[i];
-                        }
-                    }
+                    let i = (start + tap as i64).clamp(0, values.len() as i64 - 1) as usize;
+                    value += w * values[i];
+                    alpha += w * alphas[i];
                 }
                 *pixel = *pixel * (1.0 - alpha) + value;
             }

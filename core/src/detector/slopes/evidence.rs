@@ -7,7 +7,7 @@
 //! makes it much smaller. Its slopes are multiples of the step and end one to two steps beyond the evidence, so that the
 //! grid of a burst and that of a part of it have their points in common.
 
-use super::peak::{Peak, SearchTable, Track};
+use super::peak::{SearchTable, Track};
 use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -119,43 +119,44 @@ impl Looking<'_> {
                 monitor.check()?;
                 let mut products = self.fourier.products(frames, (u, v), &mut scratch);
                 products.forget_lags(self.ignored_lags);
-                let peak = self.peak(&products, 1.0, &mut scratch);
-                evidence.extend(peak.map(|peak| self.evidence(level, &peak, [u..u + SIDE, v..v + SIDE])));
+                let area = [u..u + SIDE, v..v + SIDE];
+                evidence.extend(self.evidence(level, &products, 1.0, &area, &mut scratch));
                 sum.products.add(&products);
-                sum.widen([u..u + SIDE, v..v + SIDE], 1);
+                sum.widen(area, 1);
             }
         }
         Ok((evidence, sum))
     }
 
     fn of_sum(&self, level: usize, sum: &Sum, scratch: &mut Scratch) -> Option<SlopeEvidence> {
-        if sum.windows < 2 {
-            return None;
-        }
-        let peak = self.peak(&sum.products, SHARED_NOISE, scratch)?;
-        Some(self.evidence(level, &peak, sum.area.clone()))
+        let is_of_several = sum.windows > 1;
+        is_of_several.then(|| self.evidence(level, &sum.products, SHARED_NOISE, &sum.area, scratch))?
     }
 
-    fn peak(&self, products: &CrossSpectra, more_variance: f64, scratch: &mut Scratch) -> Option<Peak> {
+    fn evidence(
+        &self,
+        level: usize,
+        products: &CrossSpectra,
+        more_variance: f64,
+        [columns, rows]: &[Range<usize>; 2],
+        scratch: &mut Scratch,
+    ) -> Option<SlopeEvidence> {
         let planes = self.fourier.correlations(&products.lags, scratch);
         let variance: Vec<f64> = products.variance.iter().map(|v| v * more_variance).collect();
-        self.table.strongest(&planes, &variance)
-    }
-
-    fn evidence(&self, level: usize, peak: &Peak, [columns, rows]: [Range<usize>; 2]) -> SlopeEvidence {
+        let peak = self.table.strongest(&planes, &variance)?;
         let level = self.first_level + level as u32;
         let unit = f64::from(1u32 << level);
         let centre = |r: &Range<usize>| (0.5 * (r.start + r.end) as f64 * unit - 0.5) as f32;
         let length = |r: &Range<usize>| (r.len() as f64 * unit) as f32;
-        SlopeEvidence {
+        Some(SlopeEvidence {
             slope: Slope::new((peak.slope[0] * unit) as f32, (peak.slope[1] * unit) as f32),
             significance: peak.significance as f32,
             uncertainty: (peak.uncertainty * unit) as f32,
             ambiguity: peak.ambiguity as f32,
             level,
-            centre: [centre(&columns), centre(&rows)],
-            size: [length(&columns), length(&rows)],
-        }
+            centre: [centre(columns), centre(rows)],
+            size: [length(columns), length(rows)],
+        })
     }
 }
 

@@ -42,7 +42,6 @@ impl FilterBank {
         Self { chain, wanted, kernels, edges }
     }
 
-    /// Pixels to each side that a value of any level depends on.
     pub fn radius(&self) -> usize {
         self.kernels.iter().map(GaussianKernel::radius).max().unwrap_or(0)
     }

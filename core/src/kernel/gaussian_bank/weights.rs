@@ -177,7 +177,6 @@ pub(crate) enum Section {
 }
 
 impl FilterBank {
-    /// The bank's weights along a line of `n` pixels.
     pub fn axis(&self, n: usize) -> Axis {
         let own;
         let edges = if n < self.edges.far {
