@@ -270,16 +270,10 @@ impl Between {
 }
 
 /// Buffers for a row of both sums, and the processor's kind; reused from row to row.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct WeightedRows {
     arch: Arch,
     sums: [Aligned; 2],
-}
-
-impl Default for WeightedRows {
-    fn default() -> Self {
-        Self { arch: Arch::new(), sums: Default::default() }
-    }
 }
 
 impl WeightedRows {

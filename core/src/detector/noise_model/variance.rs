@@ -55,10 +55,12 @@ impl PhotonTransfer {
         let points: Vec<TransferPoint> = (0..groups)
             .map(|g| &sorted[g * sorted.len() / groups..(g + 1) * sorted.len() / groups])
             .filter(|group| !group.is_empty())
-            .map(|group| TransferPoint {
-                brightness: group.iter().map(|s| s.0).sum::<f32>() / group.len() as f32,
-                variance: variance_of(group, free),
-                squares: group.len(),
+            .map(|group| {
+                let mean = |of: fn(&(f32, f32)) -> f32| group.iter().map(of).sum::<f32>() / group.len() as f32;
+                let quiet = quiet_variance(group.iter().map(|s| s.1).collect(), free);
+                // Files may round the quiet part away nearly everywhere.
+                let variance = if quiet > 0.0 { quiet } else { mean(|s| s.1) };
+                TransferPoint { brightness: mean(|s| s.0), variance, squares: group.len() }
             })
             .collect();
         let (slope, dark) = line(&points, pixels, free);
@@ -75,12 +77,6 @@ impl PhotonTransfer {
     pub fn variance(&self, brightness: f32) -> f32 {
         (self.slope * brightness + self.dark).max(self.min)
     }
-}
-
-/// The mean where the quiet part has none, as in files that round it away nearly everywhere.
-fn variance_of(group: &[(f32, f32)], free: f32) -> f32 {
-    let quiet = quiet_variance(group.iter().map(|s| s.1).collect(), free);
-    if quiet > 0.0 { quiet } else { group.iter().map(|s| s.1).sum::<f32>() / group.len() as f32 }
 }
 
 /// Slope and offset; the slope is 0 below three times its error, or where the brightness hardly differs.

@@ -201,8 +201,10 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     let significant: Vec<SlopeEvidence> = seen.evidence.iter().filter(|e| is_significant(e)).copied().collect();
     let max = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
     let clear: Vec<SlopeEvidence> = significant.iter().filter(|e| is_clear(e, steps)).copied().collect();
-    let kept = confirmed(&clear, steps);
-    let kept: Vec<SlopeEvidence> = kept.into_iter().filter(|e| stays_inside(e.slope, size)).collect();
+    let mut kept = confirmed(&clear, steps);
+    // Of slopes at which a point at mid-burst is still inside the picture at the burst's ends.
+    let stays = |slope: f32, pixels: usize| f64::from(slope).abs() * 0.5 * size.gaps < 0.9 * pixels as f64;
+    kept.retain(|e| stays(e.slope.u, size.pixels.0) && stays(e.slope.v, size.pixels.1));
     let Some(grid) = grid_for(&kept, steps, line_deg) else {
         return SlopeFinding { significance: max, evidence: seen.evidence.clone(), ..SlopeFinding::default() };
     };
@@ -240,12 +242,6 @@ fn stands_still(evidence: &[SlopeEvidence], steps: Steps, gaps: f64) -> bool {
     let surely: Vec<SlopeEvidence> =
         evidence.iter().filter(|e| beyond(e, still.max(0.5 * steps.search), SURELY)).copied().collect();
     middle <= still && !may_move && confirmed(&surely, steps).len() < MIN_MOVING
-}
-
-/// Whether a point at mid-burst that moves by `slope` is still inside the picture at the burst's ends.
-fn stays_inside(slope: Slope, size: Size) -> bool {
-    let reach = |slope: f32, pixels: usize| f64::from(slope).abs() * 0.5 * size.gaps < 0.9 * pixels as f64;
-    reach(slope.u, size.pixels.0) && reach(slope.v, size.pixels.1)
 }
 
 /// Median of a value over the evidence, weighted by significance.

@@ -156,7 +156,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
     fn forget_above(&mut self, top: usize, next: usize) {
         let Range { start, end } = self.held;
         for (band, level) in self.scratch.bands.iter_mut().zip(&self.along_v.levels) {
-            let first = level.first_input(next).max(top);
+            let first = next.saturating_sub((level.half.len() - 1).max(level.head.radius)).max(top);
             if start < top && first < end {
                 band.move_rows(first - start..end - start, first - top);
             }

@@ -141,10 +141,6 @@ pub(crate) struct Weights {
 }
 
 impl Weights {
-    pub fn first_input(&self, output: usize) -> usize {
-        output.saturating_sub((self.half.len() - 1).max(self.head.radius))
-    }
-
     /// The parts of `range` of a line of `n` pixels, with the weights that apply to each.
     pub fn sections(&self, range: &Range<usize>, n: usize) -> [(Section, Range<usize>); 3] {
         let inner = self.head.outs.end..n - self.tail.outs.len();
