@@ -1,10 +1,10 @@
 //! Patches: the pixels around one feature at one slope, their motion stack and their blur.
 //!
 //! Localisation and description compute again the small part that they need of a feature's own motion-stack image. A
-//! patch always holds the whole rectangle asked for: beyond the octave's border the nearest pixel is repeated. Where every
-//! frame covers the whole patch, the pixels that belong together and their weights are computed once for all of it; at the
-//! sides rows are made one by one. A pixel has the same bits either way, unless a frame is read between its rows. One blur
-//! to a level equals the levels' chain of blurs up to the kernels' cut.
+//! patch always holds the whole rectangle asked for: beyond the octave's border the nearest pixel is repeated. Where
+//! every frame covers the whole patch, the pixels that belong together and their weights are computed once for all of
+//! it; at the sides rows are made one by one. A pixel has the same bits either way, unless a frame is read between its
+//! rows. One blur to a level equals the levels' chain of blurs up to the kernels' cut.
 
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};

@@ -1,11 +1,11 @@
 //! Rows of motion-stack images, for several slopes at once.
 //!
-//! The slopes of a group read the same rows of the same frames, a few columns apart, so each row comes from memory once;
-//! slopes that agree in their vertical part share the mixing of two rows into one. Where every frame of a row covers the
-//! column and the next one, rows are weighted sums of the frames' rows (`WeightedRows`). Each frame pixel adds to two
-//! pixels of the sum, the one at its place and the one before: so two sums are made from the same loads and finally
-//! added, the second one shifted by a pixel; one is enough where all fractions are alike. At the sides frames are added
-//! one after the other and divided by their number. The patches around features use the same, to the bit.
+//! The slopes of a group read the same rows of the same frames, a few columns apart, so each row comes from memory
+//! once; slopes that agree in their vertical part share the mixing of two rows into one. Where every frame of a row
+//! covers the column and the next one, rows are weighted sums of the frames' rows (`WeightedRows`). Each frame pixel
+//! adds to two pixels of the sum, the one at its place and the one before: so two sums are made from the same loads and
+//! finally added, the second one shifted by a pixel; one is enough where all fractions are alike. At the sides frames
+//! are added one after the other and divided by their number. The patches around features use the same, to the bit.
 
 use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
 use crate::plane::Plane;

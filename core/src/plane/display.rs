@@ -3,8 +3,8 @@
 //! [`Display::colour`] is the reference. The shader computes the same, and a test compares the two; exported pictures
 //! and thumbnails use this one.
 //!
-//! The window, the exported pictures and the legends read the same tables. Perceptual maps run from dark to light in even
-//! steps; diverging ones have an exactly neutral grey at the centre, for values with a sign.
+//! The window, the exported pictures and the legends read the same tables. Perceptual maps run from dark to light in
+//! even steps; diverging ones have an exactly neutral grey at the centre, for values with a sign.
 
 use super::Plane;
 use rayon::prelude::*;

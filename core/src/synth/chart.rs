@@ -1,7 +1,8 @@
 //! Charts: discs on an even background, each with its own motion.
 //!
-//! The test target on which detectors are compared: any feature that is no disc is false. Discs do not touch at mid-burst
-//! and stay inside the image in all frames. Where they cross the faster one is in front, as the nearer one would be.
+//! The test target on which detectors are compared: any feature that is no disc is false. Discs do not touch at
+//! mid-burst and stay inside the image in all frames. Where they cross the faster one is in front, as the nearer one
+//! would be.
 
 use super::noise::Camera;
 #[cfg(feature = "cli")]
@@ -105,8 +106,8 @@ pub struct Exposure {
 const CLEARANCE_SIGMAS: f64 = 5.0;
 
 impl ChartParams {
-    /// The signal levels and the camera. The background's signal is a tenth of full scale, less where the noise would not
-    /// fit below white; the black level is a 64th of full scale, more where the noise would be clipped at zero.
+    /// The signal levels and the camera. The background's signal is a tenth of full scale, less where the noise would
+    /// not fit below white; the black level is a 64th of full scale, more where the noise would be clipped at zero.
     ///
     /// # Errors
     /// When contrast or SNR make no sense.

@@ -1,7 +1,7 @@
 //! The demo: a street at night, built into the program and drawn on request.
 //!
-//! Four planes move past the camera, in so poor light that one frame shows little. The plain average of the frames smears
-//! what moves; averaging at a plane's own slope makes that plane visible.
+//! Four planes move past the camera, in so poor light that one frame shows little. The plain average of the frames
+//! smears what moves; averaging at a plane's own slope makes that plane visible.
 
 use super::capture_burst;
 use super::layer::{Layer, draw_layers, visible_landmarks};

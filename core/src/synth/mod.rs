@@ -1,9 +1,9 @@
 //! Bursts with exactly known truth: charts of discs, layered scenes, and the camera's noise.
 //!
-//! First the *signal* of each frame is drawn without noise: discs or textured layers, each moved by its own slope. Then a
-//! [`Camera`] captures it. The drawn objects, their positions and motions are the [`Truth`]. The same seed gives the same
-//! bits on every machine and for any number of threads: each frame has its own random stream, and functions such as the
-//! logarithm come from `libm`.
+//! First the *signal* of each frame is drawn without noise: discs or textured layers, each moved by its own slope. Then
+//! a [`Camera`] captures it. The drawn objects, their positions and motions are the [`Truth`]. The same seed gives the
+//! same bits on every machine and for any number of threads: each frame has its own random stream, and functions such
+//! as the logarithm come from `libm`.
 //!
 //! ```
 //! use burstscope_core::synth::{ChartParams, synth_chart};

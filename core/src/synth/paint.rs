@@ -1,8 +1,8 @@
 //! Painting: shapes with smooth edges, and textures of them, on a sheet that is larger and finer than the frames.
 //!
 //! A [`Sheet`] holds one layer of a scene at mid-burst: for each point a value, and the share of the point that the
-//! layer covers (its alpha). Coordinates are image pixels at `t0`; a margin beyond the image holds what the motion shows,
-//! and [`OVERSAMPLING`] samples per pixel on each axis let it move by fractions of a pixel without stair-steps.
+//! layer covers (its alpha). Coordinates are image pixels at `t0`; a margin beyond the image holds what the motion
+//! shows, and [`OVERSAMPLING`] samples per pixel on each axis let it move by fractions of a pixel without stair-steps.
 
 use super::random::lattice;
 use crate::plane::memory;

@@ -1,7 +1,7 @@
 //! Layered scenes: textured planes at several depths, each with its own slope.
 //!
-//! The farthest layer fills the frame: relief, cracks and blobs. Each nearer one carries boards with rows of strokes like
-//! writing, with stripes, or with dots, which are the landmarks of the truth.
+//! The farthest layer fills the frame: relief, cracks and blobs. Each nearer one carries boards with rows of strokes
+//! like writing, with stripes, or with dots, which are the landmarks of the truth.
 
 use super::layer::{Layer, draw_layers, visible_landmarks};
 use super::noise::Camera;

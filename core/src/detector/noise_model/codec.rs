@@ -1,9 +1,9 @@
 //! Blocks that a file's codec flattened.
 //!
 //! A JPEG file keeps of each block of 8×8 pixels only what exceeds half a step of its table: weak noise is rounded away
-//! in most blocks, and is as strong as the step where it is not. So a flattened block is no evidence of low noise. Where
-//! a good part of the blocks is flat, the noise is measured from all of them, and the gate allows for noise that is rare
-//! and strong ([`rare`]). Without this `jpeg-20` has 8769 false features a megapixel at the strict gate, not 6.
+//! in most blocks, and is as strong as the step where it is not. So a flattened block is no evidence of low noise.
+//! Where a good part of the blocks is flat, the noise is measured from all of them, and the gate allows for noise that
+//! is rare and strong ([`rare`]). Without this `jpeg-20` has 8769 false features a megapixel at the strict gate, not 6.
 
 use super::warning::{NoiseWarning, WarningKind};
 use crate::detector::params::{ParamError, doc};

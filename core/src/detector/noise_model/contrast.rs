@@ -1,10 +1,11 @@
-//! Contrasts: differences of neighbouring frames in which the scene cancels and the noise stays; and the scene's motion.
+//! Contrasts: differences of neighbouring frames in which the scene cancels and the noise stays; and the scene's
+//! motion.
 //!
 //! Three consecutive frames enter with the weights 1, −2, 1, which removes steady changes; each is read where the scene
-//! has moved to, in whole pixels, so that nothing is interpolated. A texture half a pixel off leaves less than two percent
-//! of its power. For each part that is measured the slope is that, among those of the search, at which the mean of the
-//! shifted frames has the most power. That mean is independent of contrasts, whose weights sum to 0, so the choice does
-//! not change the noise measured.
+//! has moved to, in whole pixels, so that nothing is interpolated. A texture half a pixel off leaves less than two
+//! percent of its power. For each part that is measured the slope is that, among those of the search, at which the mean
+//! of the shifted frames has the most power. That mean is independent of contrasts, whose weights sum to 0, so the
+//! choice does not change the noise measured.
 
 use super::reading::BoxPyramid;
 use crate::detector::params::slope_grid::Slope;

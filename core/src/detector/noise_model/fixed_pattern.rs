@@ -1,9 +1,10 @@
-//! Fixed pattern of a sensor: hot pixels, far brighter or darker than all around them in every frame, or in some if they
-//! flicker; and stripes, columns and rows with an offset of their own.
+//! Fixed pattern of a sensor: hot pixels, far brighter or darker than all around them in every frame, or in some if
+//! they flicker; and stripes, columns and rows with an offset of their own.
 //!
 //! It stays while the scene moves, and is sharper than any image through a lens. So it is detected in the mean of the
 //! frames at slope 0, and must be in both halves of the burst. On a tripod the two cannot be told apart, and nothing is
-//! changed. Without this `column-stripes` has 597 false features a megapixel at the strict gate, `hot-pixels` 47, not 6.
+//! changed. Without this `column-stripes` has 597 false features a megapixel at the strict gate, `hot-pixels` 47, not
+//! 6.
 
 use super::changing_lines::{ChangingLines, Extent, offsets};
 use super::contrast::Contrast;

@@ -1,9 +1,9 @@
-//! Survey of a burst's frames: copies, and frames that are black, flashed, empty, too noisy or blurred, are left out; of
-//! the others the relative exposure and noise are measured.
+//! Survey of a burst's frames: copies, and frames that are black, flashed, empty, too noisy or blurred, are left out;
+//! of the others the relative exposure and noise are measured.
 //!
-//! A copy brings no new noise, so it does not count; a frame much noisier than the others makes their mean worse. Without
-//! exposures `gain-flicker` has 984 false features a megapixel at the strict gate, not 6; without noise by frame
-//! `noisy-frame` 281, without correlations `smoothed` 16, without the weak pattern `fixed-pattern-30` 45.
+//! A copy brings no new noise, so it does not count; a frame much noisier than the others makes their mean worse.
+//! Without exposures `gain-flicker` has 984 false features a megapixel at the strict gate, not 6; without noise by
+//! frame `noisy-frame` 281, without correlations `smoothed` 16, without the weak pattern `fixed-pattern-30` 45.
 
 use super::contrast::Contrast;
 use super::high_pass::{FREE_VALUES, HighPass, SQUARE_PIXELS, median, quantile, sorted, spread};

@@ -1,5 +1,5 @@
-//! Single pass over the frames that are examined closely, row by row: pyramids of means over squares of 2, 4, 8 … pixels
-//! and, for the sensor's pattern, the means of columns and rows, and pixels that stand out of their row.
+//! Single pass over the frames that are examined closely, row by row: pyramids of means over squares of 2, 4, 8 …
+//! pixels and, for the sensor's pattern, the means of columns and rows, and pixels that stand out of their row.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;

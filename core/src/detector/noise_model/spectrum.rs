@@ -1,10 +1,11 @@
 //! Noise at each level of the search relative to white noise, measured with the search's own filters.
 //!
-//! Correlated noise leaves more at coarse levels than white noise, and noise that files round away less at fine ones. So
-//! contrasts of frames are filtered as in the search, in tiles spread over the image. The tails are measured too: JPEG
-//! files keep few coefficients, so that their noise is rare and strong. Structures that move in several ways at once do
-//! not cancel everywhere, and can only add: where the tiles differ more than noise does, their quiet part is taken, and at
-//! most what the finer levels predict. Without this `correlated` has 12 991 false features a megapixel, not 6.
+//! Correlated noise leaves more at coarse levels than white noise, and noise that files round away less at fine ones.
+//! So contrasts of frames are filtered as in the search, in tiles spread over the image. The tails are measured too:
+//! JPEG files keep few coefficients, so that their noise is rare and strong. Structures that move in several ways at
+//! once do not cancel everywhere, and can only add: where the tiles differ more than noise does, their quiet part is
+//! taken, and at most what the finer levels predict. Without this `correlated` has 12 991 false features a megapixel,
+//! not 6.
 
 use super::contrast::{Contrast, Pixels as Source, SceneMotion};
 use super::high_pass::{quantile, quiet_variance, sorted, spread};

@@ -1,11 +1,11 @@
 //! Evidence on the slopes of a burst, from windows of all places and sizes, and the grid that is chosen from it.
 //!
-//! Each level is covered by half-overlapping windows; their correlations are also summed, over a sixteenth of the image,
-//! a quarter, the whole. Small windows separate depths and small layers; large ones show faint structures. A window
-//! counts when it is significant, determines its slope, is not ambiguous, and is certain by itself or confirmed by
-//! another. If those that count lie on a line through slope 0, the grid is this line, otherwise a plane, turned if that
-//! makes it much smaller. Its slopes are multiples of the step and end one to two steps beyond the evidence, so that the
-//! grid of a burst and that of a part of it have their points in common.
+//! Each level is covered by half-overlapping windows; their correlations are also summed, over a sixteenth of the
+//! image, a quarter, the whole. Small windows separate depths and small layers; large ones show faint structures. A
+//! window counts when it is significant, determines its slope, is not ambiguous, and is certain by itself or confirmed
+//! by another. If those that count lie on a line through slope 0, the grid is this line, otherwise a plane, turned if
+//! that makes it much smaller. Its slopes are multiples of the step and end one to two steps beyond the evidence, so
+//! that the grid of a burst and that of a part of it have their points in common.
 
 use super::peak::{SearchTable, Track};
 use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};

@@ -6,8 +6,8 @@
 //! frames' own spectra predict is the significance. The strongest slope of a grid is refined by Newton's method; the
 //! decrease of P around it gives the uncertainty, the strongest other slope the ambiguity (of periodic texture).
 //!
-//! The correlations of frames t and t + 1, summed over the image, have their peak at the shift of the picture as a whole.
-//! The sum of the shifts is its path; the motion is straight where that hardly leaves a uniform one.
+//! The correlations of frames t and t + 1, summed over the image, have their peak at the shift of the picture as a
+//! whole. The sum of the shifts is its path; the motion is straight where that hardly leaves a uniform one.
 
 use super::spectra::{CrossSpectra, Fourier, SIDE};
 

@@ -1,10 +1,10 @@
 //! Irregularities of a burst that its motion shows.
 //!
-//! Order: the path of the picture gives each frame a position. If the frames, sorted by it, are equally far apart but not
-//! in their own order, they are out of order; if they are in order and a few distances are multiples of the others,
-//! frames are missing there. Turning and growing: slopes then change linearly with place, so an affine map from place to
-//! slope is fitted robustly. Its antisymmetric part is a turn, the mean of its diagonal growth; the rest is shear, as a
-//! plane seen at an angle makes it, and must be smaller.
+//! Order: the path of the picture gives each frame a position. If the frames, sorted by it, are equally far apart but
+//! not in their own order, they are out of order; if they are in order and a few distances are multiples of the others,
+//! frames are missing there. Turning and growing: slopes then change linearly with place, so an affine map from place
+//! to slope is fitted robustly. Its antisymmetric part is a turn, the mean of its diagonal growth; the rest is shear,
+//! as a plane seen at an angle makes it, and must be smaller.
 
 use super::evidence::{Steps, is_clear};
 use super::{Size, SlopeEvidence};

@@ -1,9 +1,9 @@
 //! Spectra of small windows of the reduced frames, and the sums of products of pairs of them.
 //!
-//! Frames are reduced to means over squares: level `l` has pixels of 2^l image pixels. A window of [`SIDE`]² level pixels
-//! is cut from every frame at the same place, multiplied by a Hann window, transformed, and band-passed. The product
-//! conj(F_t)·F_{t+k} is the spectrum of the cross-correlation of frames t and t + k; products of the same lag k are added
-//! up. A frame is never multiplied by itself, so that the frames' own noise adds nothing on average.
+//! Frames are reduced to means over squares: level `l` has pixels of 2^l image pixels. A window of [`SIDE`]² level
+//! pixels is cut from every frame at the same place, multiplied by a Hann window, transformed, and band-passed. The
+//! product conj(F_t)·F_{t+k} is the spectrum of the cross-correlation of frames t and t + k; products of the same lag k
+//! are added up. A frame is never multiplied by itself, so that the frames' own noise adds nothing on average.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;

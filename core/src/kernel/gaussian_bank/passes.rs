@@ -1,10 +1,10 @@
 //! The two passes of the filters over a tile, and the rows that are stored between them.
 //!
-//! Along the rows, two pixels at the same distance from the centre are added, then multiplied into all levels that reach
-//! that far; the sums of up to [`MOST`] levels over [`BLOCK`] columns stay in registers. Between the passes rows are
-//! stored in blocks of columns ([`Band`]), each contiguous, so that they stay in the first cache and loops over them
-//! need no bounds checks. Along the columns a few rows of one level are made at once, and their difference from the
-//! previous level: each step outwards loads only two rows, the others are in registers already, one place further.
+//! Along the rows, two pixels at the same distance from the centre are added, then multiplied into all levels that
+//! reach that far; the sums of up to [`MOST`] levels over [`BLOCK`] columns stay in registers. Between the passes rows
+//! are stored in blocks of columns ([`Band`]), each contiguous, so that they stay in the first cache and loops over
+//! them need no bounds checks. Along the columns a few rows of one level are made at once, and their difference from
+//! the previous level: each step outwards loads only two rows, the others are in registers already, one place further.
 
 pub(crate) use crate::kernel::machine::{BLOCK_COLUMNS as BLOCK, WIDEST_VECTOR as VECTOR};
 
