@@ -1,17 +1,15 @@
 //! Compactly supported kernels: small round filters that locate a blob precisely.
 //!
 //! The DoG's Gaussians never end; content three radii away from a blob still pulls at its extremum. A compact kernel
-//! ends. Over q = ρ²/R² it is h(q) = (1 − q)³·p(q) for q < 1 and 0 beyond, with a polynomial p that makes its mean 0,
-//! so that neither a grey level nor a ramp moves a blob; it reaches its end with two continuous derivatives. Gradient
-//! and second derivatives are known in closed form, so Newton's steps find the extremum. There are two:
+//! ends: over q = ρ²/R² it is h(q) = (1 − q)³·p(q) for q < 1 and 0 beyond, with a polynomial p that makes its mean 0,
+//! so that neither a grey level nor a ramp moves a blob. Its derivatives are known in closed form. There are two:
 //!
-//! - [`RIM`], p = 1 + 3q − 24q²: flat in the middle and steepest where it is zero. With that radius on a blob's rim the
-//!   place is determined best, and nothing beyond 1.9 radii matters.
+//! - [`RIM`], p = 1 + 3q − 24q²: steepest where it is zero. With that radius on a blob's rim the place is determined
+//!   best, and nothing beyond 1.9 radii matters.
 //! - [`SOFT`], p = 1 − 10q + 24q² − 21q³: much like the DoG, for structure without such a rim; it reaches 2.65 radii.
 //!
-//! The noise of a position is that of the gradient over the curvature. For a disc it is √(∫h'²ρ dρ)/(r·h'(r)), in units
-//! of the pixels' noise over contrast: 0.79 for [`RIM`], 1.11 for [`SOFT`], 1.19 for the DoG at the disc's own scale
-//! and 0.94 for a DoG of the best scale.
+//! The noise of a disc's position is √(∫h'²ρ dρ)/(r·h'(r)), in units of the pixels' noise over contrast: 0.79 for
+//! [`RIM`], 1.11 for [`SOFT`], 1.19 for the DoG at the disc's own scale and 0.94 for a DoG of the best scale.
 
 use crate::plane::Plane;
 use multiversion::multiversion;
@@ -27,12 +25,10 @@ pub struct CompactKernel {
     second: [f32; 4],
     /// Distance from the centre at which the kernel is zero, in units of its radius R.
     pub zero_at: f64,
-    /// Standard deviation of a component of the gradient on pixels of white noise of standard deviation 1: √(2π∫q·h'²
-    /// dq), whatever the radius.
+    /// Standard deviation of a component of the gradient on white noise of 1, for any radius: √(2π∫q·h'² dq).
     pub gradient_noise: f64,
 }
 
-/// Kernel for blobs with a rim.
 pub const RIM: CompactKernel = CompactKernel {
     value: [1.0, 3.0, -24.0, 0.0],
     first: [0.0, -60.0, 120.0, 0.0],
@@ -40,7 +36,6 @@ pub const RIM: CompactKernel = CompactKernel {
     zero_at: 0.525_329,
     gradient_noise: 2.9960,
 };
-/// Kernel for all other structure.
 pub const SOFT: CompactKernel = CompactKernel {
     value: [1.0, -10.0, 24.0, -21.0],
     first: [-13.0, 88.0, -183.0, 126.0],
@@ -102,14 +97,12 @@ impl KernelResponse {
     }
 }
 
-/// c₀ + c₁q + c₂q² + c₃q³.
 #[inline(always)]
 fn cubic(c: &[f32; 4], q: f32) -> f32 {
     q.mul_add(q.mul_add(q.mul_add(c[3], c[2]), c[1]), c[0])
 }
 
-/// The sums that make a [`KernelResponse`], over the pixels from (`first.0`, `first.1`) on. `x` and `y` are the
-/// distances of their columns and rows from the place in radii; columns that only pad a vector have distances beyond 1.
+/// The sums that make a [`KernelResponse`]. `x` and `y` are the distances of columns and rows, in radii.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn sums(
     kernel: &CompactKernel,
@@ -149,10 +142,8 @@ fn sums(
 }
 
 impl PixelView<'_> {
-    /// The local mean around the place (x, y) of the image: the mean of pixels on a circle of nine tenths of `radius`.
-    ///
-    /// The samples of a kernel do not sum to exactly 0. The error is largest where the kernel ends, so the kernel is
-    /// applied to the difference from the grey level there.
+    /// The mean of pixels on a circle of nine tenths of `radius` around (x, y). Samples of a kernel do not sum to
+    /// exactly 0, and err most where it ends, so it is applied to the difference from the grey level there.
     pub fn local_mean(&self, radius: f64, (x, y): (f64, f64)) -> f32 {
         let near = |at: f64, n: usize| (at.round().max(0.0) as usize).min(n - 1);
         let at = |du: f64, dv: f64| {
@@ -166,8 +157,7 @@ impl PixelView<'_> {
         sum / 16.0
     }
 
-    /// The response of `kernel` of `radius` pixels at the place (x, y) of the image, on the pixels less `local_mean`,
-    /// which [`PixelView::local_mean`] gives.
+    /// The response at the place (x, y) of the image, on the pixels less [`PixelView::local_mean`].
     pub fn kernel_response(
         &self,
         kernel: &CompactKernel,
@@ -264,10 +254,8 @@ mod tests {
         let part = Plane::from_fn(30, 30, |u, v| plane.at(u + 12, v + 9));
         let (whole, part) = (PixelView::of(&plane), PixelView { left: 12, top: 9, ..PixelView::of(&part) });
         assert_eq!(whole.local_mean(8.0, (25.3, 22.8)), part.local_mean(8.0, (25.3, 22.8)));
-        assert_eq!(
-            whole.kernel_response(&RIM, 8.0, (25.3, 22.8), 0.5),
-            part.kernel_response(&RIM, 8.0, (25.3, 22.8), 0.5)
-        );
+        let response = |pixels: PixelView<'_>| pixels.kernel_response(&RIM, 8.0, (25.3, 22.8), 0.5);
+        assert_eq!(response(whole), response(part));
     }
 
     #[test]
@@ -275,10 +263,10 @@ mod tests {
         let ramp = Plane::from_fn(60, 50, |u, v| 0.2 + 0.01 * u as f32 - 0.02 * v as f32);
         for at in [(30.0, 25.0), (30.4, 25.2), (29.5, 24.5)] {
             let disc = |u: usize, v: usize| (u as f64 - at.0).hypot(v as f64 - at.1) < 12.0 * RIM.zero_at;
-            let blob = PixelView::of(&Plane::from_fn(60, 50, |u, v| f32::from(disc(u, v))))
-                .kernel_response(&RIM, 12.0, at, 0.0);
-            let answer =
-                PixelView::of(&ramp).kernel_response(&RIM, 12.0, at, PixelView::of(&ramp).local_mean(12.0, at));
+            let blob = Plane::from_fn(60, 50, |u, v| f32::from(disc(u, v)));
+            let blob = PixelView::of(&blob).kernel_response(&RIM, 12.0, at, 0.0);
+            let ramp = PixelView::of(&ramp);
+            let answer = ramp.kernel_response(&RIM, 12.0, at, ramp.local_mean(12.0, at));
             assert!(answer.value.abs() < 1e-3 * blob.value, "{answer:?} {blob:?}");
             assert!(answer.gradient.iter().all(|g| g.abs() < 2e-3 * blob.value), "{answer:?}");
         }
@@ -290,15 +278,6 @@ mod tests {
             assert!(polynomial(&kernel.value, kernel.zero_at.powi(2)).abs() < 1e-4, "{kernel:?}");
             assert!(integral(|q| h(&kernel, q)).abs() < 1e-6, "its mean is 0: {kernel:?}");
             let first = |q: f64| (1.0 - q).powi(2) * polynomial(&kernel.first, q);
-            for q in [0.05, 0.2, 0.5, 0.83] {
-                let e = 1e-5;
-                assert!(
-                    ((h(&kernel, q + e) - h(&kernel, q - e)) / (2.0 * e) - first(q)).abs() < 1e-6,
-                    "{kernel:?} {q}"
-                );
-                let second = (1.0 - q) * polynomial(&kernel.second, q);
-                assert!(((first(q + e) - first(q - e)) / (2.0 * e) - second).abs() < 1e-5, "{kernel:?} {q}");
-            }
             let noise = (2.0 * std::f64::consts::PI * integral(|q| q * first(q).powi(2))).sqrt();
             assert!((noise / kernel.gradient_noise - 1.0).abs() < 1e-3, "{noise} {kernel:?}");
         }

@@ -15,8 +15,7 @@ const WEIGHTS: usize = 2 * ORDERS;
 const TERMS: usize = 15;
 const LANES: usize = 8;
 
-/// Derivatives of a smoothed image at one place: `jet[p][q]` is taken p times along u and q times along v; p + q is at
-/// most 4.
+/// Derivatives of a smoothed image at one place: `jet[p][q]`, p times along u and q times along v, p + q ≤ 4.
 pub type Jet = [[f64; ORDERS]; ORDERS];
 
 /// Pixels around a place, less a local mean, and the buffers for their jets.
@@ -69,10 +68,9 @@ const MIN_SAMPLED_VARIANCE: f64 = 1.2;
 /// Terms by which a sampled Gaussian is made as sharp as a narrower one, beside itself.
 const SHARPENING: usize = 4;
 
-/// Writes the derivatives of each order, with respect to its centre, of a Gaussian of `variance` at `stride` whole
-/// distances from `d` on, order after order. Of one that is too narrow to be sampled, the weights are those of the
-/// wider Gaussian g sharpened, exp(−c/2·∂²)g with the difference c of the variances: on smooth pixels their sums are
-/// the same. `wider` is a buffer.
+/// Writes the derivatives of a Gaussian of `variance` at `stride` whole distances from `d` on, order after order. One
+/// that is too narrow to be sampled is the wider g sharpened, exp(−c/2·∂²)g with the difference c of the variances: on
+/// smooth pixels their sums are the same. `wider` is a buffer.
 fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Vec<f32>) {
     let missing = MIN_SAMPLED_VARIANCE - variance;
     if missing <= 0.0 {

@@ -33,8 +33,7 @@ fn polynomial<const N: usize>(coefficients: [f32; N], x: f32) -> f32 {
     sum
 }
 
-/// The length of (gu, gv), to 2·10⁻⁶ of it, and its direction in eighths of a turn, in [0, 8), to 3·10⁻⁶: minimax
-/// polynomials for √(1 + s) and the arctangent on [0, 1], which cost less than a square root.
+/// Length (to 2·10⁻⁶) and direction (eighths of a turn in [0, 8), to 3·10⁻⁶) by minimax polynomials.
 #[inline(always)]
 fn polar(gu: f32, gv: f32) -> (f32, f32) {
     let (x, y) = (gu.abs(), gv.abs());
@@ -96,8 +95,7 @@ impl<'a> GradientRow<'a> {
         Self { before: row, after: &row[2..], above: level.values(u, v - 1), below: level.values(u, v + 1) }
     }
 
-    /// Magnitudes and directions (eighths of a turn in [0, 8), from +u towards +v) of a vector of gradients, from the
-    /// row's pixel `at` on.
+    /// Magnitudes and directions (eighths of a turn in [0, 8), from +u towards +v), from the row's pixel `at` on.
     #[inline(always)]
     pub(crate) fn vector(&self, at: usize) -> (Lane, Lane) {
         let (before, after) = (vector_of(self.before, at), vector_of(self.after, at));

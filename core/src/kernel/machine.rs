@@ -1,13 +1,11 @@
 //! Sizes tuned to the processor, of tiles, strips and blocks, and rows taken in vectors of its width.
 //!
-//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The bench
-//! `stages` measures those of vectors, rows and levels, `cpu_time` (one thread's CPU time of a whole detection, so that
-//! a busy machine matters little) those of tiles, windows, slopes and strips. Run it before and after changing one.
+//! None of the sizes changes a bit of any result. The bench `stages` measures those of vectors, rows and levels,
+//! `cpu_time` those of tiles, windows, slopes and strips: run it before and after changing one.
 
 use pulp::Simd;
 
-/// Vectors whose sums are held at once: enough to hide each other's latency, and two sums of each still fit into
-/// sixteen registers.
+/// Vectors whose sums are held at once: they hide each other's latency and fit into sixteen registers.
 pub(crate) const MAX_VECTORS: usize = 6;
 /// Values of the widest kind of vector.
 pub(crate) const WIDEST_VECTOR: usize = 16;
@@ -19,15 +17,13 @@ pub(crate) const BATCH_ROWS: usize = 112;
 pub(crate) const MAX_LEVEL_ROWS: usize = 8;
 /// Rows of a patch that are combined together: neighbouring rows read the same source rows but one.
 pub(crate) const PATCH_ROWS_TOGETHER: usize = 4;
-/// Columns of a tile. With the margin held for the moves of the refinement it is five blocks of vectors wide, and the
-/// values between the two passes of its filters stay in the second cache.
+/// Columns of a tile: with its margin five blocks of vectors, whose values stay in the second cache.
 pub(crate) const TILE_COLUMNS: usize = 148;
 /// Rows of a tile at most: enough that the margin for its filters matters little.
 pub(crate) const TILE_ROWS: usize = 548;
 /// Maximum size of the DoG tiles of the windows of slopes of all threads together, bytes.
 pub(crate) const WINDOWS_BYTES: usize = 128 << 20;
-/// Maximum size of one window, bytes: as much as stays in a thread's share of the third cache. Fewer rows than that
-/// repeat too much of the filters' margin around a tile.
+/// Maximum size of one window, bytes: a thread's share of the third cache.
 pub(crate) const WINDOW_BYTES: usize = 6 << 20;
 /// Slopes whose frames are stacked together at most: whole rows of a plane's grid share the mixing of rows.
 pub(crate) const STACKED_SLOPES: usize = 16;
@@ -46,15 +42,14 @@ pub(crate) fn store<S: Simd>(row: &mut [f32], at: usize, value: S::f32s) {
     S::as_mut_simd_f32s(&mut row[at..at + S::F32_LANES]).0[0] = value;
 }
 
-/// First values of `V` vectors of `lanes`, the first one at vector `first` of a row of `n` values: one after the other,
-/// but the row's last one ends where the row does, unless the row is shorter than a vector.
+/// First values of `V` vectors from vector `first` on of a row of `n` values; the row's last one ends where the row
+/// does.
 #[inline(always)]
 pub(crate) fn places<const V: usize>(first: usize, lanes: usize, n: usize) -> [usize; V] {
     std::array::from_fn(|i| ((first + i) * lanes).min(n.saturating_sub(lanes)))
 }
 
-/// Runs `$body` for groups of `$count` vectors (a constant, at most [`MAX_VECTORS`]) of the kind `$simd` that begin at
-/// `$places` and together cover `0 … $n`.
+/// Runs `$body` for groups of `$count` (at most [`MAX_VECTORS`]) vectors at `$places`, which together cover `0 … $n`.
 macro_rules! in_vectors {
     ($simd:ident, $n:expr, |$count:ident, $places:ident| $body:block) => {
         let (n, lanes) = ($n, $simd::F32_LANES);

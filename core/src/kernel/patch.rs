@@ -1,16 +1,10 @@
 //! Patches: the pixels around one feature at one slope, their motion stack and their blur.
 //!
-//! The search stores only keypoints; localisation and description compute again the small part that they need of a
-//! feature's own motion-stack image, from the frames or from the octave's stored first level. A patch always holds the
-//! whole rectangle asked for: beyond the octave's border the nearest pixel is repeated, as everywhere, so that code
-//! that reads a patch needs no cases for borders.
-//!
-//! Motion stack: where every frame covers the whole patch, the frame pixels that belong together and their weights are
-//! the same for all of its pixels; they are computed once. At the image's sides rows are made one by one as those of
-//! whole images. A pixel has the same bits either way, unless a frame is read between its rows.
-//!
-//! Blur: one blur to a level equals the levels' chain of blurs up to the kernels' cut. A few rows are combined from the
-//! rows around them, then convolved, so that the intermediate values stay in the nearest cache.
+//! Localisation and description compute again the small part that they need of a feature's own motion-stack image. A
+//! patch always holds the whole rectangle asked for: beyond the octave's border the nearest pixel is repeated. Where
+//! every frame covers the whole patch, the pixels that belong together and their weights are computed once for all of
+//! it; at the sides rows are made one by one. A pixel has the same bits either way, unless a frame is read between its
+//! rows. One blur to a level equals the levels' chain of blurs up to the kernels' cut.
 
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};
@@ -73,8 +67,7 @@ impl Patch {
         self.stride
     }
 
-    /// All values from pixel (u, v) on: the rest of its row, its padding to whole vectors, and the rows below; at least
-    /// a vector from any held pixel.
+    /// All values from pixel (u, v) on: the rest of its row, its padding, and the rows below; at least a vector.
     #[inline(always)]
     pub(crate) fn values(&self, u: i64, v: i64) -> &[f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
@@ -150,8 +143,7 @@ impl Patch {
         }
     }
 
-    /// Fills the patch from `fine` at half its resolution: pixel (i, j) is the mean of pixels 2i and 2i + 1 of rows 2j
-    /// and 2j + 1. All pixels are held whose four pixels `fine` holds.
+    /// Fills the patch from `fine` at half its resolution: all means of pixels 2i and 2i + 1 of rows 2j and 2j + 1.
     pub(crate) fn halve(&mut self, fine: &Self) {
         let half = |range: Range<i64>| (range.start + 1).div_euclid(2)..range.end.div_euclid(2);
         self.reset(half(fine.columns()), half(fine.rows()));
@@ -162,6 +154,41 @@ impl Patch {
                 *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
             }
         }
+    }
+
+    /// Blurs at least four rows into `out`. The patch must extend beyond them by the kernel's radius.
+    pub fn blurred(
+        &self,
+        columns: Range<i64>,
+        rows: Range<i64>,
+        kernel: &GaussianKernel,
+        scratch: &mut BlurScratch,
+        out: &mut Self,
+    ) {
+        let radius = kernel.radius() as i64;
+        let (left, top) = (columns.start - radius, rows.start - radius);
+        assert!(self.columns().start <= left && self.columns().end >= columns.end + radius, "the patch is wide enough");
+        assert!(self.rows().start <= top && self.rows().end >= rows.end + radius, "the patch is high enough");
+        // Vectors that begin at cache lines.
+        let skipped = (left - self.columns().start) as usize % LANES;
+        let (width, count) = (columns.clone().count(), rows.clone().count());
+        assert!(count >= TOGETHER, "{count} rows are too few");
+        out.reset(columns.clone(), rows.clone());
+        let stride = out.stride();
+        let band_stride = (skipped + width + 2 * kernel.radius()).next_multiple_of(LANES);
+        scratch.0.grow(TOGETHER * band_stride + LANES);
+        Arch::new().dispatch(BlurRows {
+            from: self.values(left - skipped as i64, top),
+            from_stride: self.stride(),
+            half: kernel.half(),
+            band: &mut scratch.0,
+            band_stride,
+            skipped,
+            out: out.values_mut(columns.start, rows.start),
+            stride,
+            columns: width,
+            rows: count,
+        });
     }
 }
 
@@ -202,48 +229,9 @@ fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, si
 #[derive(Debug, Default)]
 pub struct BlurScratch(Aligned);
 
-impl Patch {
-    /// Blurs columns `columns` and rows `rows` (at least four) by `kernel` into `out`. The patch must extend beyond
-    /// them by the kernel's radius.
-    pub fn blurred(
-        &self,
-        columns: Range<i64>,
-        rows: Range<i64>,
-        kernel: &GaussianKernel,
-        scratch: &mut BlurScratch,
-        out: &mut Self,
-    ) {
-        let radius = kernel.radius() as i64;
-        let (left, top) = (columns.start - radius, rows.start - radius);
-        assert!(self.columns().start <= left && self.columns().end >= columns.end + radius, "the patch is wide enough");
-        assert!(self.rows().start <= top && self.rows().end >= rows.end + radius, "the patch is high enough");
-        // Vectors that begin at cache lines.
-        let skipped = (left - self.columns().start) as usize % LANES;
-        let (width, count) = (columns.clone().count(), rows.clone().count());
-        assert!(count >= TOGETHER, "{count} rows are too few");
-        out.reset(columns.clone(), rows.clone());
-        let stride = out.stride();
-        let band_stride = (skipped + width + 2 * kernel.radius()).next_multiple_of(LANES);
-        scratch.0.grow(TOGETHER * band_stride + LANES);
-        Arch::new().dispatch(BlurRows {
-            from: self.values(left - skipped as i64, top),
-            from_stride: self.stride(),
-            half: kernel.half(),
-            band: &mut scratch.0,
-            band_stride,
-            skipped,
-            out: out.values_mut(columns.start, rows.start),
-            stride,
-            columns: width,
-            rows: count,
-        });
-    }
-}
-
 /// Rows blurred by the kernel whose centre and right half are `half`.
 struct BlurRows<'a> {
-    /// Begins a radius above the first pixel, and a radius and `skipped` columns to the left of it; rows `from_stride`
-    /// apart.
+    /// Begins a radius above and a radius and `skipped` columns to the left of the first pixel.
     from: &'a [f32],
     from_stride: usize,
     half: &'a [f32],

@@ -1,19 +1,11 @@
 //! Rows of motion-stack images, for several slopes at once.
 //!
-//! A frame is read at its [`FrameOffset`]. The slopes of a group read the same rows of the same frames, a few columns
-//! apart; made together, each row comes from memory once. Slopes that also agree in their vertical part share the
-//! mixing of two rows into one.
-//!
-//! Inside, where every frame of a row covers the column and the next one, rows are weighted sums of the frames' rows
-//! (`WeightedRows`); the pixels that belong together and their weights are the same for all rows that the same frames
-//! cover, so they are computed once. Each frame pixel adds to two pixels of the sum, the one at its place and the one
-//! before, in proportion to the frame's fraction of a column. So two sums are made of the frames, both from the same
-//! loads and in registers, and finally added, the second one shifted by a pixel. Where no frame has a fraction, or all
-//! have the same one, there is one sum. The search and the patches around its features both use this, so a pixel has
-//! the same bits in either.
-//!
-//! At the sides, where fewer and fewer frames cover the columns, frames are added one after the other and divided by
-//! their number.
+//! The slopes of a group read the same rows of the same frames, a few columns apart, so each row comes from memory
+//! once; slopes that agree in their vertical part share the mixing of two rows into one. Where every frame of a row
+//! covers the column and the next one, rows are weighted sums of the frames' rows (`WeightedRows`). Each frame pixel
+//! adds to two pixels of the sum, the one at its place and the one before: so two sums are made from the same loads and
+//! finally added, the second one shifted by a pixel; one is enough where all fractions are alike. At the sides frames
+//! are added one after the other and divided by their number. The patches around features use the same, to the bit.
 
 use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
 use crate::plane::Plane;
@@ -165,8 +157,7 @@ impl<'a> RowStacker<'a> {
     }
 }
 
-/// The sources of row `v` of `run` from the frames that cover it, at the vertical parts of `offsets`; two rows that are
-/// read together are mixed into one in `mixed`.
+/// The sources of row `v` of `run`; two rows that are read together are mixed into one in `mixed`.
 fn sources<'s>(
     frames: &[&'s Plane],
     offsets: &[FrameOffset],
@@ -279,22 +270,15 @@ impl Between {
 }
 
 /// Buffers for a row of both sums, and the processor's kind; reused from row to row.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct WeightedRows {
     arch: Arch,
     sums: [Aligned; 2],
 }
 
-impl Default for WeightedRows {
-    fn default() -> Self {
-        Self { arch: Arch::new(), sums: Default::default() }
-    }
-}
-
 impl WeightedRows {
-    /// Writes rows `rows` of the sum of `taps`, `columns` values each, to `out`, where rows lie `stride` apart. Row 0
-    /// is the first one of the taps' pixels; the taps' rows lie `width` apart, and each holds a pixel more than
-    /// `columns`.
+    /// Writes rows `rows` of the sum of `taps`, `columns` values each, to `out`, `stride` apart. Row 0 is the first one
+    /// of the taps' pixels, whose rows lie `width` apart and hold a pixel more than `columns`.
     pub fn make(
         &mut self,
         taps: &[Tap<'_>],
@@ -452,8 +436,7 @@ pub struct FrameOffset {
     pub whole_v: i64,
     pub part_u: f32,
     pub part_v: f32,
-    /// Numbers of columns and of rows before the first one that still count as it, 0 or 1: see
-    /// [`crate::detector::Interpolation::Truncated`].
+    /// Columns and rows before the first one that still count as it, 0 or 1: see `Interpolation::Truncated`.
     pub before_u: i64,
     pub before_v: i64,
 }

@@ -31,6 +31,11 @@ impl GaussianKernel {
         Self { half: taps.iter().map(|t| (t / sum) as f32).collect() }
     }
 
+    /// The kernel whose centre tap and those to one side are `half`.
+    pub(crate) fn of_half(half: Vec<f32>) -> Self {
+        Self { half }
+    }
+
     /// Taps to each side of the centre.
     pub fn radius(&self) -> usize {
         self.half.len() - 1

@@ -3,9 +3,8 @@
 //! [`Display::colour`] is the reference. The shader computes the same, and a test compares the two; exported pictures
 //! and thumbnails use this one.
 //!
-//! All colour maps are defined here. The window, the exported pictures and the legends read the same tables. Perceptual
-//! maps run from dark to light in even steps, so that equal differences in value look equally large. Diverging maps
-//! have an exactly neutral grey at the centre and are meant for values with a sign, such as the DoG response.
+//! The window, the exported pictures and the legends read the same tables. Perceptual maps run from dark to light in
+//! even steps; diverging ones have an exactly neutral grey at the centre, for values with a sign.
 
 use super::Plane;
 use rayon::prelude::*;
@@ -21,14 +20,12 @@ pub const GAMMA_RANGE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
-    /// Value shown with the map's first colour, in the picture's unit (fraction of full scale). Smaller values get the
-    /// same colour.
+    /// Value shown with the map's first colour, as smaller ones are, in the picture's unit (fraction of full scale).
     pub min: f32,
     /// Value shown with the map's last colour. Larger values get the same colour.
     pub max: f32,
-    /// Exponent's inverse: the position in the range is raised to the power 1/gamma, so that values above 1 brighten
-    /// the dark half. With a diverging map it applies to the distance from the centre, so that both signs are treated
-    /// alike.
+    /// The position in the range is raised to the power 1/gamma, so that values above 1 brighten the dark half. With a
+    /// diverging map it applies to the distance from the centre, so that both signs are treated alike.
     pub gamma: f32,
     /// Colour map.
     pub map: ColourMap,
@@ -55,8 +52,7 @@ impl Display {
     pub fn with_range(self, min: f32, max: f32) -> Self {
         let min = if min.is_finite() { min } else { 0.0 };
         let max = if max.is_finite() { max } else { min };
-        // Half a millionth of full scale is less than any step of the files read here, yet well above f32's resolution
-        // near 1.
+        // Less than any step of the files read here, yet well above f32's resolution near 1.
         let smallest = |at: f32| 5e-7_f32.max(at.abs() * 1e-6);
         if self.symmetric {
             let limit = min.abs().max(max.abs()).max(smallest(0.0));
@@ -266,12 +262,9 @@ fn neutral_centre(map: impl Fn(f64) -> Rgb, t: f64) -> Rgb {
     })
 }
 
-/// A cyclic colour for a direction: the hue tells `angle_rad` (from +u towards +v), the saturation tells
-/// `magnitude_fraction` in [0, 1].
-///
-/// Lightness is about the same all around, so no direction looks much stronger than another; magnitude 0 is a neutral
-/// grey. Saturation grows faster at first (power 0.6), so that small motions can be told from none. The hues are those
-/// of the OKLCH colour space (Ottosson 2020, "A perceptual color space for image processing").
+/// A cyclic colour for a direction: the hue tells `angle_rad` (from +u towards +v), the saturation `magnitude_fraction`
+/// in [0, 1], at first faster (power 0.6). Lightness is about the same all around. The hues are those of the OKLCH
+/// colour space (Ottosson 2020, "A perceptual color space for image processing").
 pub fn direction_colour(angle_rad: f32, magnitude_fraction: f32) -> Rgb {
     const LIGHTNESS: f32 = 0.75;
     // A little beyond what sRGB holds for every hue: cyan is clamped, the others gain.
@@ -367,17 +360,6 @@ mod tests {
 
     fn luma(c: Rgb) -> f32 {
         0.2126 * f32::from(c[0]) + 0.7152 * f32::from(c[1]) + 0.0722 * f32::from(c[2])
-    }
-
-    #[test]
-    fn perceptual_maps_grow_lighter_all_the_way() {
-        for map in [ColourMap::Grey, ColourMap::Viridis, ColourMap::Magma, ColourMap::Cividis] {
-            let lut = map.lut();
-            for pair in lut.windows(2) {
-                assert!(luma(pair[1]) > luma(pair[0]) - 0.6, "{map:?}: {pair:?}");
-            }
-            assert!(luma(lut[255]) - luma(lut[0]) > 150.0, "{map:?}");
-        }
     }
 
     #[test]

@@ -1,12 +1,8 @@
 //! Memory for pixels, with allocations that may fail without ending the program.
 //!
-//! The user's input decides the size of frames, of the planes of a search and of exported pictures; that may exceed the
-//! machine's memory. A failed allocation ends the whole program, and with it the window and all open work. So such
-//! memory is allocated here. A refusal unwinds as [`NoMemory`], without a panic's message, through all steps that do
-//! not handle it; [`refusable`] turns it into an error, for a file that is opened, a command, or a job in the
-//! background.
-//!
-//! A system may promise memory that it does not have and end the program later; no program can prevent that.
+//! The user's input decides the size of frames and planes, which may exceed the machine's memory. A refusal unwinds as
+//! [`NoMemory`], without a panic's message; [`refusable`] turns it into an error, for a file that is opened, a command,
+//! or a job in the background. A system may promise memory that it does not have and end the program later;
 //! [`crate::detector`] checks, before a search starts, the limit that keeps it well below that.
 
 use bytemuck::Zeroable;

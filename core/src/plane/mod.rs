@@ -22,8 +22,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A plane of zeros of `width × height` pixels. Either may be 0. Unwinds as [`memory::NoMemory`] where the system
-    /// refuses the memory, as all constructors of planes do.
+    /// A plane of zeros. Unwinds as [`memory::NoMemory`] where the system refuses the memory, as all constructors do.
     pub fn zeros(width: usize, height: usize) -> Self {
         Self { width, height, data: Pixels::Own(memory::zeroed(width.saturating_mul(height))) }
     }
@@ -132,8 +131,7 @@ impl Plane {
     }
 }
 
-/// Owner of pixels that planes show without a copy, such as an array of another program part. The pixels must stay the
-/// same as long as a plane shows them.
+/// Owner of pixels that planes show without a copy. They must stay the same as long as a plane shows them.
 pub trait PixelOwner: Send + Sync {
     /// The pixels, row by row.
     fn pixels(&self) -> &[f32];

@@ -38,8 +38,7 @@ impl Summary {
 
 /// Count, range and mean of the finite values of `region`. The same bits for any number of threads.
 pub fn summary(plane: &Plane, region: &Region) -> Summary {
-    // Sums are computed per row and then added in order, so that the mean does not depend on the distribution of rows
-    // over threads.
+    // Sums of rows are added in order, so that the mean does not depend on the threads.
     let per_row: Vec<(usize, usize, f32, f32, f64)> = rows(plane, region)
         .map(|row| {
             row.iter().fold((0, 0, f32::INFINITY, f32::NEG_INFINITY, 0.0), |(n, bad, low, high, sum), &x| {
@@ -63,12 +62,9 @@ pub fn summary(plane: &Plane, region: &Region) -> Summary {
     all
 }
 
-/// The exact percentiles of the finite values of `region`, one for each of `percents` (0 … 100); `None` when there is
-/// no finite value.
-///
-/// The p-th percentile is the value of rank round(p/100·(n − 1)) among the n sorted values. Found by counting the upper
-/// and then the lower half of an order-preserving integer key: two passes over the data for each percentile, however
-/// the values are spread.
+/// The exact percentiles of the finite values of `region`, one for each of `percents` (0 … 100); `None` without any:
+/// the values of rank round(p/100·(n − 1)) among the n sorted ones. Found by counting the upper and then the lower half
+/// of an order-preserving integer key: two passes over the data for each percentile.
 pub fn percentiles(plane: &Plane, region: &Region, percents: &[f32]) -> Option<Vec<f32>> {
     percentiles_until(plane, region, percents, &Monitor::default()).ok().flatten()
 }
@@ -119,9 +115,7 @@ fn count_keys(
         if a.is_empty() {
             return Ok(b);
         }
-        for (x, y) in a.iter_mut().zip(b) {
-            *x += y;
-        }
+        a.iter_mut().zip(b).for_each(|(x, y)| *x += y);
         Ok(a)
     };
     let counts = rows(plane, region)
@@ -204,9 +198,7 @@ pub fn histogram(plane: &Plane, region: &Region, min: f32, max: f32, bins: usize
             histogram
         })
         .reduce(empty, |mut a, b| {
-            for (x, y) in a.counts.iter_mut().zip(b.counts) {
-                *x += y;
-            }
+            a.counts.iter_mut().zip(b.counts).for_each(|(x, y)| *x += y);
             (a.below, a.above, a.nan) = (a.below + b.below, a.above + b.above, a.nan + b.nan);
             a
         })

@@ -46,8 +46,7 @@ impl Region {
     }
 }
 
-/// The values of a [`Region`]. Rows lie `stride` apart, so that they can begin and end with whole vectors. The buffer
-/// keeps its capacity when it is reset.
+/// The values of a [`Region`]. Rows lie `stride` apart, so that they can begin and end with whole vectors.
 #[derive(Debug, Default, Clone)]
 pub struct Tile {
     region: Region,
@@ -56,8 +55,7 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Makes this the values of `region`, `stride` (at least the region's width) apart from row to row. The contents
-    /// are unspecified until written.
+    /// `stride` is at least the region's width. The contents are unspecified until written.
     pub fn reset(&mut self, region: &Region, stride: usize) {
         debug_assert!(stride >= region.columns.len(), "rows do not overlap");
         self.region = region.clone();
@@ -100,8 +98,7 @@ impl Tile {
     }
 }
 
-/// `n` pixels cut into as few nearly equal parts of at most `max` as possible; all parts but the last end at even
-/// places.
+/// `n` pixels cut into as few nearly equal parts of at most `max` as possible; all but the last end at even places.
 pub fn cuts(n: usize, max: usize) -> Vec<Range<usize>> {
     let count = n.div_ceil(max.max(2)).max(1);
     // Rounded up, so that no part grows by more than the one before it shrinks.
@@ -109,8 +106,8 @@ pub fn cuts(n: usize, max: usize) -> Vec<Range<usize>> {
     (0..count).map(|i| cut(i)..cut(i + 1)).collect()
 }
 
-/// The rows of `plane` cut at `columns` and `rows`, which follow one another from 0 on and cover at most the plane: for
-/// each part, in the order of rows of parts, its pieces of rows. Pixels beyond the last part are left out.
+/// The rows of `plane` cut at `columns` and `rows`, which follow one another from 0 on: for each part, in the order of
+/// rows of parts, its pieces of rows.
 pub fn split_mut<'p>(plane: &'p mut Plane, columns: &[Range<usize>], rows: &[Range<usize>]) -> Vec<Vec<&'p mut [f32]>> {
     let width = plane.width();
     let mut parts: Vec<Vec<&mut [f32]>> = Vec::with_capacity(columns.len() * rows.len());

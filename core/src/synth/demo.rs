@@ -1,14 +1,7 @@
 //! The demo: a street at night, built into the program and drawn on request.
 //!
-//! Four planes move past the camera, each with its own slope, and the light is so poor that one frame shows little. The
-//! plain average of the frames smears everything that moves; averaging at a plane's own slope makes that plane visible:
-//!
-//! | layer | slope (px/frame) | content |
-//! | --- | --- | --- |
-//! | skyline | (0.95, 0) | moon, stars, towers with lit windows |
-//! | houses | (−1.05, 0) | a row of houses, windows, doors, a street |
-//! | sign | (−2.1, 0) | a sign of lamps on a post, a bus stop, a fence |
-//! | lanterns | (1.6, −1.2) | paper lanterns that rise |
+//! Four planes move past the camera, in so poor light that one frame shows little. The plain average of the frames
+//! smears what moves; averaging at a plane's own slope makes that plane visible.
 
 use super::capture_burst;
 use super::layer::{Layer, draw_layers, visible_landmarks};
@@ -25,10 +18,8 @@ const DEMO_FRAMES: usize = 10;
 const SEED: u64 = 20_220_919;
 /// Time from the middle of the demo to the middle of the later burst, frames.
 pub const LATER_FRAMES: f64 = 12.0;
-/// Frames from mid-burst to the first and last one.
 const HALF_SPAN: f64 = 0.5 * (DEMO_FRAMES as f64 - 1.0);
-/// Share of the light of the painted layers that reaches the camera: chosen so that one frame shows little and the
-/// burst is needed.
+/// Share of the light of the painted layers that reaches the camera: so little that the burst is needed.
 const LIGHT: f32 = 0.38;
 /// Value of the night sky, as painted.
 const SKY: f32 = 0.006;
@@ -43,9 +34,7 @@ pub fn demo_burst() -> Burst {
     demo_burst_at("demo", 0.0, SEED)
 }
 
-/// The demo's street [`LATER_FRAMES`] frames later, with other noise, to match with the first burst. Its layers have
-/// moved on by as many slopes: three of them horizontally, as for a camera that moves sideways past a still street,
-/// while the lanterns rise and fit no such camera.
+/// The demo's street [`LATER_FRAMES`] frames later, with other noise, to match with the first burst.
 pub fn later_demo_burst() -> Burst {
     demo_burst_at("demo-later", LATER_FRAMES, SEED + 1)
 }

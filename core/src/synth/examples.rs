@@ -1,15 +1,5 @@
-//! Small built-in bursts as examples: two failures, in which the paper's method finds false features or misses discs;
-//! and scenes that show one effect each.
-//!
-//! | example | content | where to probe |
-//! | --- | --- | --- |
-//! | aliasing | three garlands with a small lamp every 8 px, under larger lamps that stand apart, all moving by 1 px/frame: the garlands respond again at −7 px/frame | a dark gap beside a lamp, which is kept at −7 px/frame |
-//! | low contrast | nine discs, each fainter than the one before, the last ones hidden by noise | a disc that only the gate rejects |
-//! | many depths | a column of lamps at each of nine depths, slope 0 on the left to 2.4 px/frame on the right: a fan in the x–t slice | a lamp in the middle |
-//! | tripod | a still camera: everything has slope 0, so depths cannot be told apart | a disc |
-//! | hot pixels | lamps that move by 1 px/frame, behind sixty hot pixels of the sensor | a hot pixel |
-//! | crossing | lamps that pass to the right behind lamps that pass to the left: slopes respond with which nothing moves | the end of a lamp's streak, kept at slope 0 |
-//! | street, street later | textured walls at two depths in the dark, and the same ones later: for matching | a lamp |
+//! Small built-in bursts as examples: two failures of the paper's method, and scenes that show one effect each.
+//! [`Example::help`] says what an example shows, [`Example::place`] where to probe it.
 
 use super::capture_burst;
 use super::demo::camera;
@@ -128,7 +118,7 @@ impl Example {
             Self::LowContrast => disc_place(8),
             Self::Depths => lamp_place(4),
             Self::Crossing => GHOST.0,
-            Self::Tripod => TRIPOD_PLACE,
+            Self::Tripod => [120.0, 90.0],
             Self::HotPixels => hot_pixels()[0].0.map(|x| x as f32),
             Self::Street => STREET_PLACE,
             Self::StreetLater => {
@@ -150,8 +140,7 @@ impl Example {
         }
     }
 
-    /// The (octave, level) of the response to look at, where it is one of several at its place and not the strongest;
-    /// `None` where it is the strongest.
+    /// The (octave, level) of the response to look at; `None` where it is the strongest at its place.
     pub fn scale(self) -> Option<(i32, i32)> {
         (self == Self::Aliasing).then_some((0, 0))
     }
@@ -227,27 +216,19 @@ impl Example {
 pub const GARLAND_PERIOD: f32 = 8.0;
 /// Slope of everything in the aliasing example, px/frame.
 pub const ALIASING_SLOPE: f32 = 1.0;
-/// Rows of the garlands.
 const GARLANDS: [f32; 3] = [104.0, 128.0, 152.0];
-/// Radius of the garlands' lamps, pixels.
-const GARLAND_RADIUS: f64 = 2.4;
 /// A dark gap between two lamps of a garland, which is kept as a feature at −7 px/frame.
 const GARLAND_PLACE: [f32; 2] = [172.0, 101.3];
 /// Slope of the discs of the low-contrast example, px/frame.
 const DISCS_SLOPE: f32 = 1.0;
-/// Discs of the low-contrast example: position of the first one, distance, and radius, pixels.
+/// Position of the first disc, distance, and radius, pixels.
 const DISCS: (f32, f32, f32) = (40.0, 40.0, 6.0);
-/// Ratio of the contrast of each disc to that of the one before.
-const FAINTER: f32 = 0.7;
-/// Contrast of the brightest disc, fraction of full scale above the background.
-const BRIGHTEST: f32 = 0.02;
 /// Background of most scenes, fraction of full scale.
 const GROUND: f32 = 0.03;
 /// Slopes of the street's far and near walls, px/frame.
 const STREET_SLOPES: [f64; 2] = [1.2, 2.2];
 /// Position of a lamp on the street's far wall.
 const STREET_PLACE: [f32; 2] = [128.0, 48.0];
-const TRIPOD_PLACE: [f32; 2] = [120.0, 90.0];
 /// Speed of the crossing lamps, to the right and to the left, px/frame.
 const CROSSING_SLOPE: f64 = 1.5;
 /// Of a lamp's streak the end, kept as a feature where nothing moves: its place, and its slope in px/frame.
@@ -283,7 +264,7 @@ fn garlands() -> Layer {
     }
     for v in GARLANDS {
         for k in -6..44 {
-            layer.landmark(f64::from(GARLAND_PERIOD * k as f32), f64::from(v), GARLAND_RADIUS, 0.09, true);
+            layer.landmark(f64::from(GARLAND_PERIOD * k as f32), f64::from(v), 2.4, 0.09, true);
         }
     }
     layer
@@ -292,11 +273,11 @@ fn garlands() -> Layer {
 fn discs() -> Layer {
     let mut layer = Layer::new("discs", EXAMPLE_SIZE, (f64::from(DISCS_SLOPE), 0.0), HALF_SPAN);
     layer.sheet.fill(|_, _| GROUND);
-    let mut contrast = BRIGHTEST;
+    let mut contrast = 0.02f32;
     for index in 0..9 {
         let [u, v] = disc_place(index);
         layer.landmark(f64::from(u), f64::from(v), f64::from(DISCS.2), GROUND + contrast, true);
-        contrast *= FAINTER;
+        contrast *= 0.7;
     }
     layer
 }

@@ -1,14 +1,9 @@
 //! Bursts with exactly known truth: charts of discs, layered scenes, and the camera's noise.
 //!
-//! A synthetic burst is made in two steps. First the *signal* of each frame is drawn without noise: discs or textured
-//! layers, each moved by its own slope. Then a [`Camera`] captures it: electrons are counted (shot noise), read out
-//! (read noise) and rounded to the levels of the converter. The drawn objects, their positions and motions are stored
-//! as [`Truth`].
-//!
-//! Whole datasets along a camera's path, and dark copies of real frames, are in the package `burstscope-lab`.
-//!
-//! Everything follows from a seed. The same seed gives the same bits on every machine and for any number of threads:
-//! each frame has its own random stream, and functions such as the logarithm come from `libm`, not from the system.
+//! First the *signal* of each frame is drawn without noise: discs or textured layers, each moved by its own slope. Then
+//! a [`Camera`] captures it. The drawn objects, their positions and motions are the [`Truth`]. The same seed gives the
+//! same bits on every machine and for any number of threads: each frame has its own random stream, and functions such
+//! as the logarithm come from `libm`.
 //!
 //! ```
 //! use burstscope_core::synth::{ChartParams, synth_chart};
@@ -46,7 +41,6 @@ use crate::plane::Plane;
 use random::Stream;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Directions of motion.
@@ -131,15 +125,12 @@ pub fn check_common(
     check_camera(read_noise, bits)
 }
 
-/// Least and greatest ratio of signal to noise, of those that are finite.
-const SNR_RANGE: RangeInclusive<f64> = 1e-6..=1e9;
-
 /// Checks a ratio of signal to noise.
 ///
 /// # Errors
 /// As [`check_common`].
 pub fn check_snr(snr: f64) -> Result<(), SynthError> {
-    if snr == f64::INFINITY || SNR_RANGE.contains(&snr) {
+    if snr == f64::INFINITY || (1e-6..=1e9).contains(&snr) {
         return Ok(());
     }
     Err(SynthError::param(
@@ -163,8 +154,7 @@ pub fn check_camera(read_noise: f64, bits: u32) -> Result<(), SynthError> {
     Ok(())
 }
 
-/// Draws and captures `frames` frames. Frame t takes its noise from stream t + 1 of the seed (stream 0 lays out the
-/// scene), so the result does not depend on the threads.
+/// Frame t takes its noise from stream t + 1 of the seed, so the result does not depend on the threads.
 fn capture_burst(
     name: &str,
     frames: usize,

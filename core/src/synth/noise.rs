@@ -1,24 +1,14 @@
 //! The camera's noise: the capture of a noiseless signal by a sensor.
 //!
 //! A signal `x` is a fraction of full scale *above the black level*. The sensor collects `Poisson(x·F)` electrons,
-//! where `F` is the number of electrons at full scale (a small `F` is a high gain, as cameras use in the dark). Reading
-//! it out adds Gaussian noise of `r` electrons. The result, divided by `F`, is raised by the black level, a pedestal
-//! that keeps the noise around a dark signal from being clipped at zero, and rounded to the levels of a converter of
-//! `bits` bits.
+//! where `F` is the number of electrons at full scale; reading it out adds Gaussian noise of `r` electrons. The result,
+//! divided by `F`, is raised by the black level, which keeps the noise from being clipped at zero, and rounded to the
+//! levels of a converter. Level `d` of `bits` bits is the value `d·2^(16−bits)/65535`, so a 16-bit file holds each
+//! value exactly.
 //!
-//! # Signal-to-noise ratio
-//! The per-pixel SNR of two levels, a background and an object on it, is
-//!
-//! ```text
-//! SNR = |x_object − x_background| / σ
-//! ```
-//!
-//! where σ is the standard deviation of the noise of one pixel in one frame at the mean of the two levels:
-//! `σ² = (x·F + r²)/F² + q²/12` with `x = (x_object + x_background)/2` and `q` the quantisation step.
-//!
-//! # Values in files
-//! A level `d` of a converter with `bits` bits is the value `d·2^(16−bits)/65535`: the bits sit at the top of a 16-bit
-//! word, as many cameras deliver them. A 16-bit file therefore holds each value exactly.
+//! The per-pixel signal-to-noise ratio of an object on a background is `|x_object − x_background| / σ`, where σ is the
+//! standard deviation of one pixel in one frame at the mean `x` of the two levels: `σ² = (x·F + r²)/F² + q²/12` with
+//! the quantisation step `q`.
 
 use super::random::Stream;
 use super::{SynthError, check_snr};
@@ -90,8 +80,7 @@ impl Camera {
         self.bits.map_or(0.0, quantisation_step)
     }
 
-    /// Standard deviation of the noise of one pixel of one frame where the signal is `signal`; both are fractions of
-    /// full scale.
+    /// Standard deviation of one pixel of one frame where the signal is `signal`; both are fractions of full scale.
     pub fn sigma(&self, signal: f64) -> f64 {
         let rounding = self.quantisation_step().powi(2) / 12.0;
         if self.is_noiseless() {
@@ -164,12 +153,8 @@ mod tests {
     fn mean_and_variance_follow_the_model() {
         const SIDE: usize = 500;
         for (electrons, signal, bits) in [(60.0, 0.05, 12), (300.0, 0.2, 8), (15_000.0, 0.3, 12), (40.0, 0.1, 10)] {
-            let camera = Camera {
-                full_scale_electrons: electrons,
-                read_noise_electrons: 3.0,
-                black_level: 0.45,
-                bits: Some(bits),
-            };
+            let (full_scale_electrons, bits) = (electrons, Some(bits));
+            let camera = Camera { full_scale_electrons, read_noise_electrons: 3.0, black_level: 0.45, bits };
             let frame = expose(&camera, &Plane::from_fn(SIDE, SIDE, |_, _| signal as f32), 2);
             let (mean, variance) = statistics(&frame);
             let n = (SIDE * SIDE) as f64;

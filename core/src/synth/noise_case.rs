@@ -25,11 +25,10 @@ pub enum NoiseCase {
     Doubled,
     /// Frames are stored as JPEG files of this quality (1 … 100), 8 bits.
     Jpeg(u8),
-    /// Frames are stored as colour JPEG files of this quality (1 … 100), 8 bits: each colour has its own noise, and the
-    /// luma of the three is searched.
+    /// Frames are colour JPEG files of this quality (1 … 100), 8 bits, with noise in each colour; their luma is
+    /// searched.
     ColourJpeg(u8),
-    /// Each pixel shares its noise with the neighbouring pixels, with weights 1, 2, 1 along both axes; as strong as
-    /// white noise.
+    /// Each pixel shares its noise with its neighbours, with weights 1, 2, 1 along both axes; as strong as white noise.
     Correlated,
     /// The middle frame is black.
     BlackFrame,
@@ -55,13 +54,11 @@ pub enum NoiseCase {
     DriftingStripes(u8),
     /// The standard deviation varies over 250 px along both axes, from its usual value to this multiple of it (2 … 9).
     Varying(u8),
-    /// The brightness of the rows varies by ±2 % with a period of 180 rows; the bands move by a seventh of a period
-    /// from frame to frame.
+    /// The rows' brightness varies by ±2 % with a period of 180 rows, and moves by a seventh of it from frame to frame.
     Banding,
     /// As [`Self::Banding`], but the bands stay where they are.
     StillBanding,
-    /// Each frame after the first consists of 0.8 of the frame before and 0.2 of a new one, so that the noise falls to
-    /// a third.
+    /// Each frame after the first is 0.8 of the frame before and 0.2 of a new one, so that the noise falls to a third.
     Smoothed,
     /// One pixel in a thousand is brighter by 5 to 20 standard deviations, in half of the frames, at random.
     FlickeringPixels,
@@ -73,34 +70,14 @@ pub enum NoiseCase {
     Fading(u8),
     /// The level rises and falls again over the burst, by this many percent (1 … 99), as under clouds.
     Breathing(u8),
-    /// Each frame has its own bright lines, a pixel wide and 5 to 40 px long, one in 20 000 pixels, brighter by 5 to 20
-    /// standard deviations, as cosmic rays leave them.
+    /// Each frame has its own bright lines, 1 in 20 000 pixels, 5 to 40 px long, brighter by 5 to 20 standard
+    /// deviations.
     CosmicStreaks,
     /// Each pixel has its own offset, the same in all frames, of this many percent of the noise (1 … 100).
     FixedPattern(u8),
 }
 
-const NOISY_FRAME: f64 = 5.0;
-const NOISY_HALF: f64 = 3.0;
-/// Number of pixels for each line of [`NoiseCase::CosmicStreaks`] in a frame.
-const PIXELS_A_STREAK: usize = 20_000;
-/// Of these lines, px.
-const STREAK_LENGTHS: (f64, f64) = (5.0, 40.0);
-const VARYING_PERIOD: f64 = 250.0;
-/// Amplitude of the bands of [`NoiseCase::Banding`], relative to the level.
-const BANDS: f64 = 0.02;
-/// Period of these bands, rows.
-const BAND_ROWS: f64 = 180.0;
-/// Motion of these bands, periods per frame.
-const BANDS_A_FRAME: f64 = 1.0 / 7.0;
-/// Share of the frame before in a frame of [`NoiseCase::Smoothed`].
-const SMOOTHING: f64 = 0.8;
-/// Number of pixels for each pixel that flickers in [`NoiseCase::FlickeringPixels`].
-const PIXELS_A_FLICKERING: usize = 1000;
-/// Number of columns for each one that is noisy in [`NoiseCase::NoisyColumns`].
 const COLUMNS_A_NOISY: usize = 50;
-const HOT_PIXELS: usize = 200;
-const FLICKER: f64 = 0.1;
 
 impl NoiseCase {
     /// Grey level of the scene where no other is asked for, fraction of full scale.
@@ -146,36 +123,17 @@ impl NoiseCase {
 
     /// Name on the command line and in reports; [`str::parse`] reads it.
     pub fn name(self) -> String {
-        let word = match self {
-            Self::White => "white",
-            Self::Doubled => "doubled",
-            Self::Jpeg(quality) => return format!("jpeg-{quality}"),
-            Self::ColourJpeg(quality) => return format!("colour-jpeg-{quality}"),
-            Self::Correlated => "correlated",
-            Self::BlackFrame => "black-frame",
-            Self::NoisyFrame => "noisy-frame",
-            Self::NoisyHalf => "noisy-half",
-            Self::ColumnStripes => "column-stripes",
-            Self::HotPixels => "hot-pixels",
-            Self::GainFlicker => "gain-flicker",
-            Self::ClippedBlack => "clipped-black",
-            Self::Saturated => "saturated",
-            Self::ConstantFrame => "constant-frame",
-            Self::Constant => "constant",
-            Self::DriftingStripes(tenths) => return format!("drifting-stripes-{}.{}", tenths / 10, tenths % 10),
-            Self::Varying(times) => return format!("varying-{times}"),
-            Self::Banding => "banding",
-            Self::StillBanding => "still-banding",
-            Self::Smoothed => "smoothed",
-            Self::FlickeringPixels => "flickering-pixels",
-            Self::NoisyColumns => "noisy-columns",
-            Self::Negative => "negative",
-            Self::Fading(percent) => return format!("fading-{percent}"),
-            Self::Breathing(percent) => return format!("breathing-{percent}"),
-            Self::CosmicStreaks => "cosmic-streaks",
-            Self::FixedPattern(percent) => return format!("fixed-pattern-{percent}"),
-        };
-        word.to_owned()
+        if let Self::DriftingStripes(tenths) = self {
+            return format!("drifting-stripes-{}.{}", tenths / 10, tenths % 10);
+        }
+        // The variant's own name in lower case, its words and its number joined by hyphens.
+        let mut name = String::new();
+        for letter in format!("{self:?}").chars().filter(|letter| *letter != ')') {
+            let begins = letter.is_ascii_uppercase() && !name.is_empty();
+            name.extend((begins || letter == '(').then_some('-'));
+            name.extend((letter != '(').then_some(letter.to_ascii_lowercase()));
+        }
+        name
     }
 
     /// Makes a burst of `frames` frames of `size` = (columns, rows) around half of full scale, with noise of standard
@@ -218,7 +176,7 @@ impl NoiseCase {
                 planes.push(planes[t - 1].clone());
                 continue;
             }
-            let gain = if self == Self::GainFlicker { 1.0 + FLICKER * exposures.normal() } else { 1.0 };
+            let gain = if self == Self::GainFlicker { 1.0 + 0.1 * exposures.normal() } else { 1.0 };
             let stream = &mut Stream::new(seed, t as u64 + 1);
             let frame = self.frame(size, (level, sigma), &pattern, (t, frames), stream);
             planes.push(match self {
@@ -233,7 +191,7 @@ impl NoiseCase {
                 Self::ClippedBlack | Self::Saturated => mapped(&frame, |x| x.clamp(0.0, 1.0)),
                 Self::Smoothed => match planes.last() {
                     Some(before) => {
-                        let share = SMOOTHING as f32;
+                        let share = 0.8;
                         let both = before.data().iter().zip(frame.data());
                         Plane::from_vec(size.0, size.1, both.map(|(b, x)| share * b + (1.0 - share) * x).collect())
                     }
@@ -260,7 +218,7 @@ impl NoiseCase {
             }
             Self::HotPixels | Self::FlickeringPixels => {
                 let is_hot = self == Self::HotPixels;
-                for _ in 0..if is_hot { HOT_PIXELS } else { width * height / PIXELS_A_FLICKERING } {
+                for _ in 0..if is_hot { 200 } else { width * height / 1000 } {
                     let (u, v) = (stream.below(width), stream.below(height));
                     pattern.row_mut(v)[u] = (sigma * stream.within(5.0, 20.0)) as f32;
                 }
@@ -299,12 +257,12 @@ impl NoiseCase {
             _ => level,
         };
         let factor = |u: usize, v: usize| match self {
-            Self::NoisyFrame if middle => NOISY_FRAME,
-            Self::NoisyHalf if 2 * u >= size.0 => NOISY_HALF,
+            Self::NoisyFrame if middle => 5.0,
+            Self::NoisyHalf if 2 * u >= size.0 => 3.0,
             Self::ConstantFrame | Self::BlackFrame if middle => 0.0,
             Self::Constant => 0.0,
             Self::Varying(times) => {
-                let wave = |x: usize| libm::sin(TAU * x as f64 / VARYING_PERIOD);
+                let wave = |x: usize| libm::sin(TAU * x as f64 / 250.0);
                 libm::pow(f64::from(times), 0.5 + 0.5 * wave(u) * wave(v))
             }
             _ => 1.0,
@@ -313,8 +271,8 @@ impl NoiseCase {
         let speed = if let Self::DriftingStripes(tenths) = self { f64::from(tenths) / 10.0 } else { 0.0 };
         let drifted = |u: usize| (u + size.0 / 2) as f64 - speed * t as f64;
         let band = |v: usize| {
-            let phase = if self == Self::Banding { BANDS_A_FRAME * t as f64 } else { 0.0 };
-            level * BANDS * libm::sin(TAU * (v as f64 / BAND_ROWS + phase))
+            let phase = if self == Self::Banding { (1.0 / 7.0) * t as f64 } else { 0.0 };
+            level * 0.02 * libm::sin(TAU * (v as f64 / 180.0 + phase))
         };
         let added = |u: usize, v: usize, stream: &mut Stream| match self {
             Self::DriftingStripes(_) => {
@@ -397,14 +355,14 @@ fn through_jpeg(channels: &[&Plane], quality: u8) -> Plane {
 
 fn with_streaks(mut frame: Plane, sigma: f64, stream: &mut Stream) -> Plane {
     let (width, height) = frame.size();
-    for _ in 0..(width * height).div_ceil(PIXELS_A_STREAK) {
+    for _ in 0..(width * height).div_ceil(20_000) {
         let (u, v) = (width as f64 * stream.uniform(), height as f64 * stream.uniform());
         let (along, across) = (libm::cos(TAU * stream.uniform()), stream.uniform() < 0.5);
         let across = (1.0 - along * along).sqrt() * if across { 1.0 } else { -1.0 };
         let amplitude = (sigma * stream.within(5.0, 20.0)) as f32;
         // Steps of a pixel along the longer axis, so that each pixel of the line is lit once.
         let longer = along.abs().max(across.abs());
-        let steps = (stream.within(STREAK_LENGTHS.0, STREAK_LENGTHS.1) * longer) as usize;
+        let steps = (stream.within(5.0, 40.0) * longer) as usize;
         for i in 0..=steps {
             let at = |from: f64, by: f64| (from + i as f64 * by / longer).round();
             let (x, y) = (at(u, along), at(v, across));

@@ -9,8 +9,7 @@ use std::ops::RangeInclusive;
 pub(super) const SNR_HELP: &str = "Signal-to-noise ratio of one pixel in one frame: the difference of the two levels over the standard deviation of the noise \
     at their mean; 'inf' makes no noise";
 
-/// Parser of words that `T` is read from in a parameter file, so that file and command line share their words. All
-/// `words` must be words of `T`.
+/// Parser of `words`, all words of `T` in a parameter file, so that file and command line share their words.
 pub fn words<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T>
 where
     T: DeserializeOwned + Clone + Send + Sync + 'static,
@@ -52,6 +51,6 @@ mod tests {
         assert_eq!(parse_range("3.6:19"), Ok(ChartParams::default().radius));
         assert_eq!(parse_range("2"), Ok(2.0..=2.0));
         assert!(parse_range("x:2").is_err() && parse_range("1:nan").is_err());
-        assert!(RadiusLaw::ALL.iter().all(|law| read_word::<RadiusLaw>(law.name()).is_ok_and(|read| read == *law)));
+        assert!(read_word::<RadiusLaw>("log").is_ok_and(|law| law == RadiusLaw::Log));
     }
 }

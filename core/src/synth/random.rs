@@ -63,7 +63,6 @@ impl Stream {
         }
     }
 
-    /// A Gaussian number beyond the ziggurat's last block.
     fn normal_tail(&mut self, negative: bool) -> f64 {
         loop {
             // 1 − uniform() is never 0, whose logarithm would be infinite.
@@ -132,7 +131,6 @@ impl Stream {
 
 /// End of the ziggurat's blocks and start of the tail, for 128 blocks.
 const TAIL_START: f64 = 3.442_619_855_899;
-/// Area of each block.
 const BLOCK_AREA: f64 = 9.912_563_035_262_17e-3;
 
 struct Ziggurat {

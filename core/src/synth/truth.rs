@@ -88,18 +88,13 @@ impl Truth {
             free("layers.slope_u", layer.slope_u)?;
             free("layers.slope_v", layer.slope_v)?;
         }
-        for one in &self.features {
-            for (name, number) in [
-                ("features.u", one.u),
-                ("features.v", one.v),
-                ("features.slope_u", one.slope_u),
-                ("features.slope_v", one.slope_v),
-            ] {
-                free(name, number)?;
-            }
-            for (name, number) in [("features.radius", one.radius), ("features.sigma", one.sigma)] {
-                within(name, number, 1e-6..=LARGEST)?;
-            }
+        for feature in &self.features {
+            free("features.u", feature.u)?;
+            free("features.v", feature.v)?;
+            free("features.slope_u", feature.slope_u)?;
+            free("features.slope_v", feature.slope_v)?;
+            within("features.radius", feature.radius, 1e-6..=LARGEST)?;
+            within("features.sigma", feature.sigma, 1e-6..=LARGEST)?;
         }
         Ok(())
     }

@@ -1,14 +1,10 @@
-//! Columns or rows whose offsets change from frame to frame: stripes that drift, as after stabilisation, single columns
-//! with noise of their own, and bands, as lamps that flicker make them while a frame is read row by row.
+//! Columns or rows whose offsets change from frame to frame: stripes that drift, columns with noise of their own,
+//! bands.
 //!
-//! In a motion stack such lines add up like any structure. Unlike a scene they have the same offset from one end of the
-//! image to the other. So they are measured in eight bands across them, and what the even and the odd bands have in
-//! common is compared with what the bands differ by. Two kinds are told from a scene: sharp lines, whose neighbours
-//! have little in common, since no lens makes structure so sharp; and wide ones, if all bands agree closely and the
-//! amplitude is small. Taking off what is constant along a line changes no blob.
-//!
-//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it):
-//! `drifting-stripes-0.3` 13 590, `banding` 45; without the smooth part of sharp lines `drifting-stripes-4.0` 19.
+//! Unlike a scene they have the same offset from one end of the image to the other. So they are measured in eight bands
+//! across them, and what the even and the odd bands share is compared with what the bands differ by. Sharp lines have
+//! little in common with the next one, since no lens makes structure so sharp; wide ones agree closely in all bands and
+//! are weak. Without this `drifting-stripes-0.3` has 13 590 false features a megapixel at the strict gate, not 6.
 
 use super::reading::{Lines, less_local_mean, lines_of};
 use crate::plane::Plane;
@@ -21,8 +17,7 @@ pub struct ChangingLines {
     pub deviation: f32,
     /// Share of their power that remains in the mean of the frames, at the slope at which most remains.
     pub lasting: f32,
-    /// Variance of coarse means of the offsets relative to that of independent lines: above 1 where lines share them
-    /// with the next one.
+    /// Variance of coarse means relative to that of independent lines: above 1 where lines share offsets with the next.
     #[serde(skip)]
     coarse: f32,
     /// Whether neighbouring lines differ.
@@ -44,8 +39,7 @@ pub enum Extent {
 
 /// Number of standard errors above which what the bands have in common is significant.
 const SURE: f32 = 6.0;
-/// Correlation with the next line, and with the one after it, up to which lines are sharp. Interpolation between
-/// columns, as where stripes drift, shares up to a half with the next one.
+/// Correlation with the next two lines up to which lines are sharp: interpolation shares up to a half with the next.
 const SHARP: [f32; 2] = [0.6, 0.4];
 /// Minimum ratio of the power that the bands share to the variance between them, for sharp and for wide lines.
 const SHARED: [f32; 2] = [0.25, 4.0];
@@ -61,7 +55,7 @@ impl ChangingLines {
     /// Finds the offsets, given the mean `brightness` and the `slopes` of the search across the lines, lines per frame.
     pub(super) fn find(frames: &[Lines], brightness: f32, slopes: &[f32]) -> Option<Self> {
         [Extent::Sharp, Extent::Wide].into_iter().find_map(|extent| {
-            let found: Vec<Shared> = frames.iter().map(|frame| Shared::of(frame, extent)).collect();
+            let found: Vec<Shared> = frames.iter().map(|frame| Shared::of(&less_surroundings(frame, extent))).collect();
             let n = found.iter().map(|frame| frame.even.len()).sum::<usize>() as f32;
             let sum = |of: &dyn Fn(&Shared) -> f32| found.iter().map(of).sum::<f32>() / n;
             let common = sum(&|frame| dot(&frame.even, &frame.odd));
@@ -88,7 +82,10 @@ impl ChangingLines {
 
     pub(super) fn remove_from(&self, frame: &mut Plane, axis: usize) {
         let lines = &lines_of(frame)[axis];
-        let offsets = if self.is_whole { whole_offsets(lines) } else { offsets(lines, self.extent) };
+        let offsets = match self.is_whole {
+            true => median(less_surroundings(lines, Extent::Wide).iter()),
+            false => offsets(lines, self.extent),
+        };
         for v in 0..frame.height() {
             let row = frame.row_mut(v);
             if axis == 0 {
@@ -99,14 +96,13 @@ impl ChangingLines {
         }
     }
 
-    /// Variance of independent lines that have the same coarse means as the offsets in the mean of the frames, before
-    /// they are taken off. Interpolation takes a part of what lasts, but not of coarse means.
+    /// Variance of independent lines with the same coarse means as the offsets in the mean of the frames: interpolation
+    /// takes a part of what lasts, but not of coarse means.
     pub(super) fn variance_in_mean(&self) -> f32 {
         if self.is_whole { 0.0 } else { self.deviation.powi(2) * self.coarse * (INTERPOLATED * self.lasting).min(1.0) }
     }
 }
 
-/// Offsets that the bands of one frame have in common, fraction of full scale.
 struct Shared {
     even: Vec<f32>,
     odd: Vec<f32>,
@@ -115,12 +111,8 @@ struct Shared {
 }
 
 impl Shared {
-    fn of(frame: &Lines, extent: Extent) -> Self {
-        Self::in_bands(&frame.iter().map(|band| less_surroundings(band, extent)).collect::<Vec<_>>())
-    }
-
-    fn in_bands(bands: &[Vec<f32>]) -> Self {
-        let half = |first: usize| median(&bands.iter().skip(first).step_by(2).collect::<Vec<_>>());
+    fn of(bands: &Lines) -> Self {
+        let half = |first: usize| median(bands.iter().skip(first).step_by(2));
         let count = bands.len() as f32;
         let between = (0..bands[0].len())
             .map(|i| {
@@ -134,27 +126,21 @@ impl Shared {
 
 /// Whether all bands share the smooth part of offsets that are known to be sharp too, and it is small.
 fn shares_smooth_part(frames: &[Lines], brightness: f32) -> bool {
-    let smooth = |band: &Vec<f32>| -> Vec<f32> {
-        let (whole, sharp) = (less_surroundings(band, Extent::Wide), less_surroundings(band, Extent::Sharp));
-        whole.iter().zip(sharp).map(|(whole, sharp)| whole - sharp).collect()
+    let smooth = |frame: &Lines| {
+        let mut smooth = less_surroundings(frame, Extent::Wide);
+        let sharp = less_surroundings(frame, Extent::Sharp);
+        smooth.iter_mut().flatten().zip(sharp.iter().flatten()).for_each(|(whole, sharp)| *whole -= sharp);
+        Shared::of(&smooth)
     };
-    let found: Vec<Shared> =
-        frames.iter().map(|frame| Shared::in_bands(&frame.iter().map(smooth).collect::<Vec<_>>())).collect();
+    let found: Vec<Shared> = frames.iter().map(smooth).collect();
     let sum = |of: fn(&Shared) -> f32| found.iter().map(of).sum::<f32>();
     let common = sum(|frame| dot(&frame.even, &frame.odd));
     let lines = found.iter().map(|frame| frame.even.len()).sum::<usize>() as f32;
     common > SHARED[0] * sum(|frame| frame.between) && (common / lines).sqrt() <= MAX_WIDE * brightness.abs()
 }
 
-/// Offsets of a frame's lines with their smooth part: the median over the bands less their straight lines.
-fn whole_offsets(frame: &Lines) -> Vec<f32> {
-    let bands: Vec<Vec<f32>> = frame.iter().map(|band| less_surroundings(band, Extent::Wide)).collect();
-    median(&bands.iter().collect::<Vec<_>>())
-}
-
 pub(super) fn offsets(frame: &Lines, extent: Extent) -> Vec<f32> {
-    let bands: Vec<Vec<f32>> = frame.iter().map(|band| less_surroundings(band, extent)).collect();
-    let offsets = median(&bands.iter().collect::<Vec<_>>());
+    let offsets = median(less_surroundings(frame, extent).iter());
     match extent {
         Extent::Sharp => offsets,
         Extent::Wide => (0..offsets.len())
@@ -166,29 +152,33 @@ pub(super) fn offsets(frame: &Lines, extent: Extent) -> Vec<f32> {
     }
 }
 
-/// Values less the mean of those around, or, for wide offsets, less their straight line.
-fn less_surroundings(values: &[f32], extent: Extent) -> Vec<f32> {
-    match extent {
+/// Values of each band less the mean of those around, or, for wide offsets, less their straight line.
+fn less_surroundings(frame: &Lines, extent: Extent) -> Lines {
+    let less = |values: &Vec<f32>| match extent {
         Extent::Sharp => less_local_mean(values),
-        Extent::Wide => {
-            let n = values.len() as f32;
-            let (middle, mean) = (0.5 * (n - 1.0), values.iter().sum::<f32>() / n);
-            let (mut along, mut spread) = (0.0, 0.0);
-            for (i, x) in values.iter().enumerate() {
-                let t = i as f32 - middle;
-                (along, spread) = (along + t * (x - mean), spread + t * t);
-            }
-            let slope = along / spread.max(1.0);
-            values.iter().enumerate().map(|(i, x)| x - mean - slope * (i as f32 - middle)).collect()
-        }
-    }
+        Extent::Wide => less_line(values),
+    };
+    frame.iter().map(less).collect()
 }
 
-fn median(bands: &[&Vec<f32>]) -> Vec<f32> {
+fn less_line(values: &[f32]) -> Vec<f32> {
+    let n = values.len() as f32;
+    let (middle, mean) = (0.5 * (n - 1.0), values.iter().sum::<f32>() / n);
+    let (mut along, mut spread) = (0.0, 0.0);
+    for (i, x) in values.iter().enumerate() {
+        let t = i as f32 - middle;
+        (along, spread) = (along + t * (x - mean), spread + t * t);
+    }
+    let slope = along / spread.max(1.0);
+    values.iter().enumerate().map(|(i, x)| x - mean - slope * (i as f32 - middle)).collect()
+}
+
+fn median<'a>(bands: impl Iterator<Item = &'a Vec<f32>>) -> Vec<f32> {
+    let bands: Vec<&Vec<f32>> = bands.collect();
     let mut values = vec![0.0; bands.len()];
     (0..bands[0].len())
         .map(|i| {
-            values.iter_mut().zip(bands).for_each(|(value, band)| *value = band[i]);
+            values.iter_mut().zip(&bands).for_each(|(value, band)| *value = band[i]);
             values.sort_by(f32::total_cmp);
             0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
         })

@@ -1,13 +1,9 @@
 //! Blocks that a file's codec flattened.
 //!
-//! A JPEG file keeps of each block of 8×8 pixels only what exceeds half a step of its table. Weak noise is rounded away
-//! in most blocks, and where it happens to exceed the step it leaves a pattern as strong as the step; block means jump
-//! by a step in the same way. A flattened block is therefore no evidence of low noise: the quiet part of the image,
-//! from which noise is measured elsewhere, is here what the codec left out. Where a codec flattened a good part of the
-//! blocks, the noise is measured from all of them, and the gate allows for noise that is rare and strong ([`rare`]).
-//!
-//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): `jpeg-20`
-//! 8769, `colour-jpeg-30` 4424, since the noise of most squares is then that of rounding.
+//! A JPEG file keeps of each block of 8×8 pixels only what exceeds half a step of its table: weak noise is rounded away
+//! in most blocks, and is as strong as the step where it is not. So a flattened block is no evidence of low noise.
+//! Where a good part of the blocks is flat, the noise is measured from all of them, and the gate allows for noise that
+//! is rare and strong ([`rare`]). Without this `jpeg-20` has 8769 false features a megapixel at the strict gate, not 6.
 
 use super::warning::{NoiseWarning, WarningKind};
 use crate::detector::params::{ParamError, doc};
@@ -20,8 +16,7 @@ const BLOCKS: usize = 2048;
 const FRAMES: usize = 4;
 /// Share of the blocks from which on they are no evidence of low noise.
 const MIN_FLAT: f32 = 0.25;
-/// Ratio of the shares with structure, half a block off the codec's blocks to in them, above which the blocks are a
-/// codec's: one with structure shares its pixels with four of those, an object of the scene lies in as many of either.
+/// Ratio of the shares with structure, half a block off to in place, above which the blocks are a codec's.
 const OFF_TO_IN: f32 = 1.25;
 const SURE: f32 = 5.0;
 /// Standard deviation of a filter, pixels, above which it does not resolve blocks.
@@ -39,7 +34,6 @@ pub struct Flattened {
 }
 
 impl Flattened {
-    /// Finds the flattening of `frames` whose values differ by `step` at least; 0 if unknown: nothing is found.
     pub(super) fn find(frames: &[&Plane], step: f32) -> Option<Self> {
         let (width, height) = frames.first()?.size();
         let (columns, rows) = ((width / SIDE).saturating_sub(1), (height / SIDE).saturating_sub(1));
@@ -69,12 +63,10 @@ impl Flattened {
         is_codec.then_some(Self { share: flat, shown })
     }
 
-    /// Whether enough blocks have structure to measure the noise.
     pub(in crate::detector) fn is_measurable(&self) -> bool {
         self.shown >= ENOUGH
     }
 
-    /// Refusal of the strict gate, whose promise needs noise that can be measured.
     pub(in crate::detector) fn against_strict(&self) -> ParamError {
         ParamError {
             parameter: doc::NOISE_GATE.name,
@@ -102,7 +94,6 @@ impl Flattened {
     }
 }
 
-/// Whether the values of the block at (u, v) differ by one step at most.
 fn is_flat(frame: &Plane, (u, v): (usize, usize), step: f32) -> bool {
     let (mut min, mut max) = (f32::INFINITY, f32::NEG_INFINITY);
     (v..v + SIDE).all(|v| {
@@ -166,9 +157,8 @@ impl InBlock {
     }
 }
 
-/// Factor on the standard deviation of the mean of `frames` frames, so that `gate` times it is exceeded as rarely as
-/// normal noise exceeds `gate`, where the noise of one frame has the excess kurtosis `kurtosis`: it is taken for normal
-/// noise that is present in a share 3/(3 + kurtosis) of the frames at each place. At least 1.
+/// Factor on σ of the mean of `frames` frames so that `gate` times it is exceeded as rarely as by normal noise. Noise
+/// of this excess `kurtosis` is taken for normal noise present in a share 3/(3 + kurtosis) of the frames. At least 1.
 pub fn rare(kurtosis: f32, frames: usize, gate: f32) -> f32 {
     let present = 3.0 / (3.0 + f64::from(kurtosis.max(0.0)));
     // Beyond some dozens of frames the mean is nearly normal, and their exact number matters no more.

@@ -1,15 +1,11 @@
-//! Contrasts: differences of neighbouring frames in which the scene cancels and the noise stays; and the motion of the
-//! scene, which they follow.
+//! Contrasts: differences of neighbouring frames in which the scene cancels and the noise stays; and the scene's
+//! motion.
 //!
 //! Three consecutive frames enter with the weights 1, −2, 1, which removes steady changes; each is read where the scene
-//! has moved to, in whole pixels, so that nothing is interpolated and the noise is unchanged. A texture that lies half
-//! a pixel off leaves less than two percent of its power.
-//!
-//! Fine structure that moves fast does not cancel between frames that are compared at the same pixel, and would be
-//! taken for noise that neighbouring pixels share. So for each part that is measured, the slope is found, among those
-//! of the search, at which the mean of the shifted frames has the most power: there the scene adds up. The mean of
-//! frames is independent of a contrast of the same frames with weights that sum to 0, so the choice by one does not
-//! change the noise measured in the other.
+//! has moved to, in whole pixels, so that nothing is interpolated. A texture half a pixel off leaves less than two
+//! percent of its power. For each part that is measured the slope is that, among those of the search, at which the mean
+//! of the shifted frames has the most power. That mean is independent of contrasts, whose weights sum to 0, so the
+//! choice does not change the noise measured.
 
 use super::reading::BoxPyramid;
 use crate::detector::params::slope_grid::Slope;
@@ -21,8 +17,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// Frames, by index, and their weights; the squares of the weights sum to 1, so that a contrast has the variance of one
-/// frame.
+/// Frames and their weights, whose squares sum to 1, so that a contrast has the variance of one frame.
 pub type Contrast = Vec<(usize, f32)>;
 
 /// Contrasts of neighbours among `frames` frames (at least two): those that share no frame come first.
@@ -38,9 +33,7 @@ pub fn contrasts(frames: usize) -> Vec<Contrast> {
     starts.map(|start| of(start, &[1.0, -2.0, 1.0])).collect()
 }
 
-/// Chooses the frames, of `frames` frames of `pixels` pixels each, that are examined closely, and the contrasts among
-/// these: triples of neighbours, from the first to the last, about three million pixels in all, at least two triples.
-/// All frames where they are few.
+/// The frames that are examined closely, and their contrasts: at least two triples of neighbours; all frames if few.
 pub fn looked_at(frames: usize, pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     let max = frames / 3;
     let triples = (LOOKED_PIXELS / (3 * pixels.max(1))).clamp(2, max.max(2));
@@ -53,34 +46,19 @@ pub fn looked_at(frames: usize, pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     (looked, apart)
 }
 
-/// Of all frames that are examined closely, about.
+/// Number of pixels of all frames that are examined closely, about.
 const LOOKED_PIXELS: usize = 3_000_000;
 
 /// Pixels that a contrast reads: the frames themselves at an octave's resolution, or means over squares.
 #[derive(Debug, Clone, Copy)]
 pub enum Pixels<'a> {
-    /// The frames, and the octave to whose resolution they are brought.
+    /// And the octave to whose resolution they are brought.
     Frames(&'a [&'a Plane], i32),
-    /// The pyramids, and the level whose means over squares of 2^level pixels are read.
+    /// Pyramids, and the level whose means over squares of 2^level pixels are read.
     Squares(&'a [&'a BoxPyramid], usize),
 }
 
 impl Pixels<'_> {
-    /// Size (columns, rows) of the pixels that are read, and the width of each in image pixels.
-    fn grid(&self) -> ((usize, usize), f32) {
-        match self {
-            Self::Frames(frames, _) => (frames[0].size(), 1.0),
-            Self::Squares(pyramids, level) => (pyramids[0].level(*level).size(), (1usize << level) as f32),
-        }
-    }
-
-    fn unit(&self) -> f32 {
-        match self {
-            Self::Frames(_, octave) => (*octave as f32).exp2(),
-            Self::Squares(..) => 1.0,
-        }
-    }
-
     /// Writes the contrast in `region` of the octave, for a scene that moves by `slope` px/frame. `single` is scratch.
     pub fn contrast(
         &self,
@@ -90,10 +68,13 @@ impl Pixels<'_> {
     ) {
         out.reset(region, (region.columns.len() + PADDING).next_multiple_of(16));
         region.rows.clone().for_each(|v| out.row_mut(v).fill(0.0));
-        let ((width, height), pixel) = self.grid();
+        // The width of what is read in image pixels, and that of the octave's pixels in it.
+        let ((width, height), pixel, unit) = match self {
+            Self::Frames(frames, octave) => (frames[0].size(), 1.0, (*octave as f32).exp2()),
+            Self::Squares(pyramids, level) => (pyramids[0].level(*level).size(), (1usize << level) as f32, 1.0),
+        };
         let read = |range: &Range<usize>| {
-            let at = |x: usize| x as f32 * self.unit();
-            at(range.start).floor() as usize..at(range.end).ceil() as usize
+            (range.start as f32 * unit).floor() as usize..(range.end as f32 * unit).ceil() as usize
         };
         let shifts_u = shifts(contrast, times, slope.u / pixel, &read(&region.columns), width);
         let shifts_v = shifts(contrast, times, slope.v / pixel, &read(&region.rows), height);
@@ -126,9 +107,8 @@ impl Pixels<'_> {
 /// Number of extra columns that a row of a tile has room for, for filters that read whole vectors.
 const PADDING: usize = 32;
 
-/// Shifts in whole pixels by which the frames of a contrast, taken at `times`, are read farther along an axis of `n`
-/// pixels for a scene that moves by `slope` pixels a frame. All are moved by the same amount where that keeps the read
-/// of the pixels `range` inside: near a border another part of the scene is used.
+/// Shifts in whole pixels by which frames at `times` are read farther along an axis of `n` pixels for a scene that
+/// moves by `slope` px/frame; all moved alike where that keeps the read of `range` inside.
 pub(super) fn shifts(contrast: &Contrast, times: &[f32], slope: f32, range: &Range<usize>, n: usize) -> Vec<i64> {
     let middle = times[contrast[contrast.len() / 2].0];
     let mut shifts: Vec<i64> = contrast.iter().map(|&(t, _)| ((times[t] - middle) * slope).round() as i64).collect();
@@ -147,8 +127,7 @@ pub(super) fn shifts(contrast: &Contrast, times: &[f32], slope: f32, range: &Ran
 
 /// Motion from frame to frame, in pixels of the measurement, below which it does not matter.
 const MIN_SHIFT: f32 = 0.25;
-/// Level of the pyramid, above the octave's, at which the motion is measured: noise is small there, and its squares are
-/// still a fraction of the reach of the octave's filters.
+/// Level of the pyramid, above the octave's, at which the motion is measured: noise is small there.
 const LEVELS_UP: i32 = 2;
 
 /// Minimum side of the parts of an image that each have a motion, pixels.
@@ -191,8 +170,7 @@ impl SceneMotion<'_> {
         OctaveMotion { planes, square, candidates }
     }
 
-    /// Slope at each of the image's `places`, for an image of `size`: that of the part around it, of which the middle
-    /// 64 pixels a side are used.
+    /// Slope at each of `places`: that of the middle 64 pixels a side of the part of the image around it.
     pub fn slopes_at(&self, places: &[(f32, f32)], (width, height): (usize, usize)) -> Vec<Slope> {
         let side = PART.max(((width * height) as f32 / MAX_PARTS as f32).sqrt() as usize);
         let (columns, rows) = (width.div_ceil(side), height.div_ceil(side));
@@ -270,7 +248,6 @@ impl OctaveMotion {
     }
 }
 
-/// Each value less the mean of its four neighbours, with the border repeated.
 fn without_slopes(plane: &Plane) -> Plane {
     let (width, height) = plane.size();
     let mut out = Plane::zeros(width, height);
@@ -307,14 +284,14 @@ mod tests {
     fn triples_lie_apart_from_first_to_last() {
         assert_eq!(looked_at(10, 2_000_000).0, [0, 1, 2, 7, 8, 9]);
         assert_eq!(looked_at(4, 2_000_000).0, [0, 1, 2, 3]);
-        for frames in 2..40 {
-            for pixels in [1000, 200_000, 5_000_000] {
-                let (looked, contrasts) = looked_at(frames, pixels);
-                assert!(looked.windows(2).all(|w| w[0] < w[1]) && looked[looked.len() - 1] < frames, "{looked:?}");
-                assert!(!contrasts.is_empty());
-                let neighbours = |c: &Contrast| looked[c[c.len() - 1].0] - looked[c[0].0] == c.len() - 1;
-                assert!(contrasts.iter().all(neighbours), "{frames} {pixels}");
-            }
+        for (frames, pixels) in (2..40).flat_map(|frames| [(frames, 1000), (frames, 200_000), (frames, 5_000_000)]) {
+            let (looked, contrasts) = looked_at(frames, pixels);
+            assert!(
+                looked.is_sorted_by(|a, b| a < b) && looked[looked.len() - 1] < frames && !contrasts.is_empty(),
+                "{looked:?}"
+            );
+            let neighbours = |c: &Contrast| looked[c[c.len() - 1].0] - looked[c[0].0] == c.len() - 1;
+            assert!(contrasts.iter().all(neighbours), "{frames} {pixels}");
         }
     }
 

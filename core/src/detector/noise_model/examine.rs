@@ -165,8 +165,6 @@ fn repeated_in_place(correlations: &[f32], frames: usize) -> f32 {
     1.0 + 2.0 * shared.sum::<f32>()
 }
 
-/// Reads the frames `looked` and removes the sensor's pattern from all: first what stays, then what changes. The
-/// mean of frames whose noise has this `variance` has as much noise as if they were independent.
 fn read(
     clean: &mut [Arc<Plane>],
     looked: &[usize],

@@ -1,13 +1,9 @@
-//! Survey of the frames of a burst: finds copies and frames that are black, flashed, empty, too noisy or blurred, and
-//! the relative exposure and noise of the others.
+//! Survey of a burst's frames: copies, and frames that are black, flashed, empty, too noisy or blurred, are left out;
+//! of the others the relative exposure and noise are measured.
 //!
-//! A frame that repeats another brings no new noise, so it does not count; a frame that is much noisier than the others
-//! makes their mean worse. Both are left out, and frames whose exposure differs are scaled to the same brightness.
-//!
-//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): without
-//! exposures `gain-flicker` 984, without drift `fading-20` 1168, without noise by frame `noisy-frame` 281, without
-//! correlations `smoothed` 16, without the weak pattern `fixed-pattern-30` 45. Copies, black, empty and blurred frames
-//! raise no count by themselves; leaving them out keeps the mean sharp and the count of frames true.
+//! A copy brings no new noise, so it does not count; a frame much noisier than the others makes their mean worse.
+//! Without exposures `gain-flicker` has 984 false features a megapixel at the strict gate, not 6; without noise by
+//! frame `noisy-frame` 281, without correlations `smoothed` 16, without the weak pattern `fixed-pattern-30` 45.
 
 use super::contrast::Contrast;
 use super::high_pass::{FREE_VALUES, HighPass, SQUARE_PIXELS, median, quantile, sorted, spread};
@@ -46,10 +42,9 @@ pub struct FrameFacts {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrameSurvey {
     pub frames: Vec<FrameFacts>,
-    /// Standard deviation of the logarithms of the exposures after removal of a steady trend, if it is large enough to
-    /// be flicker; else 0.
+    /// Standard deviation of the logarithms of the exposures around a steady trend; 0 where it is no flicker.
     pub flicker: f32,
-    /// Range of the logarithms of the exposures, if they change steadily and alike at all places; else 0.
+    /// Range of the logarithms of exposures that change steadily and alike at all places; else 0.
     pub drift: f32,
     /// Correlation of the noise of frames that are 1, 2, … frames apart; empty where none was found.
     pub correlations: Vec<f32>,
@@ -57,12 +52,11 @@ pub struct FrameSurvey {
     pub(super) flat: (Vec<usize>, f32),
 }
 
-/// Spread of exposures above which it is flicker; a smaller one comes from objects that move through the picture.
+/// Spread of exposures above which it is flicker; objects that move make a smaller one.
 const MIN_FLICKER: f32 = 0.015;
 /// Range of exposures above which a steady change is noticed, if all places share it.
 const MIN_DRIFT: f32 = 0.005;
-/// Ratio of that range to the spread of the places' own changes above which they share it: where a scene moves through
-/// the picture, each place has its own.
+/// Ratio of that range to the spread of the places' own changes above which they share it.
 const SHARED: f32 = 2.0;
 /// Share of the usual brightness below which a frame is black; above its inverse it is flashed.
 const BLACK: f32 = 0.5;
@@ -81,8 +75,7 @@ const SAME_VARIANCE: f32 = 0.15;
 const BLURRED: f32 = 0.4;
 /// Power of texture, relative to the noise's, below which the two cannot be told apart.
 const MIN_TEXTURE: f32 = 0.15;
-/// Share by which the mean of all squares must exceed that of the quiet ones to show texture, which differs from square
-/// to square.
+/// Share by which the mean of all squares must exceed that of the quiet ones to show texture.
 const UNEVEN: f32 = 0.08;
 /// Noise, relative to the usual, above which a frame is not judged by its texture.
 const NOISIER: f32 = 1.5;
@@ -95,10 +88,9 @@ impl FrameSurvey {
     }
 
     pub fn new(squares: &HighPass) -> Self {
-        let count = squares.frames();
         let usual = FrameFacts { gain: 1.0, relative_variance: 1.0, left_out: None };
-        let mut survey = Self { frames: vec![usual; count], ..Self::default() };
-        if count < 2 || squares.places.is_empty() {
+        let mut survey = Self { frames: vec![usual; squares.frames()], ..Self::default() };
+        if squares.frames() < 2 || squares.places.is_empty() {
             return survey;
         }
         let looks = Looks::new(squares);
@@ -122,8 +114,8 @@ impl FrameSurvey {
         (mean / usual).clamp(0.02, 1.0)
     }
 
-    /// Share of the variance of a frame's noise that all frames have in common, from their mean, if it has `noise` and
-    /// more, alike in all squares; else 0. Texture differs from square to square.
+    /// Share of the variance that all frames have in common, if their mean has more than `noise`, alike everywhere;
+    /// else 0.
     pub fn pattern_share(&self, squares: &HighPass, noise: f32) -> f32 {
         let kept = self.kept();
         if kept.len() < 4 || !self.correlations.is_empty() || squares.are_flattened || noise <= 0.0 {
@@ -138,7 +130,7 @@ impl FrameSurvey {
         if all < SURE_OF_PATTERN * error || is_uneven { 0.0 } else { all / (kept.len() as f32 + all) }
     }
 
-    /// Leaves out a frame for the reason `why`, unless it is left out already or only two are kept.
+    /// Does nothing for a frame that is left out already, or where only two are kept.
     fn leave_out(&mut self, t: usize, why: LeftOut) {
         if self.frames[t].left_out.is_none() && self.kept().len() > 2 {
             self.frames[t].left_out = Some(why);
@@ -203,7 +195,6 @@ impl FrameSurvey {
         }
     }
 
-    /// Finds the noise of each frame, and leaves out frames without which the mean is better.
     fn compare_noise(&mut self, squares: &HighPass, looks: &Looks) {
         let kept = self.kept();
         let noise = &looks.noise;
@@ -240,7 +231,6 @@ impl FrameSurvey {
         }
     }
 
-    /// Leaves out frames whose squares have far less power beyond the noise than those of the others.
     fn leave_out_blurred(&mut self, looks: &Looks) {
         let kept = self.kept();
         if kept.len() < 4 {
@@ -272,7 +262,6 @@ impl FrameSurvey {
     }
 }
 
-/// Correlation of consecutive frames below which it is taken for none.
 const MIN_CORRELATION: f32 = 0.15;
 
 /// Variances in the squares of single frames and of differences of neighbours.
@@ -318,8 +307,7 @@ fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
     1.0
 }
 
-/// Range of the logarithms of the exposures `gains` of the frames `kept`, if the squares brighter than `least` share
-/// the change between the darkest and the brightest frames; else 0.
+/// Range of the logarithms of the exposures `gains`, if the squares brighter than `least` share it; else 0.
 fn shared_drift(squares: &HighPass, kept: &[usize], gains: &[f32], least: f32) -> f32 {
     if kept.len() < 3 {
         return 0.0;
@@ -367,14 +355,13 @@ const EVEN: f32 = 1.75;
 const MAX_LAG: usize = 16;
 
 /// Correlations of the noise of frames 1, 2, … apart, from the flattest squares, and these with a frame's mean variance
-/// in them. No correlations where shared texture may explain them.
+/// in them. None where shared texture may explain them.
 fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>, (Vec<usize>, f32)) {
     let none = (Vec::new(), (Vec::new(), 0.0));
     if kept.len() < 5 {
         return none;
     }
-    // The squares are chosen by the first frames and measured in the others, so that the choice does not bias the
-    // measurement.
+    // The squares are chosen by the first frames and measured in the others, so that the choice has no effect.
     let (choosing, measuring) = kept.split_at(2);
     let mean = |variances: &[&[f32]]| -> Vec<f32> {
         let n = variances.len() as f32;
@@ -404,8 +391,7 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     if shared <= MIN_CORRELATION || spread(flat.iter().map(|&i| of_frames[i]).collect()) >= EVEN {
         return none;
     }
-    // From all frames, relative to their mean variance: so the sum over all lags is the variance of the frames' mean,
-    // even if the noise differs from frame to frame, as at the beginning of a recording.
+    // From all frames, relative to their mean variance: so the sum over all lags is the variance of the frames' mean.
     let alone = |t: usize| in_flat(&looks.frames[t]);
     let usual = kept.iter().map(|&t| alone(t)).sum::<f32>() / kept.len() as f32;
     let at_lag = |lag: usize| {
@@ -471,14 +457,8 @@ mod tests {
 
     #[test]
     fn flicker_is_measured_and_a_steady_change_is_none() {
-        let burst = NoiseCase::GainFlicker.burst((320, 240), 10, 0.02, 5, &Monitor::default()).expect("not cancelled");
         let survey = survey(NoiseCase::GainFlicker);
         assert!((0.04..0.2).contains(&survey.flicker), "{}", survey.flicker);
-        let mean = |t: usize| burst.frames[t].data().iter().sum::<f32>() / burst.frames[t].data().len() as f32;
-        for t in 1..10 {
-            let ratio = survey.frames[t].gain / survey.frames[0].gain;
-            assert!((ratio / (mean(t) / mean(0)) - 1.0).abs() < 2e-3, "{t}: {ratio}");
-        }
         let steady: Vec<Plane> = (0..6).map(|t| Plane::from_fn(100, 100, |_, _| 0.5 + 0.02 * t as f32)).collect();
         assert_eq!(survey_of(&steady.iter().collect::<Vec<_>>()).flicker, 0.0);
     }
@@ -526,14 +506,5 @@ mod tests {
             assert_eq!(left_out, if is_seen { vec![3] } else { vec![] }, "{survey:?}");
             assert!(!is_seen || matches!(survey.frames[3].left_out, Some(LeftOut::Blurred(share)) if share < 0.4));
         }
-    }
-
-    #[test]
-    fn a_moving_scene_has_nothing_to_be_left_out() {
-        let scene = SceneParams { width: 240, height: 180, frames: 6, layers: 1, ..SceneParams::default() };
-        let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
-        let survey = survey_of(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>());
-        assert_eq!((survey.kept().len(), survey.flicker, survey.correlations.len()), (6, 0.0, 0), "{survey:?}");
-        assert_eq!(survey.drift, 0.0);
     }
 }

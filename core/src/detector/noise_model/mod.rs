@@ -1,11 +1,9 @@
 //! Noise model of a burst as cameras and files make it, for a noise gate that is right at every place.
 //!
-//! The gate of [`crate::detector::noise`] propagates white noise of one strength through the filters. Real noise grows
-//! with brightness and differs by place (`variance`), is correlated between neighbouring pixels and has long tails
-//! where files were compressed (`spectrum`); frames repeat others, are black or too noisy (`frames`), and a sensor
-//! has a pattern of its own (`fixed_pattern`). [`examine()`] finds all of it from the burst alone and gives a
-//! [`NoiseModel`], which computes σ of D for an octave, a level, a slope and a place, with a [`NoiseWarning`] for each
-//! assumption that fails.
+//! Real noise is not white noise of one strength: it grows with brightness and differs by place (`variance`), is
+//! correlated and has long tails where files were compressed (`spectrum`); frames repeat others, are black or too noisy
+//! (`frames`), and a sensor has a pattern of its own (`fixed_pattern`). [`examine()`] finds all of it from the burst
+//! alone and gives a [`NoiseModel`], with a [`NoiseWarning`] for each assumption that fails.
 
 mod changing_lines;
 mod codec;
@@ -58,8 +56,7 @@ pub struct NoiseModel {
     /// Share of the variance of one frame's noise that differences of neighbouring frames show.
     #[serde(skip)]
     shown: f32,
-    /// Share of the variance of one frame's noise that is the same in all frames, as a pattern of the sensor too weak
-    /// to be seen pixel by pixel; 0 where there is none.
+    /// Share of the variance of one frame's noise that is the same in all frames, too weak to be seen pixel by pixel.
     #[serde(skip_serializing_if = "is_zero")]
     pub pattern_share: f32,
     /// Flattening of blocks by the codec of the frames' files; `None` where there is none.
@@ -80,19 +77,16 @@ struct Brightness {
     pyramids: Vec<(usize, BoxPyramid)>,
     /// Smallest variance of one frame's noise, for each octave from `first_octave` on.
     min_variance: Vec<f32>,
-    /// Share of pixels that are cut off at black or white.
     cut_off: f32,
     brightest: f32,
     relative_variance: f32,
     first_octave: i32,
 }
 
-/// Relative growth of the gate where all noise is cut off on one side. The rest of the noise is skewed, and so, a
-/// little, is D: the measured excess of false features where half of the pixels are cut off requires six percent.
+/// Relative growth of the gate where all noise is cut off on one side: the rest is skewed, and so, a little, is D.
 const SKEWED: f32 = 0.12;
 /// Relative growth of the gate for each unit by which the logarithm of the noise, relative to white noise, rises over
-/// an octave: correlated noise falls more slowly with scale than white noise, so that more of its extremes in place
-/// beat the finer level too. With exact standard deviations it gave four times as many false features.
+/// an octave: correlated noise falls more slowly with scale, so that more of its extremes beat the finer level too.
 const RISING: f32 = 0.12;
 const FRAMES_SAMPLED: usize = 4;
 /// Rounding error of D relative to the brightest value: two steps of `f32`.
@@ -109,8 +103,7 @@ impl NoiseModel {
     }
 
     /// σ of D at `octave` and `level` (0 … S−1) for the slope whose frames are read at `offsets`, at the place of least
-    /// noise and where all frames cover. `gate` is the factor that it will be multiplied with: noise with long tails
-    /// counts as the normal noise that exceeds it as rarely.
+    /// noise. Noise with long tails counts as the normal noise that exceeds `gate` times it as rarely.
     pub fn sigma_d(
         &self,
         space: &ScaleSpace,
@@ -122,7 +115,8 @@ impl NoiseModel {
         if !self.is_local {
             return self.frame_noise * white.sqrt() as f32;
         }
-        let noise = self.level(octave, level);
+        let levels = self.of_octave(octave);
+        let noise = levels.get(level.max(0) as usize).or(levels.last()).unwrap_or(&LevelNoise::WHITE);
         let frame = self.brightness.min_variance[self.octave_index(octave)] * self.brightness.relative_variance;
         let filter = [0, 1].map(|up| (space.sigma_image(octave, f64::from(level + up)) as f32).powi(2));
         let over_time = self.repeated_over_time(offsets.len(), slope.magnitude(), filter);
@@ -143,8 +137,7 @@ impl NoiseModel {
         sigma.max(ROUNDING * self.brightness.brightest)
     }
 
-    /// Ratio of σ of D at the image's pixel (u, v), in the stack whose frames are read at `offsets`, to its smallest
-    /// value: from the mean over some of the frames that cover it. At least 1.
+    /// Ratio (at least 1) of σ of D at pixel (u, v) to its smallest value, from some of the frames that cover it.
     pub fn place_factor(
         &self,
         octave: i32,
@@ -170,8 +163,7 @@ impl NoiseModel {
         if count == 0 || min <= 0.0 { 1.0 } else { (sum / (count as f32 * min)).sqrt().max(1.0) }
     }
 
-    /// Variance of the noise of the frame with `pyramid` around its place (u, v), at the resolution of `octave`, or for
-    /// `None` as measured: not raised at borders between parts of different noise.
+    /// Variance of the frame with `pyramid` around (u, v), at the resolution of `octave`, or for `None` as measured.
     fn variance_at(&self, pyramid: &BoxPyramid, octave: Option<i32>, (u, v): (f32, f32)) -> f32 {
         let level = Self::brightness_level(octave.unwrap_or(1)).min(pyramid.len());
         let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
@@ -199,23 +191,19 @@ impl NoiseModel {
         (octave + 2).max(3) as usize
     }
 
-    fn level(&self, octave: i32, level: i32) -> LevelNoise {
-        let of_octave = self.levels.get(self.octave_index(octave));
-        of_octave
-            .and_then(|levels| levels.get(level.max(0) as usize).or(levels.last()))
-            .copied()
-            .unwrap_or(LevelNoise::WHITE)
+    fn of_octave(&self, octave: i32) -> &[LevelNoise] {
+        self.levels.get(self.octave_index(octave)).map_or(&[], Vec::as_slice)
     }
 
     /// Rise, over an octave, of the logarithm of the variance relative to white noise, clamped to 0 … 1.
     fn rise(&self, octave: i32) -> f32 {
-        let levels = self.levels.get(self.octave_index(octave)).map_or(&[][..], Vec::as_slice);
-        let (Some(first), Some(last)) = (levels.first(), levels.last()) else { return 0.0 };
-        if levels.len() < 2 || first.over_white <= 0.0 {
-            return 0.0;
+        match self.of_octave(octave) {
+            levels @ [first, .., last] if first.over_white > 0.0 => {
+                let whole = levels.len() as f32 / (levels.len() as f32 - 1.0);
+                (whole * (last.over_white / first.over_white).ln()).clamp(0.0, 1.0)
+            }
+            _ => 0.0,
         }
-        let whole = levels.len() as f32 / (levels.len() as f32 - 1.0);
-        (whole * (last.over_white / first.over_white).ln()).clamp(0.0, 1.0)
     }
 
     fn octave_index(&self, octave: i32) -> usize {
@@ -223,8 +211,7 @@ impl NoiseModel {
         ((octave - self.brightness.first_octave).max(0) as usize).min(last)
     }
 
-    /// Variance that the smooth part of stripes leaves in D: that of white stripes after the mean over the columns
-    /// around, for a filter along one axis.
+    /// Variance that the smooth part of stripes leaves in D: that of white ones after the mean over the columns around.
     fn stripes_left(&self, space: &ScaleSpace, octave: i32, level: i32) -> f32 {
         let of = |stripes: &Option<Stripes>| stripes.as_ref().map_or(0.0, |s| s.deviation.powi(2));
         let changing = |lines: &Option<ChangingLines>| match lines {
@@ -254,9 +241,9 @@ impl NoiseModel {
         variance * energy as f32
     }
 
-    /// Variance in the mean of `frames` frames, relative to that of independent ones whose differences show as much
-    /// noise, for frames whose noise is correlated and a slope of `speed` px/frame: noise that stays in place counts
-    /// again as far as the filter, the difference of Gaussians of the variances `filter` (pixels²), still reaches it.
+    /// Variance in the mean of `frames` frames relative to that of independent ones whose differences show as much
+    /// noise: what stays in place at `speed` px/frame counts again as far as the filter (variances, pixels²) reaches
+    /// it.
     fn repeated_over_time(&self, frames: usize, speed: f32, filter: [f32; 2]) -> f32 {
         if self.correlations.is_empty() && self.pattern_share == 0.0 {
             return 1.0;

@@ -1,8 +1,5 @@
-//! Single pass over the frames that are examined closely: computes everything that needs all of their pixels.
-//!
-//! Frames come from memory row by row. Each pair of rows goes into the pyramids (means over squares of 2, 4, 8 …
-//! pixels, for measuring noise and brightness) and, for the sensor's pattern, into the means of each frame's columns
-//! and rows; pixels that stand out of their row in the sum of the frames are listed.
+//! Single pass over the frames that are examined closely, row by row: pyramids of means over squares of 2, 4, 8 …
+//! pixels and, for the sensor's pattern, the means of columns and rows, and pixels that stand out of their row.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -18,10 +15,8 @@ pub struct Reading {
     pub pyramids: Vec<BoxPyramid>,
     /// Column and row of each pixel that stands out of its row in the mean of the frames, row by row.
     pub standing_out: Vec<(usize, usize)>,
-    /// For each frame, the means of each column over each of [`BANDS`] bands of rows; empty unless the pattern's data
-    /// was read.
+    /// By frame; empty unless the pattern's data was read.
     pub columns: Vec<Lines>,
-    /// For each frame, the means of each row over each of [`BANDS`] bands of columns.
     pub rows: Vec<Lines>,
 }
 
@@ -47,14 +42,13 @@ fn cuts(height: usize) -> Vec<Range<usize>> {
 struct Band {
     standing_out: Vec<(usize, usize)>,
     columns: Vec<Vec<f32>>,
-    /// For each frame, values by band of columns, one a row.
     rows: Vec<Lines>,
 }
 
 impl Reading {
-    /// Reads `frames` of one size (at least one, of at least 2×2 pixels) into pyramids of `levels` levels. With
-    /// `stands_out`, the data for finding the sensor's pattern is read as well, and pixels are listed whose mean over
-    /// the frames differs from those beside them by more than it; this needs at least two frames.
+    /// Reads `frames` of one size (at least 2×2 pixels) into pyramids of `levels` levels; with `stands_out`, from at
+    /// least two frames, also the pattern's data, and the pixels whose mean differs by more than it from those beside
+    /// them.
     pub fn new(
         frames: &[&Plane],
         levels: usize,
@@ -167,7 +161,6 @@ fn is_out(left: f32, at: f32, right: f32, limit: f32) -> bool {
     (at > left.max(right) + limit) | (at < left.min(right) - limit)
 }
 
-/// Whether any pixel of `row` except the first and the last differs so from its neighbours.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn any_out(row: &[f32], limit: f32) -> bool {
     let n = row.len() - 2;
@@ -209,7 +202,7 @@ impl BoxPyramid {
         if count == 0 || frame.width() < 2 || frame.height() < 2 {
             return Self { levels: Vec::new() };
         }
-        Self::from_halved(halved(frame), count)
+        Self::from_halved(frame.halved(), count)
     }
 
     pub(super) fn from_halved(first: Plane, count: usize) -> Self {
@@ -219,7 +212,7 @@ impl BoxPyramid {
             if finer.width() < 2 || finer.height() < 2 {
                 break;
             }
-            levels.push(halved(finer));
+            levels.push(finer.halved());
         }
         Self { levels }
     }
@@ -238,12 +231,6 @@ impl BoxPyramid {
     }
 }
 
-fn halved(plane: &Plane) -> Plane {
-    let mut out = Plane::zeros(plane.width() / 2, plane.height() / 2);
-    halve_rows(plane, 0..plane.height(), out.data_mut());
-    out
-}
-
 /// Writes the means over squares of 2×2 pixels of some rows of `plane`, from an even one on, into whole rows of `out`.
 pub(super) fn halve_rows(plane: &Plane, rows: Range<usize>, out: &mut [f32]) {
     for (i, out) in out.chunks_exact_mut((plane.width() / 2).max(1)).take(rows.len() / 2).enumerate() {
@@ -260,8 +247,8 @@ fn halve_pair(upper: &[f32], lower: &[f32], out: &mut [f32]) {
     }
 }
 
-/// Value of a pyramid's `plane`, whose pixels are squares of `square` image pixels, at the image's place (u, v):
-/// bilinear between the centres of the squares, constant beyond the outermost.
+/// Value of a pyramid's `plane` of squares of `square` px at the image's (u, v): bilinear, constant beyond the
+/// outermost.
 pub fn sample_at(plane: &Plane, square: f32, u: f32, v: f32) -> f32 {
     let split = |x: f32, n: usize| {
         let at = ((x + 0.5) / square - 0.5).clamp(0.0, n as f32 - 1.0);
@@ -324,21 +311,9 @@ mod tests {
     }
 
     #[test]
-    fn levels_are_means_and_end_where_no_square_fits() {
-        let frame = Plane::from_fn(13, 9, |u, v| (u * 10 + v) as f32);
-        let pyramid = BoxPyramid::new(&frame, 9);
-        assert_eq!(pyramid.len(), 3);
-        assert_eq!(pyramid.level(1).size(), (6, 4));
-        let mean = |x: usize, y: usize| {
-            (0..4).flat_map(|i| (0..4).map(move |j| (i, j))).map(|(i, j)| frame.at(4 * x + i, 4 * y + j)).sum::<f32>()
-                / 16.0
-        };
-        assert!((pyramid.level(2).at(2, 1) - mean(2, 1)).abs() < 1e-4);
-        assert_eq!(pyramid.level(7).size(), (1, 1));
-    }
-
-    #[test]
-    fn a_ramp_is_sampled_as_it_is() {
+    fn a_ramp_is_sampled_as_it_is_and_levels_end_where_no_square_fits() {
+        let small = BoxPyramid::new(&Plane::zeros(13, 9), 9);
+        assert_eq!((small.len(), small.level(1).size(), small.level(7).size()), (3, (6, 4), (1, 1)));
         let frame = Plane::from_fn(64, 48, |u, v| u as f32 + 2.0 * v as f32);
         let pyramid = BoxPyramid::new(&frame, 3);
         for (u, v) in [(20.0, 11.0), (3.5, 3.5), (41.25, 30.0)] {

@@ -1,18 +1,11 @@
 //! Noise at each level of the search relative to white noise, measured with the search's own filters.
 //!
-//! For white noise the variance in D follows from the filters' energy. Correlated noise (from demosaicing, scaling,
-//! JPEG) leaves more at coarse levels, and noise that files round away leaves less at fine ones. So contrasts of
-//! frames, in which the scene cancels, are filtered at each octave as in the search, in tiles spread over the image,
-//! and the variance is compared with white noise's. The tails are measured too: JPEG files keep few coefficients, so
-//! that their noise is rare and strong, and exceeds five standard deviations more often than a normal distribution
-//! does.
-//!
-//! Structures that move in several ways at once do not cancel everywhere, and can only add. Where the tiles differ
-//! among themselves more than noise does, their quiet part is taken, and at most the value that the finer levels, where
-//! the scene is weakest, predict.
-//!
-//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): `correlated`
-//! 12 991, and without tails `jpeg-30` 16.
+//! Correlated noise leaves more at coarse levels than white noise, and noise that files round away less at fine ones.
+//! So contrasts of frames are filtered as in the search, in tiles spread over the image. The tails are measured too:
+//! JPEG files keep few coefficients, so that their noise is rare and strong. Structures that move in several ways at
+//! once do not cancel everywhere, and can only add: where the tiles differ more than noise does, their quiet part is
+//! taken, and at most what the finer levels predict. Without this `correlated` has 12 991 false features a megapixel,
+//! not 6.
 
 use super::contrast::{Contrast, Pixels as Source, SceneMotion};
 use super::high_pass::{quantile, quiet_variance, sorted, spread};
@@ -51,29 +44,21 @@ const NOISE_SPREAD: f32 = 2.5;
 const MIN_OVER_WHITE: f32 = 0.02;
 /// Upper bound of the kurtosis: that of JPEG files of low quality.
 const MAX_KURTOSIS: f32 = 8.0;
-/// Number of independent values in a tile below which the kurtosis is not measured; it is then derived from the finer
-/// level's.
+/// Number of independent values in a tile below which the kurtosis is derived from the finer level's.
 const FREE_FOR_KURTOSIS: f32 = 40.0;
 /// Kurtosis up to which it is not distinguished from 0, and largest standard error at which it is measured.
 const MIN_KURTOSIS: f32 = 0.3;
 /// Kurtosis of one frame relative to that of a combination of frames with weights 1, −2, 1, or 1, −1.
 const OF_ONE_FRAME: f32 = 2.0;
 
-/// Measures the levels 0 … S−1 of the octaves `octaves` of `space`.
 pub fn measure(
     sources: Sources<'_>,
     space: &ScaleSpace,
     octaves: Range<i32>,
     monitor: &Monitor,
 ) -> Result<Vec<Vec<LevelNoise>>, Cancelled> {
-    let per_octave: Vec<Vec<TileMoments>> = octaves
-        .clone()
-        .into_par_iter()
-        .map(|octave| {
-            monitor.check()?;
-            tiles_of_octave(sources, space, octave, monitor)
-        })
-        .collect::<Result<_, Cancelled>>()?;
+    let of_octave = |octave| tiles_of_octave(sources, space, octave, monitor);
+    let per_octave: Vec<Vec<TileMoments>> = octaves.into_par_iter().map(of_octave).collect::<Result<_, Cancelled>>()?;
     let mut before: Option<LevelNoise> = None;
     let mut of_level = |tiles: &[TileMoments], level: usize| {
         let found = match sources.are_flattened {
@@ -86,18 +71,14 @@ pub fn measure(
     };
     let of_octave = |tiles: Vec<TileMoments>| (0..space.levels).map(|level| of_level(&tiles, level)).collect();
     let mut levels: Vec<Vec<LevelNoise>> = per_octave.into_iter().map(of_octave).collect();
-    // The effect of files shows at the finest level first; long tails at coarser levels alone come from moving
-    // structures.
-    let no_tails = |levels: &[Vec<LevelNoise>]| {
-        levels.first().and_then(|octave| octave.first()).is_some_and(|finest| finest.excess_kurtosis == 0.0)
-    };
-    if !sources.are_flattened && no_tails(&levels) {
+    // Files show at the finest level first; long tails at coarser levels alone come from moving structures.
+    let no_tails = levels.iter().flatten().next().is_some_and(|finest| finest.excess_kurtosis == 0.0);
+    if !sources.are_flattened && no_tails {
         levels.iter_mut().flatten().for_each(|level| level.excess_kurtosis = 0.0);
     }
     Ok(levels)
 }
 
-/// Noise of a level of `space` from its tiles, after the finer level `before`. `None` where there is no tile.
 fn level_noise(
     tiles: &[TileMoments],
     level: usize,
@@ -112,8 +93,7 @@ fn level_noise(
     if variances.is_empty() {
         return None;
     }
-    // Files act alike everywhere, moving structures only here and there: the lower quartile of the tiles, corrected to
-    // the median expected of noise alone.
+    // Files act alike everywhere: the lower quartile of the tiles, corrected to the median expected of noise alone.
     let of_one_tile = (24.0 / free).sqrt();
     let kurtosis = quantile(&sorted(tiles.iter().map(|t| t.levels[level].1).collect()), 0.25) + 0.674 * of_one_tile;
     // A sample's kurtosis is too low by about 6 over its number of independent values.
@@ -133,15 +113,13 @@ fn level_noise(
     let total_error = of_noise / (variances.len() as f32).sqrt();
     if spread(&ordered) > NOISE_SPREAD * of_noise {
         let expected = before.map_or(1.0, |noise| noise.over_white);
-        // Tiles also differ by how well their brightness predicts their noise: the quiet ones do not lower the estimate
-        // below the median of all.
+        // Tiles also differ by their brightness: the quiet ones do not lower the estimate below the median of all.
         let quiet = quiet_variance(variances, free).max(middle.min(expected));
         let over_white = quiet.min(expected.max(1.0));
         return Some(LevelNoise { over_white, excess_kurtosis: 0.0 });
     }
     let mean = variances.iter().sum::<f32>() / variances.len() as f32;
-    // A difference from white below its own error is taken for 0, and a larger one is shrunk in proportion
-    // (James–Stein).
+    // A difference below its own error is taken for 0, and a larger one is shrunk in proportion (James–Stein).
     let off = mean - 1.0;
     let trust = if off == 0.0 { 0.0 } else { (1.0 - (total_error / off).powi(2)).max(0.0) };
     Some(LevelNoise { over_white: (1.0 + off * trust).max(MIN_OVER_WHITE), excess_kurtosis: kurtosis })
@@ -167,15 +145,13 @@ const TILE: usize = 64;
 const COARSE_TILE: usize = 48;
 /// Number of tiles that an octave should have, to tell moving structures from noise.
 const MIN_TILES: usize = 6;
-/// Number of pixels of the first octave that are measured, about: a standard deviation then has an error of three
-/// percent.
+/// Number of pixels of the first octave that are measured, about, for an error of three percent.
 const PIXELS: usize = 32_768;
 /// Number of pixels of octaves after the first, about; these have less noise.
 const COARSE_PIXELS: usize = 24_000;
 /// Ratio of the numbers of pixels that are measured where noise is rare and elsewhere.
 const FOR_RARE: usize = 8;
-/// Number of octaves that are measured, from the first one searched. Noise correlated over the distances of coarser
-/// octaves is rare, and there the scene is far stronger than the noise.
+/// Number of octaves that are measured: in coarser ones the scene is far stronger than the noise.
 const OCTAVES: i32 = 3;
 /// Border of the image that is left out, octave pixels: filters that repeat the border let more noise pass there.
 const BORDER: usize = 8;
@@ -202,14 +178,14 @@ pub struct TileMoments {
     pub levels: Vec<(f32, f32)>,
 }
 
-/// Moments of tiles of `octave` of `space`, spread over the image; none where the octave is too small, too coarse, or
-/// made of skipped pixels.
+/// Moments of tiles spread over the image; none where the octave is too small or coarse, or made of skipped pixels.
 pub fn tiles_of_octave(
     sources: Sources<'_>,
     space: &ScaleSpace,
     octave: i32,
     monitor: &Monitor,
 ) -> Result<Vec<TileMoments>, Cancelled> {
+    monitor.check()?;
     let first = octave == space.first_octave;
     // Where the first octave skips pixels, its noise is white for the octaves after it.
     if (space.first_octave > 0 && !first) || octave - space.first_octave >= OCTAVES {
@@ -424,12 +400,11 @@ mod tests {
     fn shared_noise_passes_more_at_coarse_levels() {
         // The weights 1, 2, 1 over √6 let 16/6 of the variance pass per axis at low frequencies.
         let noise = of_case(NoiseCase::Correlated, 10, &ScaleSpace::new(3, 0, 4.0), 0..4);
-        let coarse = (16.0f32 / 6.0).powi(2);
-        for level in &noise[2] {
-            assert!((level.over_white / coarse - 1.0).abs() < 0.15, "{noise:?}");
-        }
-        assert!(noise[0][0].over_white < 0.8 * coarse && noise[0][0].over_white > 0.4 * coarse, "{noise:?}");
-        assert!(noise[0][0].over_white < noise[0][1].over_white && noise[0][1].over_white < noise[0][2].over_white);
+        let [fine, _, coarse] = [0, 1, 2].map(|octave| {
+            noise[octave].iter().map(|level| level.over_white / (16.0f32 / 6.0).powi(2)).collect::<Vec<_>>()
+        });
+        assert!(coarse.iter().all(|part| (part - 1.0).abs() < 0.15), "{noise:?}");
+        assert!(fine.is_sorted() && fine[0] < 0.8 && fine[0] > 0.4, "{noise:?}");
     }
 
     #[test]
@@ -438,9 +413,7 @@ mod tests {
         let (burst, truth) = synth_scene(&scene, &Monitor::default()).expect("a scene");
         let sigma = truth.noise.expect("there is noise").sigma_background as f32;
         let noise = measured(&burst.frames, sigma * sigma, &ScaleSpace::new(3, 0, 4.0), 0..4, line());
-        for level in noise.iter().flatten() {
-            assert!(level.over_white < 1.5, "{noise:?}");
-        }
+        assert!(noise.iter().flatten().all(|level| level.over_white < 1.5), "{noise:?}");
     }
 
     #[test]

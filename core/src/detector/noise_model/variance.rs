@@ -1,22 +1,13 @@
-//! Variance of the noise over brightness, and by place where it differs from that, as on a side of the sensor that is
-//! amplified more.
+//! Variance of the noise over brightness, and by place where it differs from that.
 //!
-//! Photon transfer: variance = a·I + b. Light comes in photons, whose number varies by its square root, so the variance
-//! of a pixel grows in proportion to its brightness I; reading it out adds b. The squares of the frames are sorted by
-//! brightness into groups; the quiet part of a group gives its variance, even if texture moves through some of its
-//! squares. A line is fitted to the groups: first with the median slope between any two (Theil–Sen), then by
-//! iteratively reweighted least squares, in which a group counts by its relative error and not at all far from the
-//! line, so that groups whose noise is cut off at white or black do not bend it.
+//! Photon transfer: variance = a·I + b, since the number of photons varies by its square root; reading out adds b. The
+//! quiet part of each group of equally bright squares gives a point. The line is fitted by the median slope between any
+//! two (Theil–Sen), then by iteratively reweighted least squares, in which groups far from the line do not count.
 //!
-//! By place: where squares spread over the image differ by more than noise does, squares side by side are measured. The
-//! excess of a place is the median, over the nine squares around it, of the variance over that which the brightness
-//! predicts. Squares whose neighbours differ from a steady rise by more than noise does have texture, or lie across a
-//! border, and are not trusted: they take the largest excess of their trusted neighbours. Coarse octaves collect the
-//! noise of more squares, so the map is blurred for them.
-//!
-//! Fails without it (false features a megapixel at the strict gate, `evaluate noise`; at most 6 with it): without the
-//! map `varying-6` 734 and `noisy-half` 525. The line over brightness serves scenes with light and dark parts (a test
-//! in `core/tests/detection/noise_model.rs`), which no kind of pure noise has.
+//! By place: the excess is the median, over the nine squares around, of the variance over the predicted one. Squares
+//! that differ from a steady rise by more than noise have texture or lie across a border; they take the largest excess
+//! of their trusted neighbours. Without the map `varying-6` has 734 false features a megapixel at the strict gate, not
+//! 6.
 
 use super::high_pass::{Lattice, around, median, quiet_variance, sorted, spread};
 use super::reading::sample_at;
@@ -27,11 +18,9 @@ use serde::{Serialize, Serializer};
 /// Variance over brightness.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct PhotonTransfer {
-    /// a: variance per brightness, fraction of full scale; the inverse of the number of electrons at full scale for a
-    /// sensor without offset. At least 0.
+    /// a: variance per brightness, fraction of full scale: one over the electrons at full scale. At least 0.
     pub slope: f32,
-    /// b: variance at brightness 0, in (fraction of full scale)²; negative where black is lifted by more than the read
-    /// noise amounts to.
+    /// b: variance at brightness 0, in (fraction of full scale)²; negative where black is lifted by more.
     pub dark: f32,
     /// Lower bound of the variance, in (fraction of full scale)².
     pub min: f32,
@@ -53,16 +42,13 @@ pub struct TransferPoint {
 /// Squares of a group at least, and groups at most.
 const MIN_SQUARES: usize = 24;
 const MAX_GROUPS: usize = 16;
-/// Relative distance from the line beyond which a group does not count.
 const FAR: f64 = 0.4;
-/// Minimum difference between the darkest and the brightest group, in standard deviations of a square's brightness;
-/// groups of one brightness, sorted by their noise, differ by four.
+/// Minimum span of the groups, in standard deviations of a square's brightness: those of one brightness differ by four.
 const MIN_SPAN: f64 = 7.0;
 const FITS: usize = 12;
 
 impl PhotonTransfer {
-    /// Fits squares of brightness `squares[i].0`, the mean of `pixels` values, and variance `squares[i].1`, from `free`
-    /// independent values. All 0 without squares.
+    /// Fits squares of brightness and variance, of `pixels` values, `free` of them independent. All 0 without squares.
     pub(super) fn fit(squares: &[(f32, f32)], pixels: usize, free: f32) -> Self {
         let mut sorted = squares.to_vec();
         sorted.sort_by(|x, y| x.0.total_cmp(&y.0));
@@ -70,10 +56,12 @@ impl PhotonTransfer {
         let points: Vec<TransferPoint> = (0..groups)
             .map(|g| &sorted[g * sorted.len() / groups..(g + 1) * sorted.len() / groups])
             .filter(|group| !group.is_empty())
-            .map(|group| TransferPoint {
-                brightness: group.iter().map(|s| s.0).sum::<f32>() / group.len() as f32,
-                variance: variance_of(group, free),
-                squares: group.len(),
+            .map(|group| {
+                let mean = |of: fn(&(f32, f32)) -> f32| group.iter().map(of).sum::<f32>() / group.len() as f32;
+                let quiet = quiet_variance(group.iter().map(|s| s.1).collect(), free);
+                // Files may round the quiet part away nearly everywhere.
+                let variance = if quiet > 0.0 { quiet } else { mean(|s| s.1) };
+                TransferPoint { brightness: mean(|s| s.0), variance, squares: group.len() }
             })
             .collect();
         let (slope, dark) = line(&points, pixels, free);
@@ -90,12 +78,6 @@ impl PhotonTransfer {
     pub fn variance(&self, brightness: f32) -> f32 {
         (self.slope * brightness + self.dark).max(self.min)
     }
-}
-
-/// The mean where the quiet part has none, as in files that round it away nearly everywhere.
-fn variance_of(group: &[(f32, f32)], free: f32) -> f32 {
-    let quiet = quiet_variance(group.iter().map(|s| s.1).collect(), free);
-    if quiet > 0.0 { quiet } else { group.iter().map(|s| s.1).sum::<f32>() / group.len() as f32 }
 }
 
 /// Slope and offset; the slope is 0 below three times its error, or where the brightness hardly differs.
@@ -159,18 +141,11 @@ fn median_line(points: &[TransferPoint]) -> (f64, f64) {
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(0.0)
     };
-    let at = |p: &TransferPoint| (f64::from(p.brightness), f64::from(p.variance));
-    let mut slopes = Vec::new();
-    for (i, p) in points.iter().enumerate() {
-        for q in &points[..i] {
-            let ((x, y), (x0, y0)) = (at(p), at(q));
-            if x > x0 {
-                slopes.push((y - y0) / (x - x0));
-            }
-        }
-    }
-    let a = middle(slopes).max(0.0);
-    (a, middle(points.iter().map(|p| at(p).1 - a * at(p).0).collect()))
+    let at: Vec<(f64, f64)> = points.iter().map(|p| (f64::from(p.brightness), f64::from(p.variance))).collect();
+    let pairs = at.iter().enumerate().flat_map(|(i, p)| at[..i].iter().map(move |q| (p, q)));
+    let slopes = pairs.filter(|(p, q)| p.0 > q.0).map(|(p, q)| (p.1 - q.1) / (p.0 - q.0));
+    let a = middle(slopes.collect()).max(0.0);
+    (a, middle(at.iter().map(|(x, y)| y - a * x).collect()))
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -210,10 +185,8 @@ impl Serialize for ExcessMap {
     }
 }
 
-/// Difference from 1 below which an excess is taken for 1.
 const MIN_EXCESS: f32 = 0.2;
-/// Roughness of the logarithm of the excess around a square, relative to that of noise, up to which the square is
-/// trusted.
+/// Roughness of the logarithm of the excess around a square, relative to noise's, up to which it is trusted.
 const TRUSTED_ROUGHNESS: f32 = 1.8;
 /// Difference from 1, in units of its error, above which an excess is significant.
 const SURE: f32 = 4.0;
@@ -223,10 +196,8 @@ const BORDER: f32 = 1.4;
 const EVEN_SPREAD: f32 = 1.25;
 /// Reach of the noise that a filter collects, as the standard deviation of its square, in pixels of its octave.
 const COLLECTED: f32 = 2.0;
-/// Octaves whose filters collect noise from different cells.
 const OCTAVES: i32 = 6;
 
-/// Whether squares of `free` independent values differ by more than noise does from what their brightness predicts.
 pub fn differ_by_place(squares: &[Square], transfer: &PhotonTransfer, free: f32) -> bool {
     let ratios = sorted(squares.iter().map(|square| square.excess(transfer)).collect());
     ratios.len() >= 16 && spread(&ratios) > EVEN_SPREAD * (2.0 / free).sqrt()
@@ -241,8 +212,7 @@ impl Square {
 }
 
 impl ExcessMap {
-    /// Finds the excess from the squares of a `lattice`, which each have `free` independent values; `None` where the
-    /// noise is everywhere as the brightness predicts, or unknown.
+    /// Excess of the squares of a `lattice`, each of `free` independent values; `None` where there is none, or unknown.
     pub(super) fn find(squares: &[Square], lattice: Lattice, transfer: &PhotonTransfer, free: f32) -> Option<Self> {
         let Lattice { columns, rows, pitch } = lattice;
         if columns < 4 || rows < 4 {
@@ -280,22 +250,19 @@ impl ExcessMap {
         Some(Self { by_octave: (0..OCTAVES).map(collected).collect(), cells, cell_px, first_px: lattice.first_px() })
     }
 
-    /// Excess of the noise that the filters of `octave` collect around the image's place (u, v), or that of a border
-    /// beside it if that is larger; `None`: as measured at that place.
+    /// Excess of the noise that the filters of `octave` collect around the image's place (u, v); `None`: as measured.
     pub(super) fn at(&self, octave: Option<i32>, u: f32, v: f32) -> f32 {
         let map = octave.map_or(&self.cells, |octave| &self.by_octave[octave.clamp(0, OCTAVES - 1) as usize]);
         sample_at(map, self.cell_px, u - self.first_px, v - self.first_px)
     }
 
-    /// Smallest and largest measured excess.
     pub(super) fn range(&self) -> (f32, f32) {
         let fold = |f: fn(f32, f32) -> f32| self.cells.data().iter().copied().reduce(f).unwrap_or(1.0);
         (fold(f32::min), fold(f32::max))
     }
 }
 
-/// Standard deviation of the logarithm of a cell's ratio that explains the second differences around it: a steady rise
-/// has none.
+/// Deviation of the logarithm of a ratio that explains the second differences around it: a steady rise has none.
 fn roughness(ratios: &Plane, (x, y): (usize, usize)) -> f32 {
     let (columns, rows) = ratios.size();
     let log = |x: usize, y: usize| ratios.at(x, y).max(1e-6).ln();
@@ -330,11 +297,16 @@ fn with_borders(cells: &Plane) -> Plane {
 
 #[cfg(test)]
 mod tests {
+    use super::super::contrast::contrasts;
     use super::super::high_pass::{FREE_VALUES, HighPass};
     use super::*;
     use crate::monitor::Monitor;
     use crate::synth::random::Stream;
     use crate::synth::{Camera, NoiseCase};
+
+    fn camera(full_scale_electrons: f64, read_noise_electrons: f64, black_level: f64) -> Camera {
+        Camera { full_scale_electrons, read_noise_electrons, black_level, bits: Some(14) }
+    }
 
     fn squares(camera: &Camera, signal: &Plane) -> Vec<(f32, f32)> {
         let frames: Vec<Plane> = (1..=3)
@@ -348,12 +320,7 @@ mod tests {
     #[test]
     fn sensors_of_known_slope_and_offset_are_found() {
         for (electrons, read_noise) in [(500.0, 4.0), (2000.0, 20.0), (15_000.0, 3.0)] {
-            let camera = Camera {
-                full_scale_electrons: electrons,
-                read_noise_electrons: read_noise,
-                black_level: 0.0625,
-                bits: Some(14),
-            };
+            let camera = camera(electrons, read_noise, 0.0625);
             let signal = Plane::from_fn(640, 400, |u, _| 0.8 * (u as f32 / 640.0).powi(2));
             let fit = PhotonTransfer::fit(&squares(&camera, &signal), 256, FREE_VALUES);
             let a = 1.0 / electrons;
@@ -383,8 +350,7 @@ mod tests {
     #[test]
     fn clipped_black_and_texture_bend_nothing() {
         // The darkest tenth is so dark that half of its noise is cut off, a seventh of all squares has texture.
-        let camera =
-            Camera { full_scale_electrons: 1000.0, read_noise_electrons: 20.0, black_level: 0.0, bits: Some(12) };
+        let camera = camera(1000.0, 20.0, 0.0);
         let signal = Plane::from_fn(640, 400, |u, _| (0.6 * (u as f32 - 64.0) / 576.0).max(0.0));
         let mut pairs = squares(&camera, &signal);
         pairs.iter_mut().step_by(7).for_each(|p| p.1 *= 8.0);
@@ -404,13 +370,11 @@ mod tests {
 
     fn squares_in_place(case: NoiseCase) -> Vec<Square> {
         let burst = case.burst(SIZE, 9, 0.02, 5, &Monitor::default()).expect("not cancelled");
-        let high_pass =
-            HighPass::on_lattice(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>(), Lattice::dense(SIZE));
-        let thirds: Vec<Vec<f32>> =
-            [0, 3, 6].map(|t| high_pass.variances(&[(t, 1.0), (t + 1, -2.0), (t + 2, 1.0)])).to_vec();
-        let variance = |i: usize| thirds.iter().map(|v| v[i]).sum::<f32>() / 3.0;
-        let each = high_pass.places.iter().zip(&high_pass.brightness[1]).enumerate();
-        each.map(|(i, (&place, &brightness))| Square { place, brightness, variance: variance(i) }).collect()
+        let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
+        let high_pass = HighPass::on_lattice(&frames, Lattice::dense(SIZE));
+        let variances = high_pass.mean_variances(&contrasts(9)[..3]);
+        let each = high_pass.places.iter().zip(&high_pass.brightness[1]).zip(variances);
+        each.map(|((&place, &brightness), variance)| Square { place, brightness, variance }).collect()
     }
 
     fn map(squares_in_place: &[Square]) -> Option<ExcessMap> {

@@ -61,7 +61,6 @@ impl NoiseWarning {
     }
 }
 
-/// Warnings about frames left out, by the reason, about flicker (evened out or not) and about correlation over time.
 pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarning> {
     let total = survey.frames.len();
     let mut warnings = Vec::new();
@@ -69,13 +68,13 @@ pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarni
         (0..total).filter(|&t| survey.frames[t].left_out.as_ref().is_some_and(wanted)).collect()
     };
     let copies = list(|why| matches!(why, LeftOut::Duplicate(_)));
-    if !copies.is_empty() {
+    let count = copies.len();
+    if count > 0 {
         let text = format!(
-            "{} of {total} frames repeat an earlier one ({}) and do not count; give the frames as they were captured, each once",
-            copies.len(),
+            "{count} of {total} frames repeat an earlier one ({}) and do not count; give the frames as they were captured, each once",
             numbered(&copies)
         );
-        warnings.push(NoiseWarning::new(WarningKind::DuplicateFrames, copies.len() as f32, text));
+        warnings.push(NoiseWarning::new(WarningKind::DuplicateFrames, count as f32, text));
     }
     type Wanted = fn(&LeftOut) -> bool;
     let kinds: [(&str, Wanted); 5] = [
@@ -87,13 +86,13 @@ pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarni
     ];
     for (words, wanted) in kinds {
         let which = list(wanted);
-        if !which.is_empty() {
+        let count = which.len();
+        if count > 0 {
             let text = format!(
-                "{} of {total} frames left out as {words} ({}); leave them out of the burst, or give --frames",
-                which.len(),
+                "{count} of {total} frames left out as {words} ({}); leave them out of the burst, or give --frames",
                 numbered(&which)
             );
-            warnings.push(NoiseWarning::new(WarningKind::OutlierFrames, which.len() as f32, text));
+            warnings.push(NoiseWarning::new(WarningKind::OutlierFrames, count as f32, text));
         }
     }
     if survey.flicker > 0.0 {
@@ -153,13 +152,11 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
     }
     for (words, lines) in [("columns", pattern.changing_columns), ("rows", pattern.changing_rows)] {
         if let Some(lines) = lines {
-            let (deviation, what) = (
-                lines.deviation,
-                match lines.extent {
-                    Extent::Sharp => "offsets that change from frame to frame",
-                    Extent::Wide => "bands",
-                },
-            );
+            let deviation = lines.deviation;
+            let what = match lines.extent {
+                Extent::Sharp => "offsets that change from frame to frame",
+                Extent::Wide => "bands",
+            };
             let text = format!(
                 "{words} have {what}, of {deviation:.5} of full scale; they were taken off each frame, as far as all of a line shares \
                  them; record without stabilisation, and not under lamps that flicker"
@@ -197,9 +194,8 @@ pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
     let finest = levels.first().and_then(|octave| octave.first()).map_or(1.0, |level| level.over_white);
     if shared > 1.4 * finest.min(1.0) {
         let text = format!(
-            "neighbouring pixels share their noise: at coarse levels it has {:.1} times the variance of white noise; the gate is raised there; \
-             give frames that are neither scaled nor compressed nor sharpened",
-            shared
+            "neighbouring pixels share their noise: at coarse levels it has {shared:.1} times the variance of white noise; the gate is raised there; \
+             give frames that are neither scaled nor compressed nor sharpened"
         );
         warnings.push(NoiseWarning::new(WarningKind::SharedByNeighbours, shared, text));
     }
@@ -225,11 +221,9 @@ pub(super) fn of_places(excess: Option<&ExcessMap>) -> Option<NoiseWarning> {
 }
 
 const ROWS_APART: usize = 16;
-/// Share of cut-off pixels below which there is no warning.
 const MIN_CUT_OFF: f32 = 0.05;
 
-/// Share of pixels at the ends of the range, and a warning if it is large. Where a black level was subtracted, values
-/// reach below 0: the range then ends at a frame's least value.
+/// Share of pixels at the ends of the range (from a frame's least value where that is below 0); a warning if large.
 pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning>) {
     let (mut black, mut white, mut count) = (0usize, 0usize, 0usize);
     for frame in frames {
@@ -255,7 +249,6 @@ pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning
     (share, warning)
 }
 
-/// Text of up to six frame numbers, and of how many more there are.
 fn numbered(frames: &[usize]) -> String {
     let shown: Vec<String> = frames.iter().take(6).map(usize::to_string).collect();
     let rest = if frames.len() > 6 { format!(" and {} more", frames.len() - 6) } else { String::new() };

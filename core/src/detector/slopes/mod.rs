@@ -1,14 +1,10 @@
-//! Slope finder: finds the slopes that a burst needs from the burst alone.
+//! Slope finder: finds the slopes that a burst needs from the burst alone. (The paper gives their range by hand.)
 //!
-//! A feature appears where the motion stack at its slope has structure. So the power of the band-passed motion stack,
-//! over the plane of slopes, shows which slopes occur. It is a sum over pairs of frames of their correlation at the
-//! shift that the slope gives them; omitting each frame's product with itself omits the power of its noise. `spectra`
-//! reduces the frames and computes the correlations of small windows by FFT; `peak` finds a window's slope with its
-//! significance, and the path of the picture as a whole; `regularity` tells frames out of order, missing frames and a
-//! picture that turns or grows; `evidence` looks at windows of many places and sizes at
-//! several scales, and chooses the slopes to search. A histogram of features would not work: in the dark it is flat.
-//!
-//! (The paper gives the range of slopes by hand.)
+//! Where the band-passed motion stack at a slope has power there are features. That power is a sum, over pairs of
+//! frames, of their correlation at the shift that the slope gives them; without each frame's product with itself it
+//! lacks the power of its noise. `spectra` computes the correlations of small windows, `peak` finds a window's slope
+//! and the path of the picture, `regularity` what is irregular in it, and `evidence` looks at windows of many places
+//! and sizes and chooses the slopes to search. A histogram of features would not work: in the dark it is flat.
 
 mod evidence;
 mod peak;
@@ -34,11 +30,9 @@ use peak::{Path, SearchTable, Track};
 use serde::Serialize;
 use spectra::{Fourier, MAX_LAG, SIDE};
 
-/// Smear of the outermost frames, in pixels, below which two slopes are equal for the finder: about the σ of the finest
-/// features of a first octave 0.
+/// Smear of the outermost frames, in pixels, below which two slopes are equal: about the σ of the finest features.
 const SAME_SMEAR_PX: f64 = 1.9;
-/// Distance from a uniform motion, in pixels, above which the motion is not straight: then the finest features are
-/// smeared.
+/// Distance from a uniform motion, in pixels, above which it smears the finest features.
 const STRAIGHT_PX: f64 = 1.4;
 /// Motion above which a burst is a film, as a part of the picture.
 const FILM_PART: f64 = 1.0 / 3.0;
@@ -48,8 +42,7 @@ const STILL_PX: f64 = 0.95;
 const SURELY: f64 = 2.5;
 /// Number of confirmed windows that move from which on a picture whose most stands still does not.
 const MIN_MOVING: usize = 3;
-/// Distance from a uniform motion, in pixels of the pyramid's level, up to which a picture whose windows stand still
-/// does so: the path of sparse, large structures is less exact than its noise.
+/// Distance from a uniform motion, in pixels of the level, up to which a picture whose windows stand still does so.
 const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
@@ -110,230 +103,13 @@ fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
 }
 
 impl SlopeFinding {
-    /// Evidence from which the grid is chosen, for a search of `frame_count` frames with `params`: significant, clear,
-    /// and certain by itself or confirmed.
+    /// Evidence from which the grid for a search with `params` is chosen: clear, and certain by itself or confirmed.
     pub fn confirmed(&self, params: &DetectorParams, frame_count: usize) -> Vec<SlopeEvidence> {
         let steps = steps_of(params, params.used_frames(frame_count).len());
         let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
         confirmed(&clear, steps)
     }
-}
 
-/// Axis of slopes in direction `direction_deg` for a line that holds the confirmed `evidence`; `None` without any.
-pub(crate) fn axis_through(
-    evidence: &[SlopeEvidence],
-    params: &DetectorParams,
-    frames: usize,
-    direction_deg: f32,
-) -> Option<SlopeAxis> {
-    let range = || evidence::ranges(evidence, f64::from(direction_deg)).0;
-    (!evidence.is_empty()).then(|| evidence::axis(range(), steps_of(params, frames).search, LINE_SLOPES))
-}
-
-/// Number of slopes with which the range of `axis` would be searched.
-pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: usize, is_plane: bool) -> usize {
-    let most = if is_plane { PLANE_SLOPES } else { LINE_SLOPES };
-    evidence::count([axis.min, axis.max].map(f64::from), steps_of(params, frames).search, most)
-}
-
-/// Parameters with which `burst` is searched, and the finding where the slopes are found from it. The baselines have no
-/// slopes to find.
-///
-/// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
-/// was cancelled.
-pub fn resolve(
-    burst: &Burst,
-    params: &SearchParams,
-    monitor: &Monitor,
-) -> Result<(DetectorParams, Option<SlopeFinding>), DetectError> {
-    params.validate()?;
-    let SlopeChoice::Auto { direction_deg } = params.slopes else {
-        return Ok((params.detector.clone(), None));
-    };
-    if params.detector.method != Method::Buff {
-        return Ok((params.detector.clone(), None));
-    }
-    // All parameters but the slopes are checked before the slopes are searched.
-    let unmoved = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..params.detector.clone() };
-    unmoved.validate_for(burst.len(), burst.size())?;
-    let finding = find_slopes(burst, &unmoved, direction_deg, monitor)?;
-    Ok((DetectorParams { slopes: finding.grid, ..unmoved }, Some(finding)))
-}
-
-/// Sizes that limit a motion.
-#[derive(Clone, Copy)]
-struct Size {
-    /// Number of frames less one.
-    gaps: f64,
-    /// Columns and rows.
-    pixels: (usize, usize),
-}
-
-fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> SlopeFinding {
-    let significant: Vec<SlopeEvidence> = seen.evidence.iter().filter(|e| is_significant(e)).copied().collect();
-    let max = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
-    let clear: Vec<SlopeEvidence> = significant.iter().filter(|e| is_clear(e, steps)).copied().collect();
-    let kept = confirmed(&clear, steps);
-    let kept: Vec<SlopeEvidence> = kept.into_iter().filter(|e| stays_inside(e.slope, size)).collect();
-    let Some(grid) = grid_for(&kept, steps, line_deg) else {
-        return SlopeFinding { significance: max, evidence: seen.evidence.clone(), ..SlopeFinding::default() };
-    };
-    let still = stands_still(&kept, steps, size.gaps);
-    let grid = if still { SlopeGrid::single(Slope::default()) } else { grid };
-    let moved_px = typical(&kept, |e| f64::from(e.slope.magnitude())) * size.gaps;
-    let part = typical(&kept, |e| {
-        let (u, v) = (f64::from(e.slope.u).abs(), f64::from(e.slope.v).abs());
-        (u / size.pixels.0 as f64).max(v / size.pixels.1 as f64)
-    }) * size.gaps;
-    SlopeFinding {
-        verdict: match () {
-            () if part > FILM_PART => SlopeVerdict::Film,
-            () if still => SlopeVerdict::Still,
-            () => SlopeVerdict::Found,
-        },
-        confidence: agreement(&significant, &grid, steps),
-        significance: max,
-        direction_deg: (!still).then(|| direction_deg(&kept) as f32),
-        moved_px: moved_px as f32,
-        evidence: seen.evidence.clone(),
-        grid,
-        ..SlopeFinding::default()
-    }
-}
-
-/// Whether nothing moves: the evidence lies around slope 0, most of it no farther away than its uncertainty, and what
-/// is surely farther is too little to be confirmed.
-fn stands_still(evidence: &[SlopeEvidence], steps: Steps, gaps: f64) -> bool {
-    let still = STILL_PX / gaps;
-    let middle = typical(evidence, |e| f64::from(e.slope.u)).hypot(typical(evidence, |e| f64::from(e.slope.v)));
-    let beyond = |e: &SlopeEvidence, least: f64, uncertainties: f64| {
-        f64::from(e.slope.magnitude()) > least.max(uncertainties * f64::from(e.uncertainty))
-    };
-    let may_move = typical(evidence, |e| f64::from(u8::from(beyond(e, still, 1.0)))) > 0.5;
-    let surely: Vec<SlopeEvidence> =
-        evidence.iter().filter(|e| beyond(e, still.max(0.5 * steps.search), SURELY)).copied().collect();
-    middle <= still && !may_move && confirmed(&surely, steps).len() < MIN_MOVING
-}
-
-/// Whether a point at mid-burst that moves by `slope` is still inside the picture at the burst's ends.
-fn stays_inside(slope: Slope, size: Size) -> bool {
-    let reach = |slope: f32, pixels: usize| f64::from(slope).abs() * 0.5 * size.gaps < 0.9 * pixels as f64;
-    reach(slope.u, size.pixels.0) && reach(slope.v, size.pixels.1)
-}
-
-/// Median of a value over the evidence, weighted by significance.
-fn typical(evidence: &[SlopeEvidence], value: impl Fn(&SlopeEvidence) -> f64) -> f64 {
-    let mut values: Vec<(f64, f64)> = evidence.iter().map(|e| (value(e), f64::from(e.significance))).collect();
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = 0.5 * values.iter().map(|v| v.1).sum::<f64>();
-    let mut sum = 0.0;
-    values
-        .iter()
-        .find(|v| {
-            sum += v.1;
-            sum >= half
-        })
-        .map_or(0.0, |v| v.0)
-}
-
-/// Part of the significant evidence, by significance, whose slope the grid holds.
-fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f32 {
-    let holds = |e: &&SlopeEvidence| {
-        let around = (0.5 * steps.search).max(f64::from(e.uncertainty).min(steps.same));
-        let [along, across] = turned(e.slope, f64::from(grid.direction_deg));
-        let within = |x: f64, axis: &SlopeAxis| x > f64::from(axis.min) - around && x < f64::from(axis.max) + around;
-        within(along, &grid.u) && within(across, &grid.v)
-    };
-    let sum = |evidence: &mut dyn Iterator<Item = &SlopeEvidence>| evidence.map(|e| e.significance).sum::<f32>();
-    sum(&mut significant.iter().filter(holds)) / sum(&mut significant.iter()).max(f32::MIN_POSITIVE)
-}
-
-/// Path of the picture, image pixels, at the finest level that can measure it.
-fn path_of(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<Path> {
-    let mut levels = seen.wholes.iter().zip(first_level..);
-    levels.find_map(|(whole, level)| {
-        let Path { way, error, noise, .. } = peak::path(whole, fourier)?;
-        let unit = f64::from(1u32 << level);
-        let way = way.iter().map(|x| x.map(|x| x * unit)).collect();
-        Some(Path { way, error: error * unit, noise: noise * unit, pixel: unit })
-    })
-}
-
-fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum {
-    let Some(whole) = seen.wholes.first() else {
-        return SlopeSpectrum::default();
-    };
-    let unit = f64::from(1u32 << first_level);
-    let fourier = Fourier::new();
-    let planes = fourier.correlations(&whole.lags, &mut fourier.scratch(0));
-    let slopes = table.slopes.iter().map(|s| Slope::new((s[0] * unit) as f32, (s[1] * unit) as f32)).collect();
-    SlopeSpectrum {
-        slopes,
-        significance: table.scores(&planes, &whole.variance).into_iter().map(|s| s as f32).collect(),
-    }
-}
-
-/// Kind of motion that a burst shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SlopeVerdict {
-    /// Slopes were found.
-    Found,
-    /// Nothing moves: a still tripod.
-    Still,
-    /// The frames have nothing significant in common; the grid is the usual one.
-    #[default]
-    NothingSeen,
-    /// The picture does not move uniformly: no slope aligns all frames. The finding's warnings name the reason where it
-    /// is known.
-    NotStraight,
-    /// The frames move by more than a third of the picture: a film that should be cut into bursts.
-    Film,
-}
-
-/// Power of the motion stack over slopes, for the whole image at the finest level used.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct SlopeSpectrum {
-    /// Slopes, pixels per frame.
-    pub slopes: Vec<Slope>,
-    /// For each slope, the power without each frame's own, divided by its standard deviation if the frames had nothing
-    /// in common.
-    pub significance: Vec<f32>,
-}
-
-/// Slopes to search, and the evidence for them. By default nothing is seen.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct SlopeFinding {
-    /// Grid to search.
-    pub grid: SlopeGrid,
-    /// Kind of motion.
-    pub verdict: SlopeVerdict,
-    /// Confidence: the part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds. 0
-    /// where there is none.
-    pub confidence: f32,
-    /// Power of the strongest window divided by its standard deviation if the frames had nothing in common. A window
-    /// counts from 6.5 if it is large, and from 11.5 if it is small.
-    pub significance: f32,
-    /// Direction in which most of the picture moves, degrees from +u towards +v, −180 … 180; `None` where nothing moves
-    /// or nothing is seen.
-    pub direction_deg: Option<f32>,
-    /// Typical motion of the picture from the first to the last frame, pixels.
-    pub moved_px: f32,
-    /// Largest distance of the picture's path from a uniform motion, pixels; `None` where single frames are too noisy
-    /// to measure it.
-    pub deviation_px: Option<f32>,
-    /// Irregularities of the motion: frames out of order, missing frames, a picture that turns or grows.
-    pub warnings: Vec<MotionWarning>,
-    /// Evidence of each window.
-    #[serde(skip)]
-    pub evidence: Vec<SlopeEvidence>,
-    /// Power over slopes.
-    #[serde(skip)]
-    pub spectrum: SlopeSpectrum,
-}
-
-impl SlopeFinding {
     /// `deviation` is the distance from a uniform motion, and the limit above which it changes the verdict, pixels.
     fn with_deviation(self, deviation: Option<(f64, f64)>) -> Self {
         let bent = deviation.is_some_and(|(distance, limit)| distance > limit);
@@ -370,6 +146,203 @@ impl SlopeFinding {
         };
         if self.warnings.is_empty() { verdict } else { format!("{verdict}; {}", self.irregularities()) }
     }
+}
+
+/// Axis of slopes in direction `direction_deg` for a line that holds the confirmed `evidence`; `None` without any.
+pub(crate) fn axis_through(
+    evidence: &[SlopeEvidence],
+    params: &DetectorParams,
+    frames: usize,
+    direction_deg: f32,
+) -> Option<SlopeAxis> {
+    let range = || evidence::ranges(evidence, f64::from(direction_deg)).0;
+    (!evidence.is_empty()).then(|| evidence::axis(range(), steps_of(params, frames).search, LINE_SLOPES))
+}
+
+pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: usize, is_plane: bool) -> usize {
+    let most = if is_plane { PLANE_SLOPES } else { LINE_SLOPES };
+    evidence::count([axis.min, axis.max].map(f64::from), steps_of(params, frames).search, most)
+}
+
+/// Parameters with which `burst` is searched, and the finding where the slopes are found from it. The baselines have no
+/// slopes to find.
+///
+/// # Errors
+/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// was cancelled.
+pub fn resolve(
+    burst: &Burst,
+    params: &SearchParams,
+    monitor: &Monitor,
+) -> Result<(DetectorParams, Option<SlopeFinding>), DetectError> {
+    params.validate()?;
+    let SlopeChoice::Auto { direction_deg } = params.slopes else {
+        return Ok((params.detector.clone(), None));
+    };
+    if params.detector.method != Method::Buff {
+        return Ok((params.detector.clone(), None));
+    }
+    // All parameters but the slopes are checked before the slopes are searched.
+    let unmoved = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..params.detector.clone() };
+    unmoved.validate_for(burst.len(), burst.size())?;
+    let finding = find_slopes(burst, &unmoved, direction_deg, monitor)?;
+    Ok((DetectorParams { slopes: finding.grid, ..unmoved }, Some(finding)))
+}
+
+/// Sizes that limit a motion.
+#[derive(Clone, Copy)]
+struct Size {
+    /// Number of frames less one.
+    gaps: f64,
+    pixels: (usize, usize),
+}
+
+fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> SlopeFinding {
+    let significant: Vec<SlopeEvidence> = seen.evidence.iter().filter(|e| is_significant(e)).copied().collect();
+    let max = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
+    let clear: Vec<SlopeEvidence> = significant.iter().filter(|e| is_clear(e, steps)).copied().collect();
+    let mut kept = confirmed(&clear, steps);
+    // Of slopes at which a point at mid-burst is still inside the picture at the burst's ends.
+    let stays = |slope: f32, pixels: usize| f64::from(slope).abs() * 0.5 * size.gaps < 0.9 * pixels as f64;
+    kept.retain(|e| stays(e.slope.u, size.pixels.0) && stays(e.slope.v, size.pixels.1));
+    let Some(grid) = grid_for(&kept, steps, line_deg) else {
+        return SlopeFinding { significance: max, evidence: seen.evidence.clone(), ..SlopeFinding::default() };
+    };
+    let still = stands_still(&kept, steps, size.gaps);
+    let grid = if still { SlopeGrid::single(Slope::default()) } else { grid };
+    let moved_px = typical(&kept, |e| f64::from(e.slope.magnitude())) * size.gaps;
+    let part = typical(&kept, |e| {
+        let (u, v) = (f64::from(e.slope.u).abs(), f64::from(e.slope.v).abs());
+        (u / size.pixels.0 as f64).max(v / size.pixels.1 as f64)
+    }) * size.gaps;
+    SlopeFinding {
+        verdict: match () {
+            () if part > FILM_PART => SlopeVerdict::Film,
+            () if still => SlopeVerdict::Still,
+            () => SlopeVerdict::Found,
+        },
+        confidence: agreement(&significant, &grid, steps),
+        significance: max,
+        direction_deg: (!still).then(|| direction_deg(&kept) as f32),
+        moved_px: moved_px as f32,
+        evidence: seen.evidence.clone(),
+        grid,
+        ..SlopeFinding::default()
+    }
+}
+
+/// Whether most evidence lies no farther from slope 0 than its uncertainty, and too little is surely farther.
+fn stands_still(evidence: &[SlopeEvidence], steps: Steps, gaps: f64) -> bool {
+    let still = STILL_PX / gaps;
+    let middle = typical(evidence, |e| f64::from(e.slope.u)).hypot(typical(evidence, |e| f64::from(e.slope.v)));
+    let beyond = |e: &SlopeEvidence, least: f64, uncertainties: f64| {
+        f64::from(e.slope.magnitude()) > least.max(uncertainties * f64::from(e.uncertainty))
+    };
+    let may_move = typical(evidence, |e| f64::from(u8::from(beyond(e, still, 1.0)))) > 0.5;
+    let surely: Vec<SlopeEvidence> =
+        evidence.iter().filter(|e| beyond(e, still.max(0.5 * steps.search), SURELY)).copied().collect();
+    middle <= still && !may_move && confirmed(&surely, steps).len() < MIN_MOVING
+}
+
+/// Median of a value over the evidence, weighted by significance.
+fn typical(evidence: &[SlopeEvidence], value: impl Fn(&SlopeEvidence) -> f64) -> f64 {
+    let mut values: Vec<(f64, f64)> = evidence.iter().map(|e| (value(e), f64::from(e.significance))).collect();
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * values.iter().map(|v| v.1).sum::<f64>();
+    let mut sum = 0.0;
+    let reaches = |v: &&(f64, f64)| {
+        sum += v.1;
+        sum >= half
+    };
+    values.iter().find(reaches).map_or(0.0, |v| v.0)
+}
+
+/// Part of the significant evidence, by significance, whose slope the grid holds.
+fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f32 {
+    let holds = |e: &&SlopeEvidence| {
+        let around = (0.5 * steps.search).max(f64::from(e.uncertainty).min(steps.same));
+        let [along, across] = turned(e.slope, f64::from(grid.direction_deg));
+        let within = |x: f64, axis: &SlopeAxis| x > f64::from(axis.min) - around && x < f64::from(axis.max) + around;
+        within(along, &grid.u) && within(across, &grid.v)
+    };
+    let sum = |evidence: &mut dyn Iterator<Item = &SlopeEvidence>| evidence.map(|e| e.significance).sum::<f32>();
+    sum(&mut significant.iter().filter(holds)) / sum(&mut significant.iter()).max(f32::MIN_POSITIVE)
+}
+
+/// Path of the picture, image pixels, at the finest level that can measure it.
+fn path_of(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<Path> {
+    let mut levels = seen.wholes.iter().zip(first_level..);
+    levels.find_map(|(whole, level)| {
+        let Path { way, error, noise, .. } = peak::path(whole, fourier)?;
+        let unit = f64::from(1u32 << level);
+        let way = way.iter().map(|x| x.map(|x| x * unit)).collect();
+        Some(Path { way, error: error * unit, noise: noise * unit, pixel: unit })
+    })
+}
+
+fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum {
+    let Some(whole) = seen.wholes.first() else {
+        return SlopeSpectrum::default();
+    };
+    let unit = f64::from(1u32 << first_level);
+    let fourier = Fourier::new();
+    let planes = fourier.correlations(&whole.lags, &mut fourier.scratch(0));
+    let slopes = table.slopes.iter().map(|s| Slope::new((s[0] * unit) as f32, (s[1] * unit) as f32)).collect();
+    let significance = table.scores(&planes, &whole.variance).into_iter().map(|s| s as f32).collect();
+    SlopeSpectrum { slopes, significance }
+}
+
+/// Kind of motion that a burst shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SlopeVerdict {
+    /// Slopes were found.
+    Found,
+    /// Nothing moves: a still tripod.
+    Still,
+    /// The frames have nothing significant in common; the grid is the usual one.
+    #[default]
+    NothingSeen,
+    /// No slope aligns all frames. The finding's warnings name the reason where it is known.
+    NotStraight,
+    /// The frames move by more than a third of the picture: a film that should be cut into bursts.
+    Film,
+}
+
+/// Power of the motion stack over slopes, for the whole image at the finest level used.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SlopeSpectrum {
+    /// Slopes, pixels per frame.
+    pub slopes: Vec<Slope>,
+    /// For each slope, the power over its standard deviation if the frames had nothing in common.
+    pub significance: Vec<f32>,
+}
+
+/// Slopes to search, and the evidence for them. By default nothing is seen.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct SlopeFinding {
+    /// Grid to search.
+    pub grid: SlopeGrid,
+    /// Kind of motion.
+    pub verdict: SlopeVerdict,
+    /// Part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds; 0 without any.
+    pub confidence: f32,
+    /// Largest significance of a window, which counts from 6.5 if it is large, and from 11.5 if it is small.
+    pub significance: f32,
+    /// Direction in which most of the picture moves, degrees from +u towards +v, −180 … 180; `None` where nothing does.
+    pub direction_deg: Option<f32>,
+    /// Typical motion of the picture from the first to the last frame, pixels.
+    pub moved_px: f32,
+    /// Largest distance of the picture's path from a uniform motion, pixels; `None` where frames are too noisy.
+    pub deviation_px: Option<f32>,
+    /// Irregularities of the motion: frames out of order, missing frames, a picture that turns or grows.
+    pub warnings: Vec<MotionWarning>,
+    /// Evidence of each window.
+    #[serde(skip)]
+    pub evidence: Vec<SlopeEvidence>,
+    /// Power over slopes.
+    #[serde(skip)]
+    pub spectrum: SlopeSpectrum,
 }
 
 /// Text of a grid, as the options of the command line take it.

@@ -1,19 +1,13 @@
-//! Peak of the power of a window over slopes, with its significance and ambiguity, and a test of whether the motion is
-//! straight.
+//! Peak of the power of a window over slopes, with its significance and ambiguity, and the path of the picture.
 //!
 //! The power of the motion stack at slope λ, without each frame's own, is P(λ) = Σ_k A_k(k·λ), where A_k is the
-//! correlation summed over the pairs of lag k. A point that moves leaves the window, which lowers A_k at a shift d by
-//! the window's overlap with itself, W(d). So A_k/W is an unbiased measure and W² its weight. The noise in P follows
-//! from the frames' own spectra; P over its standard deviation is the significance, z.
+//! correlation summed over the pairs of lag k. A point that leaves the window lowers A_k at a shift d by the window's
+//! overlap with itself, W(d): so A_k/W is an unbiased measure and W² its weight. P over the standard deviation that the
+//! frames' own spectra predict is the significance. The strongest slope of a grid is refined by Newton's method; the
+//! decrease of P around it gives the uncertainty, the strongest other slope the ambiguity (of periodic texture).
 //!
-//! The strongest of a grid of slopes is refined by Newton's method on all lags. The decrease of P around it gives the
-//! uncertainty of the slope: along an edge P does not decrease. The strongest other slope, compared with it, gives the
-//! ambiguity: periodic texture has such aliases.
-//!
-//! The motion is straight where each frame is where a constant slope puts it. The correlations of frames t and t + 1,
-//! summed over the whole image, have their peak at the shift of the picture as a whole. A constant motion gives an
-//! unchanging shift. The sum of the shifts is the picture's path; its largest distance from a straight one is measured
-//! here.
+//! The correlations of frames t and t + 1, summed over the image, have their peak at the shift of the picture as a
+//! whole. The sum of the shifts is its path; the motion is straight where that hardly leaves a uniform one.
 
 use super::spectra::{CrossSpectra, Fourier, SIDE};
 
@@ -23,7 +17,6 @@ const REACH: f64 = 0.4 * SIDE as f64;
 const SEARCH_LAGS: usize = 5;
 /// Largest shift between neighbouring slopes of the grid, level pixels.
 const SEARCH_STEP: f64 = 0.8;
-/// Overlap below which there is taken to be none.
 const MIN_OVERLAP: f32 = 0.03;
 /// Part of P by which texture may shift its peak, in addition to the noise.
 const TEXTURE_PART: f64 = 0.01;
@@ -40,15 +33,12 @@ pub(super) enum Track {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Peak {
     pub slope: [f64; 2],
-    /// Power there divided by its standard deviation if the frames had nothing in common.
     pub significance: f64,
     /// Possible error of the slope in the direction in which it is least certain.
     pub uncertainty: f64,
-    /// Power at the strongest other slope divided by that at this one.
     pub ambiguity: f64,
 }
 
-/// Indices and weights for reading the correlation of one lag at one slope of the grid.
 struct Tap {
     at: [u16; 4],
     weight: [f32; 4],
@@ -87,7 +77,7 @@ impl SearchTable {
         if variance.iter().all(|v| *v <= 0.0) {
             return None;
         }
-        let scores: Vec<f64> = self.scores(planes, variance);
+        let scores = self.scores(planes, variance);
         let unbiased: Vec<Vec<f32>> = planes.iter().map(|plane| unbiased(plane, &self.overlap)).collect();
         let stack = Stack { planes: &unbiased, variance, overlap: &self.overlap };
         let first = best(&scores, |_| true)?;
@@ -109,7 +99,6 @@ impl SearchTable {
         }
     }
 
-    /// Significance at every slope of the grid, from the first few lags.
     pub fn scores(&self, planes: &[Vec<f32>], variance: &[f64]) -> Vec<f64> {
         let score = |taps: &Vec<Tap>| {
             let (mut power, mut noise) = (0.0f64, 0.0f64);
@@ -266,8 +255,7 @@ const MIN_SIGNIFICANCE: f64 = 6.0;
 /// Maximum number of steps up a peak, and the step length below which they end, level pixels.
 const MAX_STEPS: usize = 60;
 const FINEST_STEP: f64 = 0.02;
-/// Standard error of a shift times the significance of its peak, level pixels: one over the root of the band's
-/// curvature.
+/// Standard error of a shift times its peak's significance, level pixels: one over the root of the band's curvature.
 const SHIFT_ERROR: f64 = 1.2;
 
 /// Path of the picture as a whole; all lengths in one unit.
@@ -320,8 +308,7 @@ fn largest_at(plane: &[f32]) -> usize {
 }
 
 /// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0, for most
-/// single pairs of neighbours too, and far smaller at the next lag, whatever the shift. That of a scene does not depend
-/// on the lag, unless it moves to and fro: then pairs of neighbours show the shifts.
+/// pairs of neighbours too (where a scene moves to and fro they show the shifts), and far smaller at the next lag.
 pub(super) fn lags_of_shared_noise(products: &CrossSpectra, fourier: &Fourier) -> usize {
     let frames = products.neighbours.len() + 1;
     let pairs = fourier.correlations(&products.neighbours, &mut fourier.scratch(0));
@@ -342,7 +329,6 @@ pub(super) fn lags_of_shared_noise(products: &CrossSpectra, fourier: &Fourier) -
     (1..planes.len()).take_while(|lag| is_noise(*lag)).count()
 }
 
-/// Shift at which a correlation is largest, and its significance; `None` where that is too small.
 fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f64)> {
     let largest = largest_at(plane);
     let significance = f64::from(plane[largest]) / variance.sqrt();

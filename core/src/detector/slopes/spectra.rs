@@ -1,12 +1,9 @@
 //! Spectra of small windows of the reduced frames, and the sums of products of pairs of them.
 //!
-//! The finder works at σ of about two to eight pixels, and coarser structure needs fewer samples. So frames are reduced
-//! to means over squares of pixels: level `l` has pixels of 2^l image pixels.
-//!
-//! A window of [`SIDE`]² level pixels is cut from every frame at the same place, multiplied by a Hann window,
-//! transformed, and band-passed. The product conj(F_t)·F_{t+k} is the spectrum of the cross-correlation of frames t and
-//! t + k; products of the same lag k are added up. A frame is never multiplied by itself, so that the frames' own
-//! noise, which differs from frame to frame, adds nothing on average.
+//! Frames are reduced to means over squares: level `l` has pixels of 2^l image pixels. A window of [`SIDE`]² level
+//! pixels is cut from every frame at the same place, multiplied by a Hann window, transformed, and band-passed. The
+//! product conj(F_t)·F_{t+k} is the spectrum of the cross-correlation of frames t and t + k; products of the same lag k
+//! are added up. A frame is never multiplied by itself, so that the frames' own noise adds nothing on average.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -22,10 +19,8 @@ pub(super) const SIDE: usize = 32;
 const AREA: usize = SIDE * SIDE;
 /// Number of values of half a spectrum; the other half follows from it, because the window's values are real.
 const HALF: usize = (SIDE / 2 + 1) * SIDE;
-/// σ of the band's inner Gaussian, level pixels: with the mean over a level pixel about 2 to 2.5 image pixels at level
-/// 1.
+/// σ of the band's inner Gaussian, level pixels: with the mean over a pixel 2 to 2.5 image pixels at level 1.
 const BAND_SIGMA: f64 = 1.0;
-/// Ratio of the outer Gaussian's σ to the inner one's.
 const BAND_RATIO: f64 = 1.6;
 /// Largest lag that is used: pairs of frames further apart add little new information.
 pub(super) const MAX_LAG: usize = 12;
@@ -37,7 +32,6 @@ pub(super) struct Spectrum {
 }
 
 impl Spectrum {
-    /// Adds conj(a)·b.
     fn add_product(&mut self, a: &Self, b: &Self) {
         add_conjugate_products(&a.re, &a.im, &b.re, &b.im, &mut self.re, &mut self.im);
     }
@@ -85,8 +79,7 @@ impl CrossSpectra {
         }
     }
 
-    /// Removes the products of the first `count` lags, at which frames have noise in common. Products at other lags
-    /// then repeat each other, so that their noise is larger.
+    /// Removes the first `count` lags, at which frames have noise in common; at others it then repeats itself.
     pub fn forget_lags(&mut self, count: usize) {
         self.lags.iter_mut().take(count).for_each(|lag| *lag = Spectrum::zeros());
         let repeated = ((count + 1) * (count + 1)) as f64;
@@ -102,7 +95,6 @@ impl CrossSpectra {
     }
 }
 
-/// Data shared by all windows: the transforms, the window function, the band.
 pub(super) struct Fourier {
     forward: Arc<dyn Fft<f32>>,
     inverse: Arc<dyn Fft<f32>>,
@@ -207,8 +199,7 @@ impl Fourier {
         let mut out = Vec::with_capacity(spectra.len());
         for two in spectra.chunks(2) {
             merge(&two[0], two.get(1), &mut scratch.packed);
-            // A spectrum has the frequencies of u first, as `transform` leaves it; applying it again restores the
-            // order.
+            // `transform` leaves the frequencies of u first; applying it again restores the order.
             transform(&*self.inverse, &mut scratch.packed, &mut scratch.turned, &mut scratch.fft);
             let scale = 1.0 / AREA as f32;
             out.push(scratch.packed.iter().map(|z| z.re * scale).collect());
@@ -248,8 +239,7 @@ fn unpack(packed: &[Complex32], band: &[f32], a: &mut Spectrum, mut b: Option<&m
     }
 }
 
-/// Merges two half spectra into the whole spectrum whose transform has the first correlation as real and the second as
-/// imaginary part.
+/// The whole spectrum whose transform has the first correlation as real and the second as imaginary part.
 fn merge(a: &Spectrum, b: Option<&Spectrum>, packed: &mut [Complex32]) {
     for (i, z) in packed.iter_mut().enumerate() {
         let (j, sign) = if i < HALF { (i, 1.0) } else { (opposite(i), -1.0) };
@@ -268,8 +258,7 @@ fn whole_sum_of_products(a: &[f32], b: &[f32]) -> f64 {
 
 /// Number of pixels up to which images are examined from level 0 on.
 const SMALL_PIXELS: usize = 25_000;
-/// Number of pixels up to which images are examined from level 1 on, larger ones from level 2 on: so the finder costs a
-/// small part of a detection.
+/// Number of pixels up to which images are examined from level 1 on, larger ones from level 2 on.
 const MEDIUM_PIXELS: usize = 270_000;
 const LEVELS: u32 = 3;
 
@@ -283,26 +272,14 @@ pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Ra
 }
 
 pub(super) fn pyramids(frames: &[&Plane], levels: Range<u32>, monitor: &Monitor) -> Result<Vec<Vec<Plane>>, Cancelled> {
-    let of_frames: Vec<Vec<Plane>> = frames
-        .par_iter()
-        .map(|frame| {
+    let mut by_level: Vec<Vec<Plane>> = Vec::with_capacity(levels.len());
+    for level in levels {
+        let plane = |t: usize| {
             monitor.check()?;
-            let mut planes: Vec<Plane> = Vec::with_capacity(levels.len());
-            for level in levels.clone() {
-                let next = match planes.last() {
-                    Some(finer) => means(finer, 2),
-                    None => means(frame, 1 << level),
-                };
-                planes.push(next);
-            }
-            Ok(planes)
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    let mut by_level: Vec<Vec<Plane>> = levels.map(|_| Vec::with_capacity(frames.len())).collect();
-    for planes in of_frames {
-        for (level, plane) in by_level.iter_mut().zip(planes) {
-            level.push(plane);
-        }
+            Ok(by_level.last().map_or_else(|| means(frames[t], 1 << level), |finer| means(&finer[t], 2)))
+        };
+        let planes = (0..frames.len()).into_par_iter().map(plane).collect::<Result<_, Cancelled>>()?;
+        by_level.push(planes);
     }
     Ok(by_level)
 }
@@ -345,12 +322,8 @@ mod tests {
         let mut noise = Stream::new(3, 0);
         let waves: Vec<[f64; 4]> = (0..40)
             .map(|_| {
-                [
-                    noise.within(-0.9, 0.9),
-                    noise.within(-0.9, 0.9),
-                    noise.within(0.0, std::f64::consts::TAU),
-                    noise.normal(),
-                ]
+                let (u, v) = (noise.within(-0.9, 0.9), noise.within(-0.9, 0.9));
+                [u, v, noise.within(0.0, std::f64::consts::TAU), noise.normal()]
             })
             .collect();
         let value = |u: f64, v: f64| waves.iter().map(|w| w[3] * (w[0] * u + w[1] * v + w[2]).cos()).sum::<f64>();

@@ -1,16 +1,11 @@
 //! A bank of Gaussian filters: all levels of an octave straight from its first pixels.
 //!
-//! The scale space is defined as a chain: each level is blurred from the one before it. Blurs add up, so every level is
-//! also one blur of the chain's input, by the convolution of the kernels so far. That way a level costs more
-//! multiplications, but levels no longer wait for one another: one pass along the rows makes all of them with each
-//! pixel loaded once, a second one along the columns finishes them, and all intermediate values stay in the nearest
-//! caches.
-//!
-//! Numerics. A level's kernel is the exact convolution of the chain's kernels, cut at [`LEVEL_CUT`] standard deviations
-//! and normalised to sum 1. Near the border the chain repeats the nearest pixel of every level in turn, which differs
-//! from repeating the nearest pixel of the input; there the weights are taken from the chain's own matrix (`weights`),
-//! so that the result is the chain's everywhere. Every value is made by the same operations in the same order wherever
-//! it lies in a tile, so results do not depend on tiles and threads, to the bit.
+//! The scale space is a chain: each level is blurred from the one before it. So every level is also one blur of the
+//! chain's input, by the convolution of the kernels so far, cut at [`LEVEL_CUT`] standard deviations. That way levels
+//! do not wait for one another: one pass along the rows makes all of them with each pixel loaded once, a second one
+//! along the columns finishes them. Near the border the chain repeats the nearest pixel of every level in turn; there
+//! the weights are taken from the chain's own matrix (`weights`). Every value is made by the same operations in the
+//! same order wherever it lies in a tile, so results do not depend on tiles and threads, to the bit.
 
 mod passes;
 mod weights;
@@ -24,7 +19,7 @@ use crate::plane::vectors::Aligned;
 use passes::{BLOCK, Band, Blocks, Packed, Sink, convolve_row, edge_columns, edge_rows, inner_rows, packed};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
-use weights::{Edges, Kernel, Section};
+use weights::{Edges, Section};
 
 /// Radius of a level's kernel, in its standard deviations: beyond it lie 7 millionths of its weight.
 pub const LEVEL_CUT: f64 = 4.5;
@@ -34,7 +29,7 @@ pub const LEVEL_CUT: f64 = 4.5;
 pub struct FilterBank {
     chain: Vec<GaussianKernel>,
     wanted: Range<usize>,
-    kernels: Vec<Kernel>,
+    kernels: Vec<GaussianKernel>,
     /// The weights near a border that is far from the opposite one.
     edges: Edges,
 }
@@ -42,14 +37,13 @@ pub struct FilterBank {
 impl FilterBank {
     /// Filters for the levels `wanted` of `chain`: level `i` is the input blurred by `chain[0]` … `chain[i]` in turn.
     pub fn new(chain: Vec<GaussianKernel>, wanted: Range<usize>) -> Self {
-        let kernels: Vec<Kernel> = weights::composed(&chain, LEVEL_CUT).drain(wanted.clone()).collect();
+        let kernels: Vec<GaussianKernel> = weights::composed(&chain, LEVEL_CUT).drain(wanted.clone()).collect();
         let edges = Edges::far_apart(&chain, &wanted, &kernels);
         Self { chain, wanted, kernels, edges }
     }
 
-    /// Pixels to each side that a value of any level depends on.
     pub fn radius(&self) -> usize {
-        self.kernels.iter().map(Kernel::radius).max().unwrap_or(0)
+        self.kernels.iter().map(GaussianKernel::radius).max().unwrap_or(0)
     }
 }
 
@@ -94,11 +88,8 @@ struct FilterJob<'a, L: Lines + ?Sized> {
     batch_done: &'a mut dyn FnMut(&[Tile], Range<usize>),
 }
 
-/// Filters `region` of the image that `lines` holds, whose width and height are those of the axes.
-///
-/// `differences` (one fewer than levels) are reset to the region and become level `i + 1` minus level `i`. `keep` names
-/// a level to store as well, and its tile. `batch_done` is called as rows are finished, with the differences and the
-/// range of new rows.
+/// `differences` (one fewer than levels) become level `i + 1` minus level `i`. `keep` names a level to store as well,
+/// and its tile. `batch_done` is called with the differences and the range of rows just finished.
 pub fn filter_tile<L: Lines + ?Sized>(
     (along_u, along_v): (&Axis, &Axis),
     lines: &L,
@@ -165,7 +156,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
     fn forget_above(&mut self, top: usize, next: usize) {
         let Range { start, end } = self.held;
         for (band, level) in self.scratch.bands.iter_mut().zip(&self.along_v.levels) {
-            let first = level.first_input(next).max(top);
+            let first = next.saturating_sub((level.half.len() - 1).max(level.head.radius)).max(top);
             if start < top && first < end {
                 band.move_rows(first - start..end - start, first - top);
             }
@@ -181,8 +172,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         let wide = self.along_u.inputs(columns);
         let offset = reach - (columns.start - wide.start);
         let FilterScratch { line, bands, .. } = &mut *self.scratch;
-        // Where the row's memory covers everything that the vectors touch, it is read in place; values beyond the image
-        // have no effect.
+        // A row whose memory covers all that the vectors touch is read in place.
         let there = self.lines.line(v, wide.start);
         let line: &[f32] = if offset == 0 && there.len() >= self.stride + 2 * reach {
             there
@@ -299,7 +289,7 @@ mod tests {
 
     #[test]
     fn levels_are_those_of_the_chain_up_to_the_cut() {
-        for (width, height) in [(190, 150), (40, 33), (75, 61)] {
+        for (width, height) in [(190, 150), (40, 33), (75, 61), (22, 23), (24, 25), (5, 17)] {
             let plane = texture(width, height);
             let mut levels = Vec::new();
             for kernel in chain() {

@@ -1,16 +1,10 @@
 //! The two passes of the filters over a tile, and the rows that are stored between them.
 //!
-//! Along the rows, all levels of a row are made with each pixel loaded once. Two pixels at the same distance from the
-//! centre are added, then multiplied into all levels that reach that far. The sums of up to [`MOST`] levels over
-//! [`BLOCK`] columns stay in vector registers.
-//!
-//! Between the passes, rows are stored in blocks of columns ([`Band`]). The second pass works on a block of columns at
-//! a time and reads rows above and below one another. So a block's rows are contiguous: they are read from memory in
-//! order, and loops over them need no bounds checks.
-//!
-//! Along the columns, a few rows of one level are made at once, and their difference from the previous level. From one
-//! distance from the centre to the next, most of the rows above and below are already in registers, one place further;
-//! each step loads only two. All rows that a batch reads in a block of columns stay in the first cache.
+//! Along the rows, two pixels at the same distance from the centre are added, then multiplied into all levels that
+//! reach that far; the sums of up to [`MOST`] levels over [`BLOCK`] columns stay in registers. Between the passes rows
+//! are stored in blocks of columns ([`Band`]), each contiguous, so that they stay in the first cache and loops over
+//! them need no bounds checks. Along the columns a few rows of one level are made at once, and their difference from
+//! the previous level: each step outwards loads only two rows, the others are in registers already, one place further.
 
 pub(crate) use crate::kernel::machine::{BLOCK_COLUMNS as BLOCK, WIDEST_VECTOR as VECTOR};
 
@@ -105,8 +99,7 @@ fn convolve<S: Simd, const L: usize>(
             let tap = simd.splat_f32s(tap);
             *acc = [simd.mul_f32s(tap, centre[0]), simd.mul_f32s(tap, centre[1])];
         }
-        // For each distance, the pixels before and behind and the taps of all levels. Iterators need no bounds checks
-        // in the loop.
+        // For each distance, the pixels before and behind and all levels' taps. Iterators need no bounds checks.
         let before = line[at - radius..at + 2 * lanes - 1].windows(2 * lanes).rev();
         let behind = line[at + 1..at + 2 * lanes + radius].windows(2 * lanes);
         let mut distances = before.zip(behind).zip(group.taps[L..].chunks_exact(L));
@@ -147,56 +140,44 @@ pub(crate) fn edge_columns<S: Simd>(
     simd: S,
     level: &Weights,
     columns: &Range<usize>,
-    line: (&[f32], usize),
-    blocks: Blocks,
-    out: &mut [f32],
-) {
-    for dense in [&level.head, &level.tail] {
-        let mine = dense.outs.start.max(columns.start)..dense.outs.end.min(columns.end);
-        if !mine.is_empty() {
-            edge(simd, dense, &mine, columns, line, blocks, out);
-        }
-    }
-}
-
-#[inline(always)]
-fn edge<S: Simd>(
-    simd: S,
-    dense: &Dense,
-    mine: &Range<usize>,
-    columns: &Range<usize>,
     (line, reach): (&[f32], usize),
     blocks: Blocks,
     out: &mut [f32],
 ) {
     let lanes = S::F32_LANES;
-    let inputs = dense.inputs(mine);
-    let pixels = &line[reach + inputs.start - columns.start..reach + inputs.end - columns.start];
-    let weights = &dense.weights[(inputs.start - dense.ins.start) * dense.stride..][..pixels.len() * dense.stride];
-    let first = dense.outs.start;
-    for start in (0..dense.outs.len()).step_by(lanes) {
-        let outs = first + start..(first + start + lanes).min(dense.outs.end);
-        let part = outs.start.max(mine.start)..outs.end.min(mine.end);
-        if part.is_empty() {
+    for dense in [&level.head, &level.tail] {
+        let mine = dense.outs.start.max(columns.start)..dense.outs.end.min(columns.end);
+        if mine.is_empty() {
             continue;
         }
-        // Two sums, so that neither waits for the other.
-        let mut acc = [simd.splat_f32s(0.0); 2];
-        let (mut row, mut input) = (start, 0);
-        while input + 1 < pixels.len() {
-            for (i, acc) in acc.iter_mut().enumerate() {
-                let weights = load::<S>(weights, row + i * dense.stride);
-                *acc = simd.mul_add_f32s(simd.splat_f32s(pixels[input + i]), weights, *acc);
+        let inputs = dense.inputs(&mine);
+        let pixels = &line[reach + inputs.start - columns.start..reach + inputs.end - columns.start];
+        let weights = &dense.weights[(inputs.start - dense.ins.start) * dense.stride..][..pixels.len() * dense.stride];
+        let first = dense.outs.start;
+        for start in (0..dense.outs.len()).step_by(lanes) {
+            let outs = first + start..(first + start + lanes).min(dense.outs.end);
+            let part = outs.start.max(mine.start)..outs.end.min(mine.end);
+            if part.is_empty() {
+                continue;
             }
-            (row, input) = (row + 2 * dense.stride, input + 2);
-        }
-        if let Some(&pixel) = pixels.get(input) {
-            acc[0] = simd.mul_add_f32s(simd.splat_f32s(pixel), load::<S>(weights, row), acc[0]);
-        }
-        let mut made = [0.0f32; VECTOR];
-        store::<S>(&mut made, 0, simd.add_f32s(acc[0], acc[1]));
-        for (output, value) in part.clone().zip(&made[part.start - outs.start..]) {
-            out[blocks.place(output - columns.start)] = *value;
+            // Two sums, so that neither waits for the other.
+            let mut acc = [simd.splat_f32s(0.0); 2];
+            let (mut row, mut input) = (start, 0);
+            while input + 1 < pixels.len() {
+                for (i, acc) in acc.iter_mut().enumerate() {
+                    let weights = load::<S>(weights, row + i * dense.stride);
+                    *acc = simd.mul_add_f32s(simd.splat_f32s(pixels[input + i]), weights, *acc);
+                }
+                (row, input) = (row + 2 * dense.stride, input + 2);
+            }
+            if let Some(&pixel) = pixels.get(input) {
+                acc[0] = simd.mul_add_f32s(simd.splat_f32s(pixel), load::<S>(weights, row), acc[0]);
+            }
+            let mut made = [0.0f32; VECTOR];
+            store::<S>(&mut made, 0, simd.add_f32s(acc[0], acc[1]));
+            for (output, value) in part.clone().zip(&made[part.start - outs.start..]) {
+                out[blocks.place(output - columns.start)] = *value;
+            }
         }
     }
 }
@@ -280,8 +261,7 @@ pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
     }
 }
 
-/// Computes `ROWS` rows near a border, from row `first` on, of a block of columns whose first one in the tile is
-/// `column`. `rows` are those of the band, which begins at row `top`.
+/// Computes `ROWS` rows near a border, from row `first` on; `rows` are those of the band from row `top` on.
 #[inline(always)]
 pub(crate) fn edge_rows<S: Simd, const ROWS: usize>(
     simd: S,

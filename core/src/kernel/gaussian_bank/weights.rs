@@ -56,14 +56,14 @@ pub(crate) struct Edges {
 }
 
 impl Edges {
-    pub fn far_apart(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[Kernel]) -> Self {
-        let radius = kernels.iter().map(Kernel::radius).max().unwrap_or(0);
+    pub fn far_apart(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[GaussianKernel]) -> Self {
+        let radius = kernels.iter().map(GaussianKernel::radius).max().unwrap_or(0);
         let chain_radius: usize = chain[..wanted.end].iter().map(GaussianKernel::radius).sum();
         Self::of_line(chain, wanted, kernels, 2 * radius + chain_radius + 1)
     }
 
     /// Weights for a line of `n` pixels; for a level that reaches from border to border, those of all its outputs.
-    fn of_line(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[Kernel], n: usize) -> Self {
+    fn of_line(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[GaussianKernel], n: usize) -> Self {
         let mut levels: Vec<Dense> = kernels
             .iter()
             .map(|kernel| {
@@ -141,10 +141,6 @@ pub(crate) struct Weights {
 }
 
 impl Weights {
-    pub fn first_input(&self, output: usize) -> usize {
-        output.saturating_sub((self.half.len() - 1).max(self.head.radius))
-    }
-
     /// The parts of `range` of a line of `n` pixels, with the weights that apply to each.
     pub fn sections(&self, range: &Range<usize>, n: usize) -> [(Section, Range<usize>); 3] {
         let inner = self.head.outs.end..n - self.tail.outs.len();
@@ -177,7 +173,6 @@ pub(crate) enum Section {
 }
 
 impl FilterBank {
-    /// The bank's weights along a line of `n` pixels.
     pub fn axis(&self, n: usize) -> Axis {
         let own;
         let edges = if n < self.edges.far {
@@ -186,8 +181,8 @@ impl FilterBank {
         } else {
             &self.edges
         };
-        let weights = |(kernel, head): (&Kernel, &Dense)| Weights {
-            half: kernel.half.clone(),
+        let weights = |(kernel, head): (&GaussianKernel, &Dense)| Weights {
+            half: kernel.half().to_vec(),
             head: head.clone(),
             tail: if head.outs.len() < n { head.mirrored(n) } else { Dense::default() },
         };
@@ -202,24 +197,12 @@ impl Axis {
     }
 }
 
-#[derive(Debug, Clone)]
-pub(crate) struct Kernel {
-    /// The centre tap and those to one side.
-    pub half: Vec<f32>,
-}
-
-impl Kernel {
-    pub fn radius(&self) -> usize {
-        self.half.len() - 1
-    }
-}
-
 pub(crate) fn all_taps(half: &[f32]) -> Vec<f64> {
     half.iter().skip(1).rev().chain(half).map(|&tap| f64::from(tap)).collect()
 }
 
 /// The kernels of all levels of `chain`, each cut at `cut` of its own standard deviations. Radii never decrease.
-pub(crate) fn composed(chain: &[GaussianKernel], cut: f64) -> Vec<Kernel> {
+pub(crate) fn composed(chain: &[GaussianKernel], cut: f64) -> Vec<GaussianKernel> {
     let mut taps = vec![1.0f64];
     let mut radius = 0;
     chain
@@ -231,7 +214,7 @@ pub(crate) fn composed(chain: &[GaussianKernel], cut: f64) -> Vec<Kernel> {
             radius = ((cut * variance.sqrt()).ceil() as usize).clamp(radius, middle.max(radius));
             let half = &taps[middle..=(middle + radius).min(taps.len() - 1)];
             let sum = half[0] + 2.0 * half[1..].iter().sum::<f64>();
-            Kernel { half: half.iter().map(|tap| (tap / sum) as f32).collect() }
+            GaussianKernel::of_half(half.iter().map(|tap| (tap / sum) as f32).collect())
         })
         .collect()
 }
@@ -244,52 +227,4 @@ fn convolved(a: &[f64], b: &[f64]) -> Vec<f64> {
         }
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn chain() -> Vec<GaussianKernel> {
-        [1.5, 1.2, 1.6].map(GaussianKernel::new).to_vec()
-    }
-
-    fn by_definition(line: &[f64], steps: usize) -> Vec<f64> {
-        let mut line = line.to_vec();
-        for step in &chain()[..steps] {
-            let (taps, radius) = (all_taps(step.half()), step.radius() as i64);
-            line = (0..line.len() as i64)
-                .map(|at| {
-                    let value = |k: i64| line[(at + k).clamp(0, line.len() as i64 - 1) as usize];
-                    (-radius..=radius).map(|k| taps[(k + radius) as usize] * value(k)).sum()
-                })
-                .collect();
-        }
-        line
-    }
-
-    #[test]
-    fn borders_are_the_chains_own() {
-        let bank = FilterBank::new(chain(), 0..3);
-        for n in [1, 2, 5, 17, 22, 23, 24, 25, 40, 60, 90] {
-            let line: Vec<f64> = (0..n).map(|i| ((i * 37 + 11) % 23) as f64 / 23.0).collect();
-            let axis = bank.axis(n);
-            for (level, weights) in axis.levels.iter().enumerate() {
-                let expected = by_definition(&line, level + 1);
-                for dense in [&weights.head, &weights.tail] {
-                    for out in dense.outs.clone() {
-                        let made: f64 = dense
-                            .inputs(&(out..out + 1))
-                            .map(|input| f64::from(dense.row(input)[out - dense.outs.start]) * line[input])
-                            .sum();
-                        assert!((made - expected[out]).abs() < 2e-5, "{n} {level} {out}: {made} {}", expected[out]);
-                    }
-                }
-            }
-            for weights in &axis.levels {
-                let covered: usize = weights.sections(&(0..n), n).iter().map(|(_, part)| part.len()).sum();
-                assert_eq!(covered, n);
-            }
-        }
-    }
 }
