@@ -35,9 +35,6 @@ pub struct Searched {
 }
 
 /// Finds the slopes of a burst if they are to be found, and then its features.
-///
-/// # Errors
-/// As [`detect`].
 pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched, DetectError> {
     let PreparedSearch { burst: prepared, params, asked, finding, slopes_secs, rest } =
         PreparedSearch::new(burst, params, monitor)?;
@@ -51,15 +48,11 @@ const SLOPES_SHARE: f32 = 0.2;
 
 /// A search whose slopes are found and whose frames are merged, as its parameters ask for.
 pub(crate) struct PreparedSearch {
-    /// The burst that is searched: for [`Method::Merge`] one merged frame.
     pub burst: Burst,
-    /// The parameters for `burst`.
     pub params: DetectorParams,
     /// The requested parameters, with the slopes that are searched.
     asked: DetectorParams,
-    /// The result of finding the slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
-    /// Time taken to find the slopes, seconds.
     slopes_secs: f32,
     /// Monitor of the search itself.
     pub rest: Monitor,
@@ -142,11 +135,8 @@ mod tests {
             let (same, with) = prepare(&burst, &params, &Monitor::default()).expect("prepared");
             assert_eq!((same.len(), with), (2, params));
         }
-        let past = DetectorParams {
-            method: Method::Merge,
-            frames: Some(FrameRange { start: 1, end: 3 }),
-            ..DetectorParams::default()
-        };
+        let frames = Some(FrameRange { start: 1, end: 3 });
+        let past = DetectorParams { method: Method::Merge, frames, ..DetectorParams::default() };
         assert!(matches!(prepare(&burst, &past, &Monitor::default()), Err(DetectError::Param(_))));
     }
 }

@@ -26,10 +26,7 @@ impl Note {
 
     /// Text for the window, with the menu item.
     pub fn for_window(&self) -> String {
-        match self.option {
-            Some(_) => format!("{}; see File > Calibration", self.text),
-            None => self.text.clone(),
-        }
+        format!("{}{}", self.text, self.option.map_or("", |_| "; see File > Calibration"))
     }
 }
 
@@ -71,7 +68,6 @@ const CHUNK: usize = 4096;
 /// Adding a float of this magnitude (up to its double) to a small number rounds that to a whole number, in the sum's
 /// lower bits; far faster than rounding each number by itself.
 const INTEGERS: f32 = (1 << 23) as f32;
-/// Mask of the bits of a float's fraction.
 const MANTISSA: u32 = (1 << 23) - 1;
 
 /// Largest value of the smallest usual converter that could have made these 16-bit frames. `None` where their values
@@ -79,10 +75,8 @@ const MANTISSA: u32 = (1 << 23) - 1;
 /// values were linearised.
 pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -> Option<f32> {
     const WORD: f32 = 65535.0;
-    if options.full_scale.is_some() || options.linearise {
-        return None;
-    }
-    if frames.iter().any(|f| f.scale != FileScale::Range(WORD)) {
+    let is_of_words = frames.iter().all(|f| f.scale == FileScale::Range(WORD));
+    if options.full_scale.is_some() || options.linearise || !is_of_words {
         return None;
     }
     let beyond = CONVERTERS[CONVERTERS.len() - 1].1 as u32;
@@ -101,10 +95,7 @@ pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -
         seen
     };
     let (largest, bits) = frames.par_iter().map(of_frame).reduce(|| (0, 0), |a, b| (a.0.max(b.0), a.1 | b.1));
-    if bits & 1 == 0 {
-        return None;
-    }
-    CONVERTERS.iter().map(|(_, value)| *value).find(|value| largest as f32 <= *value)
+    CONVERTERS.iter().map(|(_, value)| *value).find(|value| bits & 1 == 1 && largest as f32 <= *value)
 }
 
 impl Burst {

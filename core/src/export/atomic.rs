@@ -25,9 +25,6 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::R
 }
 
 /// Writes the file `path` as [`write_whole`] does, with the mark of this kind.
-///
-/// # Errors
-/// As [`write_whole`].
 pub fn write_marked(
     path: &Path,
     kind: Kind,
@@ -41,9 +38,6 @@ pub fn write_marked(
 }
 
 /// Writes the text of an XML document or of settings, with the mark of this kind, as [`write_whole`] does.
-///
-/// # Errors
-/// As [`write_whole`].
 pub fn write_text(path: &Path, kind: Kind, text: String) -> Result<(), ExportError> {
     write_whole(path, |out| out.write_all(sealed(text, kind).as_bytes()))
 }
@@ -88,13 +82,8 @@ pub(super) fn replace(path: &Path, fill: impl FnOnce(&Path) -> io::Result<File>)
 mod tests {
     use super::*;
 
-    fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<_> = std::fs::read_dir(folder)
-            .expect("folder")
-            .map(|e| e.expect("entry").file_name().to_string_lossy().into_owned())
-            .collect();
-        names.sort();
-        names
+    fn count(folder: &Path) -> usize {
+        std::fs::read_dir(folder).expect("folder").count()
     }
 
     #[test]
@@ -108,7 +97,7 @@ mod tests {
         });
         assert!(matches!(error, Err(ExportError::Write { ref reason, .. }) if reason == "disk full"), "{error:?}");
         assert_eq!(std::fs::read(&path).expect("read"), b"old");
-        assert_eq!(names(folder.path()), ["a.txt"]);
+        assert_eq!(count(folder.path()), 1);
     }
 
     #[test]
@@ -117,7 +106,7 @@ mod tests {
         let path = folder.path().join("a.txt");
         let panicked = std::panic::catch_unwind(|| write_whole(&path, |_| panic!("on purpose")));
         assert!(panicked.is_err());
-        assert_eq!(names(folder.path()), Vec::<String>::new());
+        assert_eq!(count(folder.path()), 0);
     }
 
     #[test]
@@ -143,10 +132,7 @@ mod tests {
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).expect("set");
         std::os::unix::fs::symlink(&path, &link).expect("linked");
         write_whole(&link, |w| w.write_all(b"new")).expect("written");
-        assert_eq!(
-            (std::fs::read(&path).expect("read"), std::fs::read(&link).expect("read")),
-            (b"old".into(), b"new".into())
-        );
+        assert_eq!([&path, &link].map(|path| std::fs::read(path).expect("read")), [b"old", b"new"]);
         assert!(!std::fs::symlink_metadata(&link).expect("a file").is_symlink());
         let mode = |path: &Path| std::fs::metadata(path).expect("file").permissions().mode() & 0o777;
         write_whole(&path, |w| w.write_all(b"new")).expect("written");

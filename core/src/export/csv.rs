@@ -18,9 +18,6 @@ pub fn feature_header() -> String {
 }
 
 /// Writes the features as CSV.
-///
-/// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
 pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), ExportError> {
     write_whole(path, |out| {
         writeln!(out, "{}", feature_header())?;
@@ -117,9 +114,6 @@ pub struct MatchRow {
 pub const MATCH_COLUMNS: &str = "a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier";
 
 /// Writes the matches as CSV.
-///
-/// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
 pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<(), ExportError> {
     write_whole(path, |out| {
         writeln!(out, "{MATCH_COLUMNS}")?;
@@ -149,9 +143,6 @@ pub struct PictureProfile {
 }
 
 /// Writes the profiles, one after the other. A sample outside its picture has an empty value.
-///
-/// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
 pub fn write_profiles_csv(path: &Path, profiles: &[PictureProfile]) -> Result<(), ExportError> {
     write_whole(path, |out| {
         writeln!(out, "{PROFILE_COLUMNS}")?;

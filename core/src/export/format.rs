@@ -50,9 +50,6 @@ impl ExportFormat {
     }
 
     /// Writes the features of `detection` to the file `path` in this format.
-    ///
-    /// # Errors
-    /// [`ExportError`] when the file cannot be written; an older one is then unchanged.
     pub fn write(self, path: &Path, detection: &Detection) -> Result<(), ExportError> {
         match self {
             Self::Csv => write_csv(path, &detection.features),

@@ -1,11 +1,9 @@
 //! Records of finished work, so that an interrupted run continues: what each result was made from.
 //!
-//! A folder of results has a record for each finished one, `records/NAME.json`: the program, the revision of its
-//! detector and the settings that made the result ([`MadeFrom`]), and what else tells whether its files are still
-//! those. A record is removed before the result's files are written and written after them, so whenever a run ends,
-//! either the record describes the existing files or there is no record. A result is used again if its record was made
-//! from the same by this program; otherwise it is made again. A folder that holds files, but not the mark of such a
-//! folder, is somebody else's and refused; so is a file among the records that is none.
+//! A folder of results has a record for each finished one, `records/NAME.json`: program, detector and settings that made
+//! it ([`MadeFrom`]), and what else tells whether its files are still those. A record is removed before the result's
+//! files are written and written after them: it describes the existing files, or there is none. A result is used again if
+//! it was made from the same by this program. A folder with files but without our mark is somebody else's and refused.
 
 use super::atomic::write_whole;
 use super::error::ExportError;
@@ -25,11 +23,9 @@ pub const RECORDS_FOLDER: &str = "records";
 /// Program and settings that made a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MadeFrom {
-    /// Version of the program.
     version: String,
     /// Revision of the detector, [`REVISION`].
     detector_revision: u32,
-    /// All settings that affect the result.
     settings: Value,
 }
 

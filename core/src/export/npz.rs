@@ -12,9 +12,6 @@ use std::path::Path;
 
 /// Writes features and descriptors. Without features both arrays are written with no rows.
 ///
-/// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
-///
 /// # Panics
 /// When the numbers of features and descriptors differ: a mistake of the caller.
 pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {

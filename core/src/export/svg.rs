@@ -17,7 +17,6 @@ pub(super) struct SvgWriter<W> {
 }
 
 impl<W: Write> SvgWriter<W> {
-    /// Writes a part of a document.
     pub fn part(out: W) -> Self {
         Self { out, clips: 0 }
     }
@@ -42,7 +41,6 @@ impl<W: Write> SvgWriter<W> {
         Ok(self.out)
     }
 
-    /// Writer that holds the part.
     pub fn into_inner(self) -> W {
         self.out
     }
@@ -65,7 +63,6 @@ impl<W: Write> SvgWriter<W> {
         self.out.write_all(b">\n")
     }
 
-    /// Ends the element that was begun with this name.
     pub fn end(&mut self, name: &str) -> io::Result<()> {
         writeln!(self.out, "</{name}>")
     }
@@ -91,7 +88,6 @@ impl<W: Write> SvgWriter<W> {
         self.empty("image", &[rect, &more].concat(), "")
     }
 
-    /// Writes SVG as it is.
     pub fn raw(&mut self, svg: impl Display) -> io::Result<()> {
         writeln!(self.out, "{svg}")
     }
@@ -104,6 +100,11 @@ impl<W: Write> SvgWriter<W> {
         }
         if style.is_empty() { Ok(()) } else { write!(self.out, " {style}") }
     }
+}
+
+/// The attributes of a rectangle: its left and upper side, width and height.
+pub(super) fn rectangle([x, y, width, height]: &[Number; 4]) -> [Attribute<'_>; 4] {
+    [("x", x), ("y", y), ("width", width), ("height", height)]
 }
 
 /// Number in an SVG: a thousandth of a pixel is precise enough, and keeps files small.
@@ -169,29 +170,23 @@ impl fmt::Write for Escaper<'_, '_> {
     }
 }
 
-/// Bytes of a PNG as a URL.
+/// Bytes of a PNG as a URL: Base64 (RFC 4648) with padding, without line breaks. Ten lines, so no library.
 struct DataUrl<'a>(&'a [u8]);
 
 impl Display for DataUrl<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
         f.write_str("data:image/png;base64,")?;
-        write_base64(self.0, f)
-    }
-}
-
-const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-/// Writes `bytes` as Base64 (RFC 4648) with padding, without line breaks. Fifteen lines, so no library.
-fn write_base64(bytes: &[u8], out: &mut impl fmt::Write) -> fmt::Result {
-    for chunk in bytes.chunks(3) {
-        let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        for i in 0..4 {
-            let digit = ALPHABET[(bits >> (18 - 6 * i) & 63) as usize];
-            out.write_char(if i <= chunk.len() { char::from(digit) } else { '=' })?;
+        for chunk in self.0.chunks(3) {
+            let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
+            let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+            for i in 0..4 {
+                let digit = ALPHABET[(bits >> (18 - 6 * i) & 63) as usize];
+                f.write_char(if i <= chunk.len() { char::from(digit) } else { '=' })?;
+            }
         }
+        Ok(())
     }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -203,9 +198,7 @@ mod tests {
         let cases =
             [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("foobar", "Zm9vYmFy")];
         for (plain, coded) in cases {
-            let mut out = String::new();
-            write_base64(plain.as_bytes(), &mut out).expect("memory takes everything");
-            assert_eq!(out, coded);
+            assert_eq!(DataUrl(plain.as_bytes()).to_string(), format!("data:image/png;base64,{coded}"));
         }
     }
 

@@ -23,7 +23,6 @@ use tiff::tags::Tag;
 pub(crate) const SOFTWARE: &str = concat!("Burstscope ", env!("CARGO_PKG_VERSION"));
 /// Application id of COLMAP's databases that this program wrote, in the field that SQLite has for it.
 pub(crate) const DATABASE_ID: u32 = u32::from_be_bytes(*b"Brst");
-/// Version of the form of a mark.
 const FORMAT: u32 = 1;
 /// Number of bytes at the start of a file that tell its format.
 const HEAD: u64 = 128;
@@ -121,29 +120,20 @@ impl Checksum {
     }
 
     /// The checksum of the file at `path`.
-    ///
-    /// # Errors
-    /// The system's error.
     pub fn of_file(path: &Path) -> io::Result<Self> {
         Self::of_parts(&mut File::open(path)?, &[(0, u64::MAX)])
     }
 
     /// The checksum of parts of a file, each from an offset on and of at most so many bytes.
     fn of_parts(file: &mut File, parts: &[(u64, u64)]) -> io::Result<Self> {
-        let (mut hasher, mut piece, mut bytes) = (crc32fast::Hasher::new(), vec![0; 1 << 16], 0);
+        let (mut hasher, mut piece, mut bytes) = (crc32fast::Hasher::new(), Vec::with_capacity(1 << 16), 0);
         for &(offset, length) in parts {
             file.seek(SeekFrom::Start(offset))?;
             let mut part = file.take(length);
-            loop {
-                match part.read(&mut piece) {
-                    Ok(0) => break,
-                    Ok(count) => {
-                        hasher.update(&piece[..count]);
-                        bytes += count as u64;
-                    }
-                    Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                    Err(error) => return Err(error),
-                }
+            while part.by_ref().take(1 << 16).read_to_end(&mut piece)? > 0 {
+                hasher.update(&piece);
+                bytes += piece.len() as u64;
+                piece.clear();
             }
         }
         Ok(Self { bytes, crc32: hasher.finalize() })
@@ -346,9 +336,6 @@ fn list(folder: &Path, below: &str, listing: &mut Listing) -> io::Result<()> {
 }
 
 /// Writes the mark of a complete folder, which claims all that is in it.
-///
-/// # Errors
-/// The system's error.
 pub fn seal_folder(folder: &Path, kind: Kind) -> io::Result<()> {
     let mut listing = Listing::new();
     list(folder, "", &mut listing)?;
@@ -356,9 +343,6 @@ pub fn seal_folder(folder: &Path, kind: Kind) -> io::Result<()> {
 }
 
 /// Whether all that is in `folder`, which [`seal_folder`] marked, is as it was then. Missing files do not count.
-///
-/// # Errors
-/// The system's error.
 pub fn is_unchanged(folder: &Path, kind: Kind) -> io::Result<bool> {
     let Some(claimed) = claims::<Listing>(folder, kind) else { return Ok(false) };
     let mut listing = Listing::new();
@@ -387,9 +371,8 @@ mod tests {
             let before = std::fs::read(at(name)).ok();
             std::fs::write(at(name), content).expect("written");
             assert!(!is_ours(Kind::Burst), "{name}");
-            before
-                .map_or_else(|| std::fs::remove_file(at(name)), |text| std::fs::write(at(name), text))
-                .expect("undone");
+            let undone = before.map_or_else(|| std::fs::remove_file(at(name)), |text| std::fs::write(at(name), text));
+            undone.expect("as it was");
         }
         std::fs::create_dir(at("empty")).expect("made");
         assert!(!is_ours(Kind::Burst));

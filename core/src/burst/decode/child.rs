@@ -1,10 +1,8 @@
 //! Decoding in a separate process, so that a faulty third-party decoder cannot end the program.
 //!
-//! A decoder that asks for more memory than there is ends its whole process, and nothing can catch that. So raw files,
-//! and pictures whose decoding takes much memory, are decoded by a child process: the same program, with a limit of
-//! memory and of time, which may read this file and nothing else, and sends the pixels back
-//! ([`serve_decoding`](super::serve_decoding)). A failure of the child is an error about the file. The library does not
-//! know which program that is; the program sets it once, by [`DecodeWorker::install`].
+//! A decoder that asks for more memory than there is ends its whole process. So raw files, and pictures whose decoding
+//! takes much memory, are decoded by a child process ([`serve_decoding`](super::serve_decoding)), with a limit of memory
+//! and of time, which may read this file and nothing else. A failure of the child is an error about the file.
 
 use super::wire::{DecodeRequest, Part, receive_reply, send};
 use super::{Expected, RawFrame};
@@ -79,10 +77,8 @@ pub(super) fn is_installed() -> bool {
     WORKER.get().is_some()
 }
 
-/// Decodes `part` of the file `path`, of the format `kind`, in a child process.
-///
-/// # Errors
-/// The child's error about the file; damage where the child ended without an answer, unless somebody else ended it.
+/// Decodes `part` of the file `path`, of the format `kind`, in a child process. Where that ends without an answer, the
+/// file is damaged, unless somebody else ended it.
 pub(super) fn decode(
     path: &Path,
     kind: &'static str,
@@ -164,11 +160,9 @@ impl Running {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // One thread, and one arena of the allocator: more would take address space that the file needs.
         command.env("RAYON_NUM_THREADS", "1").env("MALLOC_ARENA_MAX", "1").env("RUST_BACKTRACE", "0");
+        // Signals from the terminal (Ctrl-C) are for the program, which ends its children itself.
         #[cfg(unix)]
-        {
-            // Signals from the terminal (Ctrl-C) are for the program, which ends its children itself.
-            std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        }
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
         #[cfg(windows)]
         {
             // Without it a program that has no console would show one for each file.
@@ -181,12 +175,9 @@ impl Running {
 
     fn pipes(&mut self) -> (impl io::Write + use<>, impl Read + use<>, ChildStderr) {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
-        const ASKED_FOR: &str = "it was started with this pipe, and nobody took it";
-        (
-            child.stdin.take().expect(ASKED_FOR),
-            child.stdout.take().expect(ASKED_FOR),
-            child.stderr.take().expect(ASKED_FOR),
-        )
+        let pipes = child.stdin.take().zip(child.stdout.take()).zip(child.stderr.take());
+        let ((stdin, stdout), stderr) = pipes.expect("it was started with these pipes, and nobody took them");
+        (stdin, stdout, stderr)
     }
 
     fn last_words(&mut self, error: &io::Error, stderr: ChildStderr, is_overdue: bool, budget: Budget) -> Ending {
@@ -203,9 +194,8 @@ impl Running {
             return Ending::OfFile(format!("its decoder was not done after {} seconds", budget.cpu_seconds));
         }
         // The standard library prints this before it aborts.
-        let refused = words.split("memory allocation of ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
-        if let Some(bytes) = refused {
-            let bytes: u64 = bytes;
+        let asked = words.split("memory allocation of ").nth(1);
+        if let Some(bytes) = asked.and_then(|rest| rest.split(' ').next()?.parse::<u64>().ok()) {
             return Ending::OfFile(format!(
                 "its decoder asked for {} MiB of memory, and may have {} MiB in all",
                 bytes.div_ceil(1 << 20),

@@ -1,14 +1,10 @@
 //! Raw frames: a sensor's own values, by `rawler` (DNG, and the other formats that it knows).
 //!
-//! A colour sensor has one colour at each pixel, in a mosaic of 2×2. Filling in the other two (demosaicing) would make
-//! noise that neighbours share, which every later step would have to model. So the colours are kept apart: the four
-//! pixels of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken. Places, scales and
-//! slopes are then in binned pixels. Values under black stay negative; nothing is stretched, balanced or clipped. The
-//! active area is taken, not the crop that the camera recommends.
-//!
-//! The black and white levels are those of the file unless given: the values that become 0 and 1. Black may differ from
-//! colour to colour, and by a little from column to column and from row to row (DNG's `BlackLevelDeltaH` and
-//! `BlackLevelDeltaV`): stripes that the sensor has in the dark, and that would stay in every frame at one place.
+//! Filling in the colours of the mosaic of 2×2 (demosaicing) would make noise that neighbours share. So the four pixels
+//! of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken; places, scales and slopes are
+//! in binned pixels. Values under black stay negative; nothing is stretched, balanced or clipped. The active area is
+//! taken, not the crop that the camera recommends. The black and white levels, which become 0 and 1, are the file's unless
+//! given; black may differ by colour, column and row (DNG's `BlackLevelDeltaH` and `BlackLevelDeltaV`).
 
 use super::pixels::turned;
 use super::{Expected, FileScale, RawFrame};
@@ -61,7 +57,7 @@ pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenO
     let orientation = u8::try_from(raw.orientation.to_u16()).ok().and_then(Orientation::from_exif);
     let plane = turned(plane, orientation.unwrap_or(Orientation::NoTransforms));
     Expected::check(expected, path, plane.size())?;
-    Ok(RawFrame { binning, ..RawFrame::linear(plane, FileScale::Raw { white: levels.white() }) })
+    Ok(RawFrame { binning, ..RawFrame::linear(plane, FileScale::Raw { white: levels.white[0] }) })
 }
 
 /// Part of the sensor that sees light; `None` where it is empty or exceeds the declared size, or where values are
@@ -184,10 +180,8 @@ pub(super) struct RawLevels {
 }
 
 impl RawLevels {
-    /// Levels of `raw`, whose active area has `size` (columns, rows), or those that `options` gives.
-    ///
-    /// # Errors
-    /// The fault of the levels, as the end of a sentence about the file.
+    /// Levels of `raw`, whose active area has `size` (columns, rows), or those that `options` gives. An error is the end
+    /// of a sentence about the file.
     pub(super) fn of(
         raw: &RawImage,
         size: (usize, usize),
@@ -227,11 +221,6 @@ impl RawLevels {
             return Ok(levels);
         }
         Err(format!("its black level is not below its white level, {darkest}; give both by full scale and black level"))
-    }
-
-    /// Value of the first sample of a pixel that becomes 1.
-    pub(super) fn white(&self) -> f32 {
-        self.white[0]
     }
 
     /// Sample `c` of the pixel in column `u` and row `v` of the active area, scaled so that black becomes 0 and white

@@ -18,11 +18,8 @@ use std::path::Path;
 pub fn serve_decoding(path: &Path) -> u8 {
     // A panic becomes an error about the file, which is sent; its message is dropped.
     std::panic::set_hook(Box::new(|_| {}));
-    match serve(path) {
-        Ok(()) => 0,
-        // There was no request, or the answer could not be sent.
-        Err(_) => 1,
-    }
+    // 1: there was no request, or the answer could not be sent.
+    u8::from(serve(path).is_err())
 }
 
 fn serve(path: &Path) -> io::Result<()> {

@@ -68,7 +68,6 @@ pub(super) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T
     Ok(serde_json::from_slice(&text)?)
 }
 
-/// Sends the reply, with the pixels of a frame.
 pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, OpenError>) -> io::Result<()> {
     match reply {
         Ok(RawFrame { plane, scale, encoding, binning, damage, misnamed: _ }) => {
@@ -80,24 +79,20 @@ pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, OpenError>
     }
 }
 
-/// Receives the reply about the file `path`.
-///
-/// # Errors
-/// Outer: the reply is damaged or cut off. Inner: the child's error about the file, or a frame beyond `limits`.
+/// Receives the reply about the file `path`. The outer error is of a reply that is damaged or cut off, the inner one is
+/// the child's error about the file, or of a frame beyond `limits`.
 pub(super) fn receive_reply(
     from: &mut impl Read,
     path: &Path,
     limits: &Limits,
 ) -> io::Result<Result<RawFrame, OpenError>> {
-    let head: Result<FrameHead, OpenError> = receive(from)?;
-    let checked = head.and_then(|head| {
-        limits.check_frame(path, head.size.0 as u64, head.size.1 as u64)?;
-        Ok(head)
-    });
-    let FrameHead { size, scale, encoding, binning, damage } = match checked {
+    let FrameHead { size, scale, encoding, binning, damage } = match receive(from)? {
         Ok(head) => head,
         Err(error) => return Ok(Err(error)),
     };
+    if let Err(error) = limits.check_frame(path, size.0 as u64, size.1 as u64) {
+        return Ok(Err(error));
+    }
     let mut values: Vec<f32> = memory::zeroed(size.0 * size.1);
     from.read_exact(bytemuck::cast_slice_mut(&mut values))?;
     let plane = Plane::from_vec(size.0, size.1, values);

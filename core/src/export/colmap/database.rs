@@ -92,9 +92,6 @@ fn failure(path: &Path, error: &rusqlite::Error) -> ExportError {
 
 impl DatabaseWriter<'_> {
     /// Adds a camera and returns its id.
-    ///
-    /// # Errors
-    /// [`ExportError`] when the file cannot be written.
     pub fn add_camera(&mut self, camera: &DatabaseCamera) -> Result<u32, ExportError> {
         self.cameras += 1;
         let id = self.cameras;

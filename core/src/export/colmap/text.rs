@@ -16,9 +16,6 @@ use std::str::FromStr;
 
 /// Writes features and descriptors for COLMAP's importer.
 ///
-/// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
-///
 /// # Panics
 /// When the numbers of features and descriptors differ: a mistake of the caller.
 pub fn write_colmap(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {
@@ -26,12 +23,6 @@ pub fn write_colmap(path: &Path, features: &[Feature], descriptors: &[Descriptor
 }
 
 /// Writes features that are already in COLMAP's convention, with their descriptors, for COLMAP's importer.
-///
-/// # Errors
-/// As [`write_colmap`].
-///
-/// # Panics
-/// As [`write_colmap`].
 pub fn write_colmap_keypoints(
     path: &Path,
     keypoints: &[ColmapKeypoint],
