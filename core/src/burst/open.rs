@@ -30,7 +30,7 @@ impl Burst {
     /// are its frames (in the order given). One single picture is a burst of one frame, which is enough for SIFT but
     /// has no slopes.
     ///
-    /// **Values.** Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if
+    /// Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if
     /// signed), also when the camera has fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless
     /// [`OpenOptions::full_scale`] says otherwise. Float files are taken as they are if their values lie in [0, 1]
     /// (magnitudes up to 2 are taken for noise around that), otherwise they are divided by the burst's largest
@@ -40,11 +40,8 @@ impl Burst {
     /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused,
     /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1.
     ///
-    /// **Damaged files.** The sizes that a file announces are compared with its length before it is decoded. Raw files,
-    /// and pictures whose decoding takes much memory, are decoded by a [`super::DecodeWorker`] where one is installed.
-    ///
-    /// Frames are decoded in parallel; progress is reported to `monitor` for every frame, and cancellation checked
-    /// before each.
+    /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed;
+    /// progress is reported to `monitor` for every frame, and cancellation checked before each.
     ///
     /// # Errors
     /// See [`OpenError`]. Of several faulty frames the first is named.
@@ -64,7 +61,6 @@ impl Burst {
     }
 }
 
-/// Converts decoded frames to fractions of full scale, with the bias and the flat frame where they were measured.
 pub(super) fn calibrated(
     mut raw: RawBurst,
     measured: [Option<Measured>; 2],
@@ -103,13 +99,11 @@ pub(super) fn calibrated(
     })
 }
 
-/// Decoded frames of a calibration, and where they come from.
 pub(super) struct Measured {
     pub frames: Vec<RawFrame>,
     pub path: PathBuf,
 }
 
-/// Bias and gain from the measured bias and flat frame, in the burst's unit.
 fn calibration(burst: &RawBurst, levels: Levels, measured: [Option<Measured>; 2]) -> Result<Calibration, OpenError> {
     let mean = |of: &Measured, kind| mean_in_unit_of(&burst.frames, levels, &of.frames, kind, &of.path);
     let [bias, flat] = measured;
@@ -123,7 +117,6 @@ fn calibration(burst: &RawBurst, levels: Levels, measured: [Option<Measured>; 2]
     Ok(Calibration { bias, gain })
 }
 
-/// Decoded frames, before calibration.
 pub(super) struct RawBurst {
     pub name: String,
     pub frames: Vec<RawFrame>,
@@ -132,7 +125,6 @@ pub(super) struct RawBurst {
     pub origins: Vec<(PathBuf, usize)>,
 }
 
-/// Decodes the burst that `inputs` name.
 fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, OpenError> {
     let limits = &options.limits;
     let source = only_burst(inputs)?;

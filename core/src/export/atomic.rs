@@ -12,10 +12,9 @@ use std::path::Path;
 /// Writer for a format: buffered, and able to seek.
 pub type FileWriter<'a> = BufWriter<&'a mut File>;
 
-/// Writes the file `path` by `write`, without a mark. The bytes go to a hidden file beside it, which replaces `path`
-/// only when all of them are on disk: after a failure an existing file is unchanged and no other one is left behind.
-/// Missing parent folders are created. A link is replaced, never followed; the new file has the permissions of the file
-/// that it replaces. The caller decides whether anything may be replaced, see [`OutputRules`](super::OutputRules).
+/// Writes the file `path` by `write`, without a mark, and missing parent folders. It replaces `path` only when all bytes
+/// are on disk: after a failure an existing file is unchanged and no other one is left behind. A link is replaced, never
+/// followed; permissions stay. The caller decides whether it may be replaced, see [`OutputRules`](super::OutputRules).
 ///
 /// # Errors
 /// [`ExportError::Write`] when the system or `write` fails, [`ExportError::Cancelled`] when `write` was cancelled,
@@ -50,8 +49,7 @@ fn written(new: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::Result<()>
     Ok(file)
 }
 
-/// Whether the path is a device or a pipe, or a link to one, such as `/dev/stdout`: part of the system, not to be
-/// replaced.
+/// Whether the path is a device or a pipe, or a link to one, such as `/dev/stdout`, which is not to be replaced.
 pub(super) fn is_of_system(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|leads_to| !leads_to.is_file() && !leads_to.is_dir())
         || std::fs::read_link(path).is_ok_and(|to| to.starts_with("/proc") || to.starts_with("/dev"))

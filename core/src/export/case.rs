@@ -1,10 +1,9 @@
 //! A case: a burst, or the part of it around a place, with the settings and the question about it, in one file.
 //!
-//! The file is a ZIP without compression of its own: `case.toml`, one 16-bit grey PNG for each frame,
-//! `frames/00000.png` and on, and where there are some the session of the window, `session.toml`, and the truth of the
-//! frames, `truth.json`. Values are `offset + word·scale`; those of 8 and 16-bit files come back as they were,
-//! those of calibrated ones within rounding. Reading is bounded: the sizes that `case.toml` declares are checked before
-//! frames are decoded, and no entry is read further than a frame of that size can need.
+//! The file is a ZIP without compression of its own: `case.toml`, a 16-bit grey PNG for each frame (`frames/00000.png`
+//! and on), and where there are some the window's `session.toml` and the frames' `truth.json`. Values are
+//! `offset + word·scale`; those of 8 and 16-bit files come back as they were. Reading is bounded: declared sizes are
+//! checked before frames are decoded, and no entry is read further than such a frame can need.
 
 use super::atomic::write_marked;
 use super::error::ExportError;
@@ -159,7 +158,7 @@ impl Case {
         2 * pixels + 8192
     }
 
-    /// Checks the numbers: a file may hold anything.
+    /// A file may hold anything.
     fn check(&self) -> Result<(), ParamError> {
         for place in self.place.iter().flatten() {
             bounds::PLACE.check("place", f64::from(*place))?;
@@ -435,9 +434,8 @@ mod tests {
     fn a_case_comes_back_as_it_was() {
         let (burst, truth) = chart();
         let search = SearchParams::default();
-        let (case, part) =
-            Case::of(&burst, &search, (Some([40.0, 30.0]), None), "why not this one?", &Monitor::default())
-                .expect("nobody cancels");
+        let of = |place, note: &str| Case::of(&burst, &search, place, note, &Monitor::default()).expect("whole");
+        let (case, part) = of((Some([40.0, 30.0]), None), "why not this one?");
         // A case without session and truth.
         let (_home, path) = written(&case, &part, &Enclosed::default());
         assert!(!has_truth(&path));
@@ -451,8 +449,7 @@ mod tests {
         assert_eq!(read, case);
         assert!(back.frames == burst.frames, "12-bit values are exact");
         assert!(std::fs::metadata(&path).expect("a file").len() <= case.estimated_bytes());
-        let (case, part) =
-            Case::of(&burst, &search, (Some([90.0, 30.0]), Some(10)), "", &Monitor::default()).expect("nobody cancels");
+        let (case, part) = of((Some([90.0, 30.0]), Some(10)), "");
         assert_eq!((case.corner, case.size, case.place), ([80, 20], [16, 21], Some([10.0, 10.0])));
         assert_eq!(part.frames[1].at(3, 4), burst.frames[1].at(83, 24));
         let (_home, path) = written(&case, &part, &enclosed);

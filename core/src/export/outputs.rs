@@ -1,8 +1,7 @@
 //! Rules for overwriting files: never a file that was opened, and files of others only with `--force`.
 //!
 //! An existing file is checked before the work begins, so that a refusal comes early, and again before it is written.
-//! Whether it is one of the inputs is decided by the system's data about both: the names by which a file was opened may
-//! be relative, lead through links, or be one of several of the same file.
+//! Names of a file may be relative, lead through links, or be one of several: the system's data tell which is an input.
 
 use super::atomic::is_of_system;
 use super::colmap::is_colmap_text;
@@ -84,7 +83,6 @@ impl OpenedFiles {
     }
 }
 
-/// The folder and the name of a file.
 fn parted(path: &Path) -> Option<(&Path, &std::ffi::OsStr)> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     Some((folder, path.file_name()?))

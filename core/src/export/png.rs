@@ -40,13 +40,11 @@ impl<'a> Picture<'a> {
         (self.width, self.height)
     }
 
-    /// Red, green and blue of each pixel, row by row.
     pub(super) fn rgb_pixels(&self) -> Vec<[u8; 3]> {
         let bytes = if self.has_alpha { 4 } else { 3 };
         self.pixels.chunks_exact(bytes).map(|p| [p[0], p[1], p[2]]).collect()
     }
 
-    /// Fails when PNG cannot hold the size.
     pub(super) fn check_size(&self, path: &Path) -> Result<(), ExportError> {
         // PNG's own limit is 2³¹ − 1 for each side.
         let fits = |side: usize| (1..=i32::MAX as usize).contains(&side);

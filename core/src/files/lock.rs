@@ -30,7 +30,6 @@ pub(super) fn is_lock(path: &Path) -> bool {
         && File::open(path).is_ok_and(|mut file| names_owner(&mut file))
 }
 
-/// Whether the text of `file` is that of a lock, or empty.
 fn names_owner(file: &mut File) -> bool {
     let mut text = String::new();
     let is_text = file.rewind().is_ok() && file.take(4096).read_to_string(&mut text).is_ok();
@@ -177,7 +176,6 @@ fn owner_in(file: &mut File) -> String {
     if owner.trim().is_empty() { "another process".to_owned() } else { owner.trim().to_owned() }
 }
 
-/// Whether `path` is still the name of the open file.
 #[cfg(unix)]
 fn is_named(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;

@@ -29,7 +29,6 @@ pub struct Unfinished {
     folder: TempDir,
 }
 
-/// Claims of the mark of unfinished work.
 #[derive(Debug, Serialize, Deserialize)]
 struct Making {
     /// Name of what is made, beside the hidden folder; `None` for a name that is no text.
@@ -99,7 +98,6 @@ pub fn is_free(folder: &Path) -> io::Result<bool> {
     Ok(true)
 }
 
-/// Whether `folder` is unfinished work, by its name and mark.
 fn is_unfinished(folder: &Path) -> bool {
     let name = folder.file_name().and_then(OsStr::to_str).unwrap_or_default();
     name.starts_with(HIDDEN_PREFIX)

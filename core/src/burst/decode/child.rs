@@ -17,11 +17,9 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The program that decodes files in a separate process, and the arguments that make it do so.
-///
-/// It is started with the arguments and the path of a file, and must call [`serve_decoding`](super::serve_decoding)
-/// with that path. Without one, all files are decoded in the calling process; sizes that a file announces are compared
-/// with its length all the same, but a decoder that asks for too much memory ends the process.
+/// The program that decodes files in a separate process. It is started with the arguments and the path of a file, and
+/// must call [`serve_decoding`](super::serve_decoding) with that path. Without one, all files are decoded in the calling
+/// process, which a decoder that asks for too much memory ends.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DecodeWorker {
     /// The program.
@@ -33,8 +31,7 @@ pub struct DecodeWorker {
 static WORKER: OnceLock<DecodeWorker> = OnceLock::new();
 
 impl DecodeWorker {
-    /// Sets this program as the decoder of files for the whole process. False if one was set already: the first one
-    /// stays.
+    /// Sets this program as the decoder for the whole process. False if one was set already, which stays.
     pub fn install(self) -> bool {
         WORKER.set(self).is_ok()
     }
@@ -59,7 +56,6 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// Budget for a file of `file_bytes` with `pixels`, for whose decoding `decoder_bytes` should be enough.
     pub(super) fn new(file_bytes: u64, pixels: u64, decoder_bytes: u64) -> Self {
         Self {
             memory_bytes: BASE_BYTES.saturating_add(decoder_bytes).saturating_add(file_bytes.saturating_mul(4)),
@@ -141,7 +137,6 @@ pub(super) fn decode(
     }
 }
 
-/// Reason why there is no answer.
 enum Ending {
     /// The file is the cause, as the end of a sentence about it.
     OfFile(String),
@@ -221,7 +216,6 @@ impl Drop for Running {
     }
 }
 
-/// Whether the system ended the process for using too much processor time.
 fn is_out_of_time(status: &ExitStatus) -> bool {
     #[cfg(unix)]
     {

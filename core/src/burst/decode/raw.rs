@@ -99,8 +99,8 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) 
         if width == 0 || height == 0 {
             return Err("its active area is smaller than a square of the mosaic".to_owned());
         }
-        let wanted: Vec<(usize, usize)> =
-            (0..4).map(|k| (k % 2, k / 2)).filter(|&(u, v)| colour.takes(colour_at(u, v))).collect();
+        let is_wanted = |&(u, v): &(usize, usize)| colour.index().is_none_or(|c| c == colour_at(u, v));
+        let wanted: Vec<(usize, usize)> = (0..4).map(|k| (k % 2, k / 2)).filter(is_wanted).collect();
         let share = 1.0 / wanted.len() as f32;
         let plane = Plane::from_fn(width, height, |u, v| {
             wanted.iter().map(|(du, dv)| at(2 * u + du, 2 * v + dv, 0)).sum::<f32>() * share
@@ -109,13 +109,9 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) 
     }
     let plane = match raw.cpp {
         1 => Plane::from_fn(area.d.w, area.d.h, |u, v| at(u, v, 0)),
-        3 => Plane::from_fn(area.d.w, area.d.h, |u, v| match colour {
-            RawColour::Luma => {
-                grey_from_interleaved(&[at(u, v, 0), at(u, v, 1), at(u, v, 2)], 3, Curve::Linear(1.0))[0]
-            }
-            RawColour::Red => at(u, v, 0),
-            RawColour::Green => at(u, v, 1),
-            RawColour::Blue => at(u, v, 2),
+        3 => Plane::from_fn(area.d.w, area.d.h, |u, v| match colour.index() {
+            None => grey_from_interleaved(&[at(u, v, 0), at(u, v, 1), at(u, v, 2)], 3, Curve::Linear(1.0))[0],
+            Some(c) => at(u, v, c),
         }),
         samples => return Err(format!("it has {samples} values a pixel; one or three can be opened")),
     };
@@ -123,13 +119,13 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) 
 }
 
 impl RawColour {
-    /// Whether a pixel of the mosaic's colour `index` (red, green, blue) is taken.
-    fn takes(self, index: usize) -> bool {
+    /// Index of the colour (red, green, blue) that is taken; `None` for all.
+    fn index(self) -> Option<usize> {
         match self {
-            Self::Luma => true,
-            Self::Red => index == 0,
-            Self::Green => index == 1,
-            Self::Blue => index == 2,
+            Self::Luma => None,
+            Self::Red => Some(0),
+            Self::Green => Some(1),
+            Self::Blue => Some(2),
         }
     }
 }

@@ -11,13 +11,14 @@ use std::path::Path;
 
 const MAX_JSON_BYTES: u32 = 1 << 20;
 
-/// Part of a file to decode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Part {
-    /// The only frame of the file.
     Only,
     /// A page of a TIFF, by its index in the file, which is this frame of the burst.
-    Page { page: usize, frame: usize },
+    Page {
+        page: usize,
+        frame: usize,
+    },
 }
 
 /// Request to decode one file. Its path is an argument of the process, because a path need not be text.
@@ -28,7 +29,6 @@ pub(super) struct DecodeRequest {
     pub part: Part,
     /// The first frame's file, for messages, and the size (columns, rows) that this one must have too.
     pub expected: Option<(String, (usize, usize))>,
-    /// Options for opening, without calibration files.
     pub options: OpenOptions,
     pub limits: Limits,
     /// Memory that the process may address, bytes.
@@ -47,7 +47,6 @@ struct FrameHead {
     damage: Option<String>,
 }
 
-/// Sends `value` as JSON after its length.
 pub(super) fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
     let text = serde_json::to_vec(value)?;
     let length = u32::try_from(text.len()).map_err(io::Error::other)?;
@@ -55,7 +54,6 @@ pub(super) fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()
     to.write_all(&text)
 }
 
-/// Receives a value that [`send`] sent.
 pub(super) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T> {
     let mut length = [0; 4];
     from.read_exact(&mut length)?;

@@ -53,18 +53,14 @@ pub fn write_colmap_database<E: From<ExportError>>(
     path: &Path,
     fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut failure = None;
-    let written = replace(path, |new| match make(new, path, fill) {
-        Ok(()) => File::options().read(true).write(true).open(new),
-        Err(error) => {
-            failure = Some(error);
-            Err(io::Error::other("the database was not completed"))
-        }
+    let mut made = Ok(());
+    let written = replace(path, |new| {
+        made = make(new, path, fill);
+        made.as_ref().map_err(|_| io::Error::other("the database was not completed"))?;
+        File::options().read(true).write(true).open(new)
     });
-    match failure {
-        Some(error) => Err(error),
-        None => Ok(written?),
-    }
+    made?;
+    Ok(written?)
 }
 
 fn make<E: From<ExportError>>(
@@ -74,8 +70,7 @@ fn make<E: From<ExportError>>(
 ) -> Result<(), E> {
     let fail = |e: rusqlite::Error| failure(path, &e);
     let connection = Connection::open(temporary).map_err(fail)?;
-    // No journal and no waiting for the disk: the file is useless until it is complete, and is flushed to the disk
-    // then.
+    // No journal and no waiting for the disk: the file is useless until it is complete, and is then flushed.
     connection.execute_batch("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN;").map_err(fail)?;
     connection.pragma_update(None, "application_id", DATABASE_ID).map_err(fail)?;
     connection.execute_batch(TABLES).map_err(fail)?;
@@ -227,9 +222,10 @@ fn matrix_bytes(matrix: Matrix3<f64>) -> Vec<u8> {
 }
 
 /// Kind of a two-view geometry, with COLMAP's number for it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum GeometryKind {
     /// Too few matches agree on a geometry.
+    #[default]
     Degenerate = 1,
     /// Essential matrix, of calibrated cameras.
     Calibrated = 2,
@@ -239,8 +235,9 @@ pub enum GeometryKind {
     PlanarOrPanoramic = 6,
 }
 
-/// Geometry of images A and B, in Burstscope's pixels (the centre of the first one is (0, 0)).
-#[derive(Debug, Clone, PartialEq)]
+/// Geometry of images A and B, in Burstscope's pixels (the centre of the first one is (0, 0)). The default one is of a
+/// pair whose matches do not agree.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct DatabaseGeometry {
     /// Kind of the geometry.
     pub kind: GeometryKind,
@@ -257,18 +254,6 @@ pub struct DatabaseGeometry {
 }
 
 impl DatabaseGeometry {
-    /// The geometry of a pair whose matches do not agree.
-    pub fn degenerate() -> Self {
-        Self {
-            kind: GeometryKind::Degenerate,
-            inliers: Vec::new(),
-            fundamental: None,
-            essential: None,
-            homography: None,
-            b_from_a: None,
-        }
-    }
-
     /// This geometry in COLMAP's pixels.
     pub(super) fn in_colmap_pixels(&self) -> Self {
         let there = Matrix3::new(1.0, 0.0, FIRST_PIXEL, 0.0, 1.0, FIRST_PIXEL, 0.0, 0.0, 1.0);
@@ -281,7 +266,6 @@ impl DatabaseGeometry {
     }
 }
 
-/// Statements that create the tables.
 pub(super) const TABLES: &str = "
 CREATE TABLE cameras (
     camera_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,

@@ -71,7 +71,6 @@ fn place(rect: &FigureRect) -> [Number; 4] {
     [rect.min[0], rect.min[1], rect.size[0], rect.size[1]].map(number)
 }
 
-/// A stroke as SVG attributes.
 struct Stroke<'a>(&'a FigureStroke);
 
 impl std::fmt::Display for Stroke<'_> {
@@ -81,7 +80,6 @@ impl std::fmt::Display for Stroke<'_> {
     }
 }
 
-/// A colour as `#rrggbb`.
 struct Hex(Colour);
 
 impl std::fmt::Display for Hex {

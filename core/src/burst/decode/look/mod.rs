@@ -146,7 +146,8 @@ pub(super) fn unknown(path: &Path, start: &[u8]) -> OpenError {
     }
     if let Some(named) = Kind::named(path) {
         let kind = named.name();
-        let problem = format!("this file is named as a {kind} but does not begin like one: it is damaged or of another kind");
+        let problem =
+            format!("this file is named as a {kind} but does not begin like one: it is damaged or of another kind");
         return OpenError::damaged(path, problem);
     }
     let extensions = extensions().collect::<Vec<_>>().join(", ");
