@@ -85,8 +85,7 @@ pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchPa
 /// The burst to search and its parameters: for [`Method::Merge`] one merged frame, otherwise the given ones unchanged.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
-/// was cancelled.
+/// As [`detect`].
 pub fn prepare(
     burst: &Burst,
     params: &DetectorParams,

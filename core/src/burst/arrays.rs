@@ -24,15 +24,12 @@ pub enum ArrayFrame {
 }
 
 impl ArrayFrame {
-    /// Frame of 8-bit integers, row by row.
-    ///
-    /// # Panics
-    /// When there are not `width × height` values: a mistake of the caller.
+    /// Frame of 8-bit integers, row by row. Panics if there are not `width × height`.
     pub fn of_u8(width: usize, height: usize, values: impl ExactSizeIterator<Item = u8>) -> Self {
         Self::integers(width, height, f32::from(u8::MAX), values.map(f32::from))
     }
 
-    /// Frame of 16-bit integers, row by row.
+    /// Frame of 16-bit integers, row by row. Panics if there are not `width × height`.
     pub fn of_u16(width: usize, height: usize, values: impl ExactSizeIterator<Item = u16>) -> Self {
         Self::integers(width, height, f32::from(u16::MAX), values.map(f32::from))
     }
@@ -69,10 +66,9 @@ pub struct Arrays {
 }
 
 impl Burst {
-    /// Makes a burst of arrays. Values, bias and flat frame are converted as those of files of the same type are
-    /// ([`Burst::open_with`]), so that a `.npy` file of the same array gives the same bits; in error messages the
-    /// arrays are named `frames`, `bias` and `flat`. Floats that need no conversion are not copied. Of the options,
-    /// those about levels and limits count.
+    /// Makes a burst of arrays: the bits that `.npy` files of them give ([`Burst::open_with`]); in error messages they
+    /// are named `frames`, `bias` and `flat`. Floats that need no conversion are not copied. Of the options, those about
+    /// levels and limits count.
     pub fn from_arrays(
         name: impl Into<String>,
         arrays: Arrays,

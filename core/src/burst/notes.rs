@@ -137,7 +137,6 @@ impl Burst {
     }
 }
 
-/// Text of the first three of `items`.
 fn list(items: &[String]) -> String {
     const FEW: usize = 3;
     let more = if items.len() > FEW { ", …" } else { "" };

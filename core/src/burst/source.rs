@@ -27,18 +27,12 @@ pub struct BurstFiles {
 
 impl BurstFiles {
     /// Files with its frames: those of its folder in natural order, or its paths.
-    ///
-    /// # Errors
-    /// The folder cannot be read.
     pub fn files(&self) -> Result<Vec<PathBuf>, OpenError> {
         files_at(&self.paths)
     }
 }
 
 /// Files with the frames at `paths`: those of a single folder in natural order, or the paths themselves.
-///
-/// # Errors
-/// The folder cannot be read.
 pub fn files_at(paths: &[PathBuf]) -> Result<Vec<PathBuf>, OpenError> {
     match paths {
         [folder] if folder.is_dir() => Ok(list(folder)?.0),
@@ -235,12 +229,8 @@ pub struct SequenceCut {
 }
 
 impl SequenceCut {
-    /// Bursts of `length` frames; each begins `step` frames after the one before. Without a step they follow one
-    /// another: each frame is in one burst. With a step below `length` they overlap, with one above it frames between
-    /// them are left out.
-    ///
-    /// # Errors
-    /// If either is 0.
+    /// Bursts of `length` frames; each begins `step` frames after the one before, by default `length`: each frame is in
+    /// one burst. Either being 0 is an error.
     pub fn new(length: usize, step: Option<usize>) -> Result<Self, OpenError> {
         let step = step.unwrap_or(length);
         if length == 0 || step == 0 {

@@ -365,7 +365,6 @@ fn opened(path: &Path) -> Result<Zip, CaseError> {
     ZipArchive::new(BufReader::new(file)).map_err(|error| invalid(path, error))
 }
 
-/// The bytes of an entry, of which there may be `limit` at most.
 fn entry(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Vec<u8>, CaseError> {
     let entry = zip.by_name(name).map_err(|error| invalid(path, format!("{name}: {error}")))?;
     let mut bytes = Vec::new();

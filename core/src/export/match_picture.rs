@@ -34,9 +34,6 @@ const BACKGROUND: [u8; 3] = [32, 32, 32];
 
 /// Writes the picture: A on the left, B on the right. Lines with invalid numbers (not finite, or beyond 10⁶) are left
 /// out.
-///
-/// # Errors
-/// [`ExportError`] when a picture has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_match_picture(
     path: &Path,
     a: Picture<'_>,

@@ -288,24 +288,18 @@ mod tests {
         let numbers = |first: &str| format!("1 128\n{first} 0.1 1.6 -3{}\n", " 7".repeat(128));
         std::fs::write(at("x"), numbers("10.25")).expect("written");
         assert!(is_ours(&at("x")), "as this program writes it");
-        for text in [
-            "",
-            "\n",
-            " 128\n",
-            "12 a 128",
-            "0 127\n",
-            "2 128\n",
+        let texts =
+            ["", "\n", " 128\n", "12 a 128", "0 127\n", "2 128\n", "PK\u{3}\u{4}", "II*\0", "SQLite format 3\0"];
+        let more = [
             &numbers("10.250000"),
             "u,v\n1,2\n",
             "u,v,sigma\n",
             "set,plot,curve,x,y,low,high\nmine\n",
             "about Burstscope 0.1.0: # Written by Burstscope 0.1.0\n",
             "# Written by Burstscope 0.1.0\nlevels = 4\n",
-            "PK\u{3}\u{4}",
             "<svg><!-- Written by Burstscope 0.1.0 --></svg>",
-            "II*\0",
-            "SQLite format 3\0",
-        ] {
+        ];
+        for text in texts.into_iter().chain(more) {
             std::fs::write(at("x"), text).expect("written");
             assert!(!is_ours(&at("x")), "{text:?}");
         }

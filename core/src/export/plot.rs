@@ -70,9 +70,8 @@ impl Sheet {
                     r#"stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dashes}" stroke-linejoin="round""#
                 );
                 for &(x, y, spread) in points {
-                    if let Some([low, high]) =
-                        spread.filter(|ends| [x, y, ends[0], ends[1]].iter().all(|n| n.is_finite()))
-                    {
+                    let is_finite = |ends: &[f64; 2]| [x, y, ends[0], ends[1]].iter().all(|n| n.is_finite());
+                    if let Some([low, high]) = spread.filter(is_finite) {
                         let style = r#"stroke-width="1.2" stroke-opacity="0.75""#;
                         sheet.line((x_of(x), y_of(low)), (x_of(x), y_of(high)), colour, style);
                     }

@@ -17,19 +17,14 @@ pub struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    /// A picture of three bytes for each pixel: red, green, blue.
-    ///
-    /// # Panics
-    /// When `pixels` does not hold `width × height × 3` bytes: a mistake of the caller.
+    /// A picture of three bytes for each pixel: red, green, blue. Panics if there are not as many.
     pub fn rgb(width: usize, height: usize, pixels: &'a [u8]) -> Self {
         assert_eq!(pixels.len(), width * height * 3, "three bytes for each pixel");
         Self { width, height, has_alpha: false, pixels }
     }
 
-    /// A picture of four bytes for each pixel: red, green, blue and (straight, not premultiplied) alpha.
-    ///
-    /// # Panics
-    /// When `pixels` does not hold `width × height × 4` bytes: a mistake of the caller.
+    /// A picture of four bytes for each pixel: red, green, blue and (straight, not premultiplied) alpha. Panics if there
+    /// are not as many.
     pub fn rgba(width: usize, height: usize, pixels: &'a [u8]) -> Self {
         assert_eq!(pixels.len(), width * height * 4, "four bytes for each pixel");
         Self { width, height, has_alpha: true, pixels }
@@ -73,9 +68,6 @@ impl<'a> Picture<'a> {
 }
 
 /// Writes the picture as PNG.
-///
-/// # Errors
-/// [`ExportError`] when the picture has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_png(path: &Path, picture: Picture<'_>) -> Result<(), ExportError> {
     picture.check_size(path)?;
     write_marked(path, Kind::Picture, |out| picture.encode_png(out))

@@ -159,7 +159,6 @@ enum Place {
 }
 
 impl Place {
-    /// Place in a file that begins with `head`.
     fn of(head: &[u8]) -> Self {
         let starts: [(&[u8], Self); 4] =
             [(b"\x89PNG\r\n\x1a\n", Self::Png), (b"GIF8", Self::Gif), (b"PK\x03\x04", Self::Zip), (b"<", Self::Xml)];
@@ -177,7 +176,6 @@ impl Place {
         }
     }
 
-    /// The end of a file with the mark `text`.
     fn marked_end(self, text: &[u8]) -> Vec<u8> {
         match self {
             Self::Png => {
@@ -280,7 +278,6 @@ fn mark_in_tiff(file: &mut File) -> Option<MarkWithParts> {
     Some((mark, offsets.into_iter().zip(lengths).collect()))
 }
 
-/// A mark in a file of JSON, with what it claims.
 #[derive(Serialize, Deserialize)]
 struct Claiming<T> {
     #[serde(flatten)]
@@ -288,10 +285,7 @@ struct Claiming<T> {
     claims: T,
 }
 
-/// Returns the text of a file of JSON that claims `claims`.
-///
-/// # Panics
-/// When `claims` cannot be written as JSON: a mistake of the caller.
+/// Returns the text of a file of JSON that claims `claims`, which are plain values.
 pub fn claiming(kind: Kind, claims: &impl Serialize) -> String {
     let claims = serde_json::to_value(claims).expect("claims are plain values");
     // As they are read back, because a number may lose its last digit on the way.

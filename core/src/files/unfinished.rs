@@ -61,9 +61,7 @@ impl Unfinished {
 
     /// Puts the complete folder in the place of `target`, and returns true. An existing one is moved away first and
     /// removed with the hidden folder, if `may_go` then agrees; otherwise it is put back.
-    ///
-    /// # Errors
-    /// The system's error, or that of `may_go`; the existing folder is then in its place.
+    /// After an error, of the system or of `may_go`, it is in its place.
     pub fn put_folder(&self, target: &Path, may_go: impl FnOnce(&Path) -> io::Result<bool>) -> io::Result<bool> {
         let old = self.folder.path().join(OLD);
         let is_there = target.exists();
@@ -81,9 +79,6 @@ impl Unfinished {
 }
 
 /// Whether `folder` holds nothing but locks and unfinished work that runs of this program left, or does not exist.
-///
-/// # Errors
-/// A folder that cannot be read, or a path that is no folder.
 pub fn is_free(folder: &Path) -> io::Result<bool> {
     let entries = match std::fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(true),

@@ -216,31 +216,27 @@ impl Drop for Running {
     }
 }
 
+#[cfg(unix)]
 fn is_out_of_time(status: &ExitStatus) -> bool {
-    #[cfg(unix)]
-    {
-        use std::os::unix::process::ExitStatusExt;
-        status.signal() == Some(rustix::process::Signal::XCPU.as_raw())
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = status;
-        false
-    }
+    use std::os::unix::process::ExitStatusExt;
+    status.signal() == Some(rustix::process::Signal::XCPU.as_raw())
+}
+
+#[cfg(not(unix))]
+fn is_out_of_time(_: &ExitStatus) -> bool {
+    false
 }
 
 /// Number of the signal that ended the process, if it is none that a process brings about by what it does.
+#[cfg(unix)]
 fn signal_from_outside(status: &ExitStatus) -> Option<i32> {
-    #[cfg(unix)]
-    {
-        use rustix::process::Signal;
-        use std::os::unix::process::ExitStatusExt;
-        let own = [Signal::ABORT, Signal::BUS, Signal::FPE, Signal::ILL, Signal::SEGV, Signal::SYS, Signal::TRAP];
-        status.signal().filter(|signal| !own.iter().any(|own| own.as_raw() == *signal))
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = status;
-        None
-    }
+    use rustix::process::Signal;
+    use std::os::unix::process::ExitStatusExt;
+    let own = [Signal::ABORT, Signal::BUS, Signal::FPE, Signal::ILL, Signal::SEGV, Signal::SYS, Signal::TRAP];
+    status.signal().filter(|signal| !own.iter().any(|own| own.as_raw() == *signal))
+}
+
+#[cfg(not(unix))]
+fn signal_from_outside(_: &ExitStatus) -> Option<i32> {
+    None
 }

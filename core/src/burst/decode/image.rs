@@ -114,10 +114,10 @@ fn check_end_of_text(path: &Path, mut file: &File) -> Result<(), OpenError> {
         file.rewind()?;
         Ok((first, last[0]))
     };
-    let (first, last) = ends().map_err(|e| OpenError::from_read(path, name(ImageFormat::Pnm), &e))?;
+    let (first, last) = ends().map_err(|e| OpenError::from_read(path, "PNM", &e))?;
     if matches!(&first, b"P2" | b"P3") && last.is_ascii_digit() {
         let reason = "no space or line end follows its last number, which may be cut";
-        return Err(OpenError::corrupt(path, name(ImageFormat::Pnm), reason));
+        return Err(OpenError::corrupt(path, "PNM", reason));
     }
     Ok(())
 }

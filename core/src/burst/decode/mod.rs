@@ -104,7 +104,6 @@ pub(super) struct Header {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Expected<'a> {
     pub first: &'a Path,
-    /// Size (columns, rows) of that frame.
     pub size: (usize, usize),
 }
 
@@ -178,7 +177,6 @@ pub(super) fn frame(
     Ok(RawFrame { misnamed, ..frame })
 }
 
-/// Decodes all frames of a file that may hold several.
 pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
     let input = InputFile::open(path, usize::MAX)?;
     let misnamed = input.misnamed;
@@ -201,7 +199,6 @@ fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result
     guarded(path, Kind::Tiff, || tiff::page(path, input, page, frame, options))
 }
 
-/// The frame of a raw file, decoded in a child process where one is installed.
 fn raw_frame(
     path: &Path,
     input: &InputFile,

@@ -66,7 +66,6 @@ fn byte_linear<T: Sample>(byte: T) -> f32 {
     BYTES_LINEAR[(byte.to_f32() as usize).min(255)]
 }
 
-/// Linear intensity of an sRGB-encoded sample of at most `largest`.
 fn sample_linear<T: Sample>(largest: f32) -> impl Fn(T) -> f32 {
     move |sample| linear(f64::from(sample.to_f32()) / f64::from(largest))
 }

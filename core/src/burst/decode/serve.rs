@@ -155,7 +155,6 @@ mod confined {
         469,
     ];
 
-    /// Gives up [`CALLS`].
     pub(super) fn without_calls() -> Result<(), seccompiler::Error> {
         let denied = SeccompAction::Errno(libc::EPERM.unsigned_abs());
         let calls = CALLS.iter().map(|call| (*call, Vec::new())).collect();

@@ -104,11 +104,9 @@ fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder, 
     Ok(decoder.with_limits(own))
 }
 
-/// The pages that are frames.
 struct Pages {
     /// Size (columns, rows) of all pages.
     size: (usize, usize),
-    /// Indices of the pages in the file.
     list: Vec<usize>,
 }
 

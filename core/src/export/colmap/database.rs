@@ -107,7 +107,7 @@ impl DatabaseWriter<'_> {
     /// [`ExportError`] when the file cannot be written, or already has an image of this name.
     ///
     /// # Panics
-    /// When the numbers of keypoints and descriptors differ, or there is no such camera: a mistake of the caller.
+    /// When the numbers of keypoints and descriptors differ, or there is no such camera.
     pub fn add_image(
         &mut self,
         name: &str,
@@ -138,8 +138,7 @@ impl DatabaseWriter<'_> {
     /// [`ExportError`] when the file cannot be written, or already has this pair.
     ///
     /// # Panics
-    /// When `a` is not before `b`, an image was not added, or a match has the index of a missing feature: a mistake of
-    /// the caller.
+    /// When `a` is not before `b`, an image was not added, or a match has the index of a missing feature.
     pub fn add_pair(
         &mut self,
         a: u32,

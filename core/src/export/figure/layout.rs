@@ -85,18 +85,15 @@ impl Style {
         out: &mut Vec<FigureShape>,
     ) -> [f32; 2] {
         let font = self.font;
-        let title = match (letter, &panel.title) {
-            (Some(letter), Some(title)) => Some(format!("{letter}  {title}")),
-            (Some(letter), None) => Some(letter.to_owned()),
-            (None, title) => title.clone(),
-        };
+        let titles: Vec<&str> = letter.into_iter().chain(panel.title.as_deref()).collect();
         let px = self.scale * panel.image_px_per_px;
         let size = [panel.size.0 as f32 * px, panel.size.1 as f32 * px];
         let mut width = size[0];
         let mut top = corner[1];
-        if let Some(title) = &title {
-            out.push(self.text([corner[0], top + 1.15 * font], title));
-            width = width.max(self.text_width(title));
+        if !titles.is_empty() {
+            let title = titles.join("  ");
+            out.push(self.text([corner[0], top + 1.15 * font], &title));
+            width = width.max(self.text_width(&title));
             top += 1.6 * font;
         }
         let rect = FigureRect { min: [corner[0], top], size };

@@ -10,9 +10,6 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes the drawing.
-///
-/// # Errors
-/// [`ExportError`] when a picture has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), ExportError> {
     for shape in &drawing.shapes {
         if let FigureShape::Picture { size, rgba, .. } = shape {
