@@ -70,11 +70,8 @@ impl PreparedSearch {
     }
 }
 
-/// Checks, before the burst that `inputs` name is opened, that there is memory for its search. A file that cannot be
-/// read passes: opening it reports the error.
-///
-/// # Errors
-/// The least memory that the search needs, and changes that would lower it.
+/// Checks, before the burst that `inputs` name is opened, that there is memory for its search; the error says the least
+/// that it needs, and changes that would lower it. A file that cannot be read passes: opening it reports the error.
 pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<(), ParamError> {
     match Declared::of(inputs, options) {
         Ok(Declared { frames, size }) => memory::check_before_opening(params, frames, size),

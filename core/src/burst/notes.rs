@@ -71,8 +71,7 @@ const INTEGERS: f32 = (1 << 23) as f32;
 const MANTISSA: u32 = (1 << 23) - 1;
 
 /// Largest value of the smallest usual converter that could have made these 16-bit frames. `None` where their values
-/// need 16 bits or are all multiples of 2 (aligned to the top of the word), and where a full scale was given or the
-/// values were linearised.
+/// need 16 bits or are all even (aligned to the top of the word), or were scaled or linearised by an option.
 pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -> Option<f32> {
     const WORD: f32 = 65535.0;
     let is_of_words = frames.iter().all(|f| f.scale == FileScale::Range(WORD));

@@ -1,9 +1,8 @@
 //! Opening of a burst: finds the files, decodes them in parallel and calibrates the values to fractions of full scale.
 //!
-//! Calibration: a frame's value becomes (value − bias) / (full scale − black) / gain. The bias is a bias frame where
-//! there is one and the black level otherwise; the gain is the flat frame less the bias, over its own mean. Bias and
-//! flat frame are measured by the same camera, but their files may be of another kind: their values are converted to
-//! the frames' unit, or refused where the unit cannot be told.
+//! A frame's value becomes (value − bias) / (full scale − black) / gain. The bias is a bias frame where there is one and
+//! the black level otherwise; the gain is the flat frame less the bias, over its own mean. Where their files are of
+//! another kind, their values are converted to the frames' unit, or refused where the unit cannot be told.
 
 use super::Burst;
 use super::decode::{self, Expected, FileScale, RawFrame, Ticker, in_order};
@@ -19,9 +18,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 impl Burst {
     /// Opens a folder of frames, a picture, a multi-page TIFF or a `.npy` stack with the default options.
-    ///
-    /// # Errors
-    /// See [`OpenError`]; every message names the file and a remedy.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         Self::open_with(&[path.as_ref().to_path_buf()], &OpenOptions::default(), &Monitor::default())
     }
@@ -41,10 +37,8 @@ impl Burst {
     /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1.
     ///
     /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed;
-    /// progress is reported to `monitor` for every frame, and cancellation checked before each.
-    ///
-    /// # Errors
-    /// See [`OpenError`]. Of several faulty frames the first is named.
+    /// progress is reported to `monitor` for every frame, and cancellation checked before each. Of several faulty frames
+    /// the error names the first.
     pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);

@@ -1,7 +1,7 @@
 //! Finding of the bursts that an input names, and of their sizes, before any pixel is read.
 //!
 //! A folder that holds pictures is a burst, in natural order (`frame_2` before `frame_10`); one with fewer pictures than
-//! subfolders that do is a dataset: each of those is a burst, and its own pictures are listed apart, as strays. A
+//! subfolders of pictures is a dataset: each of those is a burst, and its own pictures are listed apart, as strays. A
 //! subfolder that cannot be read is listed as a burst, whose opening gives the error. A multi-page TIFF or a `.npy` stack
 //! is a burst; several single pictures, in the order in which they are named, are the frames of one burst.
 //! [`cut_sequence`] makes a burst of every N frames of a long recording; each lists its own files and is opened alone.
@@ -262,10 +262,8 @@ impl SequenceCut {
 }
 
 /// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in time order.
-///
-/// A burst is named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses), so
-/// that its features can be compared with data on that frame, such as the camera's pose. For bursts of several
-/// sequences, [`name_among_several`] makes the names differ.
+/// A burst is named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses); among
+/// bursts of several sequences, [`name_among_several`] makes the names differ.
 ///
 /// # Errors
 /// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.
@@ -307,12 +305,8 @@ pub struct Declared {
 }
 
 impl Declared {
-    /// Reads the header of the first frame of the burst that `inputs` name, as [`Burst::open_with`] takes them.
-    ///
-    /// # Errors
-    /// As [`Burst::open_with`], for errors that the first header shows.
-    ///
-    /// [`Burst::open_with`]: super::Burst::open_with
+    /// Reads the header of the first frame of the burst that `inputs` name, as
+    /// [`Burst::open_with`](super::Burst::open_with) takes them.
     pub fn of(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, OpenError> {
         let files = only_burst(inputs)?.files()?;
         let first = files.first().ok_or_else(OpenError::nothing_given)?;

@@ -1,6 +1,4 @@
-//! Files that are written completely or not at all.
-//!
-//! The bytes go to a file in a hidden folder beside the target ([`Unfinished`]), which then replaces the target.
+//! Files that are written completely or not at all: in a hidden folder beside the target ([`Unfinished`]), then moved.
 
 use super::error::ExportError;
 use crate::files::mark::{Kind, seal, sealed};
@@ -89,10 +87,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("folder");
         let path = folder.path().join("a.txt");
         write_whole(&path, |w| w.write_all(b"old")).expect("written");
-        let error = write_whole(&path, |w| {
-            w.write_all(&[b'x'; 1 << 18])?;
-            Err(io::Error::other("disk full"))
-        });
+        let full = || Err(io::Error::other("disk full"));
+        let error = write_whole(&path, |w| w.write_all(&[b'x'; 1 << 18]).and_then(|()| full()));
         assert!(matches!(error, Err(ExportError::Write { ref reason, .. }) if reason == "disk full"), "{error:?}");
         assert_eq!(std::fs::read(&path).expect("read"), b"old");
         assert_eq!(count(folder.path()), 1);

@@ -2,8 +2,8 @@
 //!
 //! The file is a ZIP without compression of its own: `case.toml`, a 16-bit grey PNG for each frame (`frames/00000.png`
 //! and on), and where there are some the window's `session.toml` and the frames' `truth.json`. Values are
-//! `offset + word·scale`; those of 8 and 16-bit files come back as they were. Reading is bounded: declared sizes are
-//! checked before frames are decoded, and no entry is read further than such a frame can need.
+//! `offset + word·scale`; those of 8 and 16-bit files come back as they were, calibrated ones within rounding. Reading is
+//! bounded: declared sizes are checked before frames are decoded, and no entry is read further than these can need.
 
 use super::atomic::write_marked;
 use super::error::ExportError;
@@ -229,9 +229,6 @@ impl Truth {
 }
 
 /// Writes a case; `burst` has its frames.
-///
-/// # Errors
-/// When the file cannot be written, or the work was cancelled; an older one is then unchanged.
 pub fn write_case(
     path: &Path,
     (case, burst): (&Case, &Burst),

@@ -185,14 +185,8 @@ mod tests {
 
     #[test]
     fn every_cell_is_a_number() {
-        let row = MatchRow {
-            features: [3, 0],
-            a: [1.5, 2.25],
-            b: [f64::from(0.1f32), 7.0],
-            distance: 120.5,
-            ratio: 0.5,
-            verified: Some((0.25, true)),
-        };
+        let (a, b, verified) = ([1.5, 2.25], [f64::from(0.1f32), 7.0], Some((0.25, true)));
+        let row = MatchRow { features: [3, 0], a, b, distance: 120.5, ratio: 0.5, verified };
         let rows =
             [row, MatchRow { verified: Some((f32::INFINITY, false)), ..row }, MatchRow { verified: None, ..row }];
         let home = tempfile::tempdir().expect("a folder");

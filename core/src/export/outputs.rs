@@ -144,10 +144,7 @@ impl OutputRules {
         Err(Some(refused))
     }
 
-    /// Checks that `folder` may be replaced as a whole with respect to opened files.
-    ///
-    /// # Errors
-    /// [`ExportError::Input`] when an opened file lies in it.
+    /// Fails with [`ExportError::Input`] when an opened file lies in `folder`, which is to be replaced as a whole.
     pub fn check_folder(&self, folder: &Path) -> Result<(), ExportError> {
         let holds = |real: PathBuf| self.inputs.places.iter().any(|place| place.starts_with(&real));
         if std::fs::canonicalize(folder).is_ok_and(holds) { Err(ExportError::Input(folder.into())) } else { Ok(()) }

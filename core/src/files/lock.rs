@@ -75,8 +75,7 @@ pub struct FolderLock {
 }
 
 impl FolderLock {
-    /// Takes the lock of `folder`, creating the folder. A folder that was created so and stays empty is removed with
-    /// the lock.
+    /// Takes the lock of `folder`, creating it. A folder that was created so and stays empty is removed with the lock.
     ///
     /// # Errors
     /// [`LockError::Locked`] when another process has it, [`LockError::Write`] when the folder cannot be written.
@@ -137,10 +136,7 @@ impl FolderLock {
         Err(refused("it is removed again and again"))
     }
 
-    /// Whether the folder is still the one that was locked.
-    ///
-    /// # Errors
-    /// [`LockError::Gone`] when it was removed, or another one has its place.
+    /// Fails with [`LockError::Gone`] when the folder was removed, or another one has its place.
     pub fn check(&self) -> Result<(), LockError> {
         let there = match &self.file {
             Some(file) if self.is_locked => is_named(file, &self.path),

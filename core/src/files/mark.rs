@@ -1,5 +1,4 @@
-//! The mark by which Burstscope recognises what it wrote, so that it replaces this and nothing else without being told
-//! to.
+//! The mark by which Burstscope recognises what it wrote, so that it replaces this alone without being told to.
 //!
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
 //! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP and XML, or a comment line, at the end of a file,
@@ -196,9 +195,7 @@ impl Place {
 }
 
 /// Puts the mark of this kind into a complete PNG, GIF, ZIP or XML file, or as a comment line at the end of any other.
-///
-/// # Errors
-/// The system's error, or a file that does not end as its format does.
+/// A file that does not end as its format does is an error.
 pub fn seal(file: &mut File, kind: Kind) -> io::Result<()> {
     let place = Place::of(&part_of(file, 0, HEAD)?);
     let length = file.seek(SeekFrom::End(0))?;

@@ -1,8 +1,7 @@
 //! Decoding of JPEGs that takes no damaged data.
 //!
-//! The picture library fills in missing data without an error. So a JPEG is decoded here by the same decoder in its
-//! strict mode, and its end marker must be there: the decoder does not miss it. Bytes after the end of the picture are
-//! allowed: cameras put films and second pictures there.
+//! The picture library fills in missing data without an error. So a JPEG is decoded by the same decoder in its strict
+//! mode, and its end marker must be there. After it cameras put films and second pictures.
 
 use super::look::too_few_bytes;
 use crate::plane::memory;

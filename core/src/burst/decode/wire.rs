@@ -108,11 +108,8 @@ mod tests {
             send_reply(&mut bytes, reply).expect("memory takes everything");
             receive_reply(&mut &bytes[..], Path::new("a.dng"), &Limits::default()).expect("an answer")
         };
-        for scale in [
-            FileScale::Range(65535.0),
-            FileScale::Raw { white: 0.1 + 0.2 },
-            FileScale::Data { integer: true, largest: f32::MAX },
-        ] {
+        let data = FileScale::Data { integer: true, largest: f32::MAX };
+        for scale in [FileScale::Range(65535.0), FileScale::Raw { white: 0.1 + 0.2 }, data] {
             let plane = Plane::from_vec(2, 2, vec![0.1, -0.0, f32::MIN_POSITIVE, 7.0]);
             let frame = RawFrame { encoding: Encoding::Srgb, binning: 2, ..RawFrame::linear(plane.clone(), scale) };
             let frame = RawFrame { damage: Some("it ends".to_owned()), ..frame };

@@ -180,9 +180,6 @@ impl DatabaseWriter<'_> {
     }
 
     /// Reads the features of the image `id` back, as they were added.
-    ///
-    /// # Errors
-    /// [`ExportError`] when the file cannot be read, or holds no image of this id.
     pub fn features(&self, id: u32) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
         let sql = "SELECT keypoints.data, descriptors.data FROM keypoints JOIN descriptors USING (image_id) WHERE image_id = ?";
         let read = self.connection.query_row(sql, [id], |row| {

@@ -82,14 +82,8 @@ mod tests {
         let options = FigureOptions { scale: 2.0, ..FigureOptions::default() };
         let mut drawing = lay_out(&rows, &options);
         let before = drawing.shapes.len();
-        let link = FigureLink {
-            panels: [0, 1],
-            ends_image: [[9.5, -0.5], [29.5, 9.5]],
-            color: [1; 3],
-            opacity: 1.0,
-            weight: 1.0,
-            dashed: false,
-        };
+        let (panels, ends_image) = ([0, 1], [[9.5, -0.5], [29.5, 9.5]]);
+        let link = FigureLink { panels, ends_image, color: [1; 3], opacity: 1.0, weight: 1.0, dashed: false };
         draw_links(&mut drawing, &rows, &[link], 1.5);
         let rects: Vec<FigureRect> = drawing.pictures().collect();
         let [FigureShape::Line { points, .. }, FigureShape::Circle { .. }, FigureShape::Circle { .. }] =
