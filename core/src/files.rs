@@ -1,8 +1,8 @@
 //! Reading small text files that people write or hand over, and file names as text.
 //!
-//! A file that is too large, a device or a pipe is refused before it fills the memory or is waited for. A file name need
-//! not be text; where text is needed its other bytes are written as `\xNN`, so that different names stay different.
-//! Below: the mark of what the program wrote, locks of folders, and folders of unfinished work.
+//! A file that is too large, a device or a pipe is refused before it fills the memory or is waited for. A file name
+//! need not be text; where text is needed its other bytes are written as `\xNN`, so that different names stay
+//! different. Below: the mark of what the program wrote, locks of folders, and folders of unfinished work.
 
 pub mod lock;
 pub mod mark;

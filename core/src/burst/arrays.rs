@@ -67,8 +67,8 @@ pub struct Arrays {
 
 impl Burst {
     /// Makes a burst of arrays: the bits that `.npy` files of them give ([`Burst::open_with`]); in error messages they
-    /// are named `frames`, `bias` and `flat`. Floats that need no conversion are not copied. Of the options, those about
-    /// levels and limits count.
+    /// are named `frames`, `bias` and `flat`. Floats that need no conversion are not copied. Of the options, those
+    /// about levels and limits count.
     pub fn from_arrays(
         name: impl Into<String>,
         arrays: Arrays,

@@ -1,7 +1,7 @@
 //! Opening of a burst: finds the files, decodes them in parallel and calibrates the values to fractions of full scale.
 //!
-//! A frame's value becomes (value − bias) / (full scale − black) / gain. The bias is a bias frame where there is one and
-//! the black level otherwise; the gain is the flat frame less the bias, over its own mean. Where their files are of
+//! A frame's value becomes (value − bias) / (full scale − black) / gain. The bias is a bias frame where there is one
+//! and the black level otherwise; the gain is the flat frame less the bias, over its own mean. Where their files are of
 //! another kind, their values are converted to the frames' unit, or refused where the unit cannot be told.
 
 use super::Burst;
@@ -37,8 +37,8 @@ impl Burst {
     /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1.
     ///
     /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed;
-    /// progress is reported to `monitor` for every frame, and cancellation checked before each. Of several faulty frames
-    /// the error names the first.
+    /// progress is reported to `monitor` for every frame, and cancellation checked before each. Of several faulty
+    /// frames the error names the first.
     pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);

@@ -1,9 +1,9 @@
 //! Finding of the bursts that an input names, and of their sizes, before any pixel is read.
 //!
-//! A folder that holds pictures is a burst, in natural order (`frame_2` before `frame_10`); one with fewer pictures than
-//! subfolders of pictures is a dataset: each of those is a burst, and its own pictures are listed apart, as strays. A
-//! subfolder that cannot be read is listed as a burst, whose opening gives the error. A multi-page TIFF or a `.npy` stack
-//! is a burst; several single pictures, in the order in which they are named, are the frames of one burst.
+//! A folder that holds pictures is a burst, in natural order (`frame_2` before `frame_10`); one with fewer pictures
+//! than subfolders of pictures is a dataset: each of those is a burst, and its own pictures are listed apart, as
+//! strays. A subfolder that cannot be read is listed as a burst, whose opening gives the error. A multi-page TIFF or a
+//! `.npy` stack is a burst; several single pictures, in the order in which they are named, are the frames of one burst.
 //! [`cut_sequence`] makes a burst of every N frames of a long recording; each lists its own files and is opened alone.
 
 use super::decode;
@@ -261,9 +261,9 @@ impl SequenceCut {
     }
 }
 
-/// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in time order.
-/// A burst is named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses); among
-/// bursts of several sequences, [`name_among_several`] makes the names differ.
+/// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in time order. A burst is
+/// named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses); among bursts
+/// of several sequences, [`name_among_several`] makes the names differ.
 ///
 /// # Errors
 /// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.

@@ -10,9 +10,10 @@ use std::path::Path;
 /// Writer for a format: buffered, and able to seek.
 pub type FileWriter<'a> = BufWriter<&'a mut File>;
 
-/// Writes the file `path` by `write`, without a mark, and missing parent folders. It replaces `path` only when all bytes
-/// are on disk: after a failure an existing file is unchanged and no other one is left behind. A link is replaced, never
-/// followed; permissions stay. The caller decides whether it may be replaced, see [`OutputRules`](super::OutputRules).
+/// Writes the file `path` by `write`, without a mark, and missing parent folders. It replaces `path` only when all
+/// bytes are on disk: after a failure an existing file is unchanged and no other one is left behind. A link is
+/// replaced, never followed; permissions stay. The caller decides whether it may be replaced, see
+/// [`OutputRules`](super::OutputRules).
 ///
 /// # Errors
 /// [`ExportError::Write`] when the system or `write` fails, [`ExportError::Cancelled`] when `write` was cancelled,

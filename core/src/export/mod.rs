@@ -1,8 +1,8 @@
 //! Export: one source file for each file format.
 //!
-//! Pictures are written as 32-bit float TIFF (exact values) or PNG (as shown), figures as SVG with a vector overlay or on
-//! a [`sheet`] with axes. Every file is written completely or not at all, see [`write_whole`]; [`OutputRules`] decides
-//! which files may be replaced. `kept` records what results were made from.
+//! Pictures are written as 32-bit float TIFF (exact values) or PNG (as shown), figures as SVG with a vector overlay or
+//! on a [`sheet`] with axes. Every file is written completely or not at all, see [`write_whole`]; [`OutputRules`]
+//! decides which files may be replaced. `kept` records what results were made from.
 
 mod atomic;
 pub mod case;

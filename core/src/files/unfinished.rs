@@ -36,8 +36,8 @@ struct Making {
 }
 
 impl Unfinished {
-    /// Makes a hidden folder beside `target`, which is what will be made; the first time that this process writes there,
-    /// those that killed runs have left are removed.
+    /// Makes a hidden folder beside `target`, which is what will be made; the first time that this process writes
+    /// there, those that killed runs have left are removed.
     pub fn beside(target: &Path) -> io::Result<Self> {
         let parent = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         static SEEN: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);

@@ -1,8 +1,8 @@
 //! Decoding in a separate process, so that a faulty third-party decoder cannot end the program.
 //!
 //! A decoder that asks for more memory than there is ends its whole process. So raw files, and pictures whose decoding
-//! takes much memory, are decoded by a child process ([`serve_decoding`](super::serve_decoding)), with a limit of memory
-//! and of time, which may read this file and nothing else. A failure of the child is an error about the file.
+//! takes much memory, are decoded by a child process ([`serve_decoding`](super::serve_decoding)), with a limit of
+//! memory and of time, which may read this file and nothing else. A failure of the child is an error about the file.
 
 use super::wire::{DecodeRequest, Part, receive_reply, send};
 use super::{Expected, RawFrame};
@@ -18,8 +18,8 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The program that decodes files in a separate process. It is started with the arguments and the path of a file, and
-/// must call [`serve_decoding`](super::serve_decoding) with that path. Without one, all files are decoded in the calling
-/// process, which a decoder that asks for too much memory ends.
+/// must call [`serve_decoding`](super::serve_decoding) with that path. Without one, all files are decoded in the
+/// calling process, which a decoder that asks for too much memory ends.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DecodeWorker {
     /// The program.

@@ -1,10 +1,10 @@
 //! Raw frames: a sensor's own values, by `rawler` (DNG, and the other formats that it knows).
 //!
 //! Filling in the colours of the mosaic of 2×2 (demosaicing) would make noise that neighbours share. So the four pixels
-//! of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken; places, scales and slopes are
-//! in binned pixels. Values under black stay negative; nothing is stretched, balanced or clipped. The active area is
-//! taken, not the crop that the camera recommends. The black and white levels, which become 0 and 1, are the file's unless
-//! given; black may differ by colour, column and row (DNG's `BlackLevelDeltaH` and `BlackLevelDeltaV`).
+//! of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken; places, scales and slopes
+//! are in binned pixels. Values under black stay negative; nothing is stretched, balanced or clipped. The active area
+//! is taken, not the crop that the camera recommends. The black and white levels, which become 0 and 1, are the file's
+//! unless given; black may differ by colour, column and row (DNG's `BlackLevelDeltaH` and `BlackLevelDeltaV`).
 
 use super::pixels::turned;
 use super::{Expected, FileScale, RawFrame};
@@ -176,8 +176,8 @@ pub(super) struct RawLevels {
 }
 
 impl RawLevels {
-    /// Levels of `raw`, whose active area has `size` (columns, rows), or those that `options` gives. An error is the end
-    /// of a sentence about the file.
+    /// Levels of `raw`, whose active area has `size` (columns, rows), or those that `options` gives. An error is the
+    /// end of a sentence about the file.
     pub(super) fn of(
         raw: &RawImage,
         size: (usize, usize),
