@@ -12,8 +12,7 @@ pub type FileWriter<'a> = BufWriter<&'a mut File>;
 
 /// Writes the file `path` by `write`, without a mark, and missing parent folders. It replaces `path` only when all
 /// bytes are on disk: after a failure an existing file is unchanged and no other one is left behind. A link is
-/// replaced, never followed; permissions stay. The caller decides whether it may be replaced, see
-/// [`OutputRules`](super::OutputRules).
+/// replaced, never followed; permissions stay. [`OutputRules`](super::OutputRules) say whether it may be replaced.
 ///
 /// # Errors
 /// [`ExportError::Write`] when the system or `write` fails, [`ExportError::Cancelled`] when `write` was cancelled,

@@ -2,8 +2,7 @@
 //!
 //! The image is divided into square cells whose side is a power of two, in image pixels, of up to [`CELL_POINTS`] on
 //! the screen or sheet. The caller adds the marks from the strongest to the weakest and draws the first [`IN_A_CELL`]
-//! of each cell. Cells of one zoom nest in those of the next coarser one: zooming in only adds marks, and panning
-//! changes none.
+//! of each cell. Cells nest in those of the next coarser zoom: zooming in only adds marks, and panning changes none.
 
 /// Largest side of a cell on the screen, in points.
 const CELL_POINTS: f32 = 64.0;

@@ -3,8 +3,7 @@
 //! A folder of results has a record for each finished one, `records/NAME.json`: program, detector and settings that
 //! made it ([`MadeFrom`]), and what else tells whether its files are still those. A record is removed before the
 //! result's files are written and written after them: it describes the existing files, or there is none. A result is
-//! used again if it was made from the same by this program. A folder with files but without our mark is somebody else's
-//! and refused.
+//! used again if it was made from the same by this program. A folder with files but without our mark is refused.
 
 use super::atomic::write_whole;
 use super::error::ExportError;

@@ -3,8 +3,7 @@
 //! The system's own lock is taken on a hidden file, which lies in the folder, or beside a folder that is replaced as a
 //! whole. The lock ends with the process that holds it; the file's text names the owner. On Unix the file is removed at
 //! the end, while it is still locked: a process that opened it before sees that it has lost its name, and starts again.
-//! Elsewhere that cannot be seen, and the hidden file stays. A file of the lock's name with any other text is
-//! somebody's.
+//! Elsewhere that cannot be seen, and the hidden file stays. A file of its name with any other text is somebody's.
 
 use super::{path_text, write_problem};
 use std::ffi::OsStr;

@@ -3,8 +3,7 @@
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
 //! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP and XML, or a comment line, at the end of a file,
 //! and claims all bytes before; in `Software` of a TIFF, for the samples; in a file of a folder ([`Kind::file`]).
-//! COLMAP's database has the program's number in its header alone, and tables have none, see
-//! [`is_ours`](crate::export::is_ours).
+//! COLMAP's database has a number in its header alone, and tables have none, see [`is_ours`](crate::export::is_ours).
 
 use super::{MAX_TABLE_BYTES, path_text, read_text};
 use serde::de::DeserializeOwned;
