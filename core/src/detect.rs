@@ -35,9 +35,6 @@ pub struct Searched {
 }
 
 /// Finds the slopes of a burst if they are to be found, and then its features.
-///
-/// # Errors
-/// As [`detect`].
 pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched, DetectError> {
     let PreparedSearch { burst: prepared, params, asked, finding, slopes_secs, rest } =
         PreparedSearch::new(burst, params, monitor)?;
@@ -51,15 +48,11 @@ const SLOPES_SHARE: f32 = 0.2;
 
 /// A search whose slopes are found and whose frames are merged, as its parameters ask for.
 pub(crate) struct PreparedSearch {
-    /// The burst that is searched: for [`Method::Merge`] one merged frame.
     pub burst: Burst,
-    /// The parameters for `burst`.
     pub params: DetectorParams,
     /// The requested parameters, with the slopes that are searched.
     asked: DetectorParams,
-    /// The result of finding the slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
-    /// Time taken to find the slopes, seconds.
     slopes_secs: f32,
     /// Monitor of the search itself.
     pub rest: Monitor,
@@ -77,11 +70,8 @@ impl PreparedSearch {
     }
 }
 
-/// Checks, before the burst that `inputs` name is opened, that there is memory for its search. A file that cannot be
-/// read passes: opening it reports the error.
-///
-/// # Errors
-/// The least memory that the search needs, and changes that would lower it.
+/// Checks, before the burst that `inputs` name is opened, that there is memory for its search; the error says the least
+/// that it needs, and changes that would lower it. A file that cannot be read passes: opening it reports the error.
 pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<(), ParamError> {
     match Declared::of(inputs, options) {
         Ok(Declared { frames, size }) => memory::check_before_opening(params, frames, size),
@@ -92,8 +82,7 @@ pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchPa
 /// The burst to search and its parameters: for [`Method::Merge`] one merged frame, otherwise the given ones unchanged.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
-/// was cancelled.
+/// As [`detect`].
 pub fn prepare(
     burst: &Burst,
     params: &DetectorParams,
@@ -142,11 +131,8 @@ mod tests {
             let (same, with) = prepare(&burst, &params, &Monitor::default()).expect("prepared");
             assert_eq!((same.len(), with), (2, params));
         }
-        let past = DetectorParams {
-            method: Method::Merge,
-            frames: Some(FrameRange { start: 1, end: 3 }),
-            ..DetectorParams::default()
-        };
+        let frames = Some(FrameRange { start: 1, end: 3 });
+        let past = DetectorParams { method: Method::Merge, frames, ..DetectorParams::default() };
         assert!(matches!(prepare(&burst, &past, &Monitor::default()), Err(DetectError::Param(_))));
     }
 }

@@ -1,9 +1,8 @@
 //! Reading small text files that people write or hand over, and file names as text.
 //!
-//! A parameter file is a few lines. A file that is much larger, a device or a pipe is refused before it fills the
-//! memory or is waited for. A file name need not be text; where text is needed (JSON, a manifest) its other bytes are
-//! written as `\xNN`, so that no name causes a failure and two different names stay different. Below: the mark of what
-//! the program wrote, locks of folders, and folders of unfinished work.
+//! A file that is too large, a device or a pipe is refused before it fills the memory or is waited for. A file name
+//! need not be text; where text is needed its other bytes are written as `\xNN`, so that different names stay
+//! different. Below: the mark of what the program wrote, locks of folders, and folders of unfinished work.
 
 pub mod lock;
 pub mod mark;
@@ -52,7 +51,6 @@ pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
         .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "this is not text; save it as UTF-8"))
 }
 
-/// The program's version.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Beginning of the line that names the program version that wrote a file.
 pub const WRITTEN_BY: &str = "# Written by Burstscope ";
@@ -67,14 +65,8 @@ pub fn written_by() -> String {
 pub fn explained(text: &str, problem: &str) -> String {
     let numbers = |version: &str| -> Option<Vec<u64>> { version.split('.').map(|part| part.parse().ok()).collect() };
     let writer = text.lines().find_map(|line| line.strip_prefix(WRITTEN_BY)).map(str::trim);
-    match writer.filter(|writer| numbers(writer) > numbers(VERSION)) {
-        Some(writer) => {
-            format!(
-                "this file was written by Burstscope {writer}, and this is {VERSION}; open it with the newer one ({problem})"
-            )
-        }
-        None => problem.to_owned(),
-    }
+    let Some(by) = writer.filter(|by| numbers(by) > numbers(VERSION)) else { return problem.to_owned() };
+    format!("this file was written by Burstscope {by}, and this is {VERSION}; open it with the newer one ({problem})")
 }
 
 /// Reason why a file could not be written, in words.
@@ -106,17 +98,11 @@ pub fn path_text(path: &Path) -> String {
 }
 
 /// [`path_text`] for `#[serde(serialize_with)]`.
-///
-/// # Errors
-/// Those of the serializer.
 pub fn serialize_path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(&path_text(path))
 }
 
 /// [`path_text`] of each path, for `#[serde(serialize_with)]`.
-///
-/// # Errors
-/// Those of the serializer.
 pub fn serialize_paths<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(paths.iter().map(|path| path_text(path)))
 }

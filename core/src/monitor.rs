@@ -80,10 +80,7 @@ pub struct Monitor {
 
 impl std::fmt::Debug for Monitor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Monitor")
-            .field("cancelled", &self.is_cancelled())
-            .field("listens", &self.listener.is_some())
-            .finish()
+        f.debug_struct("Monitor").field("cancel", &self.cancel).finish_non_exhaustive()
     }
 }
 
@@ -93,8 +90,7 @@ impl Monitor {
         Self { cancel: Arc::default(), listener: Some(Arc::new(listener)) }
     }
 
-    /// Monitor with the same cancel flag that reports no progress: for a part of larger work, which reports progress
-    /// itself.
+    /// Monitor with the same cancel flag that reports no progress: for a part of work that reports progress itself.
     pub fn silent(&self) -> Self {
         Self { cancel: self.cancel.clone(), listener: None }
     }
@@ -121,9 +117,6 @@ impl Monitor {
     }
 
     /// Fails once the work was cancelled. Loops call it at least every few milliseconds.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once the work was cancelled.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }

@@ -24,18 +24,12 @@ pub enum ArrayFrame {
 }
 
 impl ArrayFrame {
-    /// Frame of 8-bit integers, row by row.
-    ///
-    /// # Panics
-    /// When there are not `width × height` values: a mistake of the caller.
+    /// Frame of 8-bit integers, row by row. Panics if there are not `width × height`.
     pub fn of_u8(width: usize, height: usize, values: impl ExactSizeIterator<Item = u8>) -> Self {
         Self::integers(width, height, f32::from(u8::MAX), values.map(f32::from))
     }
 
-    /// Frame of 16-bit integers, row by row.
-    ///
-    /// # Panics
-    /// As [`Self::of_u8`].
+    /// Frame of 16-bit integers, row by row. Panics if there are not `width × height`.
     pub fn of_u16(width: usize, height: usize, values: impl ExactSizeIterator<Item = u16>) -> Self {
         Self::integers(width, height, f32::from(u16::MAX), values.map(f32::from))
     }
@@ -52,7 +46,6 @@ impl ArrayFrame {
         }
     }
 
-    /// The frame `t` of the array named `path` in error messages.
     fn decoded(self, path: &Path, t: usize) -> Result<RawFrame, OpenError> {
         match self {
             Self::Integers { plane, range } => Ok(RawFrame::linear(plane, FileScale::Range(range))),
@@ -73,13 +66,9 @@ pub struct Arrays {
 }
 
 impl Burst {
-    /// Makes a burst of arrays. Values, bias and flat frame are converted as those of files of the same type are
-    /// ([`Burst::open_with`]), so that a `.npy` file of the same array gives the same bits; in error messages the
-    /// arrays are named `frames`, `bias` and `flat`. Floats that need no conversion are not copied. Of the options,
-    /// those about levels and limits count.
-    ///
-    /// # Errors
-    /// See [`OpenError`].
+    /// Makes a burst of arrays: the bits that `.npy` files of them give ([`Burst::open_with`]); in error messages they
+    /// are named `frames`, `bias` and `flat`. Floats that need no conversion are not copied. Of the options, those
+    /// about levels and limits count.
     pub fn from_arrays(
         name: impl Into<String>,
         arrays: Arrays,
@@ -101,7 +90,6 @@ impl Burst {
     }
 }
 
-/// Frames of an array, checked; `None` for an empty one.
 fn decoded(name: &str, frames: Vec<ArrayFrame>, options: &OpenOptions) -> Result<Option<Measured>, OpenError> {
     let path = PathBuf::from(name);
     let Some(first) = frames.first() else { return Ok(None) };
@@ -124,24 +112,16 @@ mod tests {
     use crate::plane::PixelOwner;
     use std::sync::Arc;
 
-    fn values() -> Vec<u16> {
-        (0..3 * 20 * 16).map(|k| ((k * 7919) % 4096) as u16).collect()
-    }
-
     fn of_u16(values: &[u16]) -> Arrays {
         let frames = values.chunks(320).map(|frame| ArrayFrame::of_u16(20, 16, frame.iter().copied())).collect();
         Arrays { frames, ..Arrays::default() }
-    }
-
-    fn pixels(burst: &Burst) -> Vec<u32> {
-        burst.frames.iter().flat_map(|frame| frame.data().iter().map(|x| x.to_bits())).collect()
     }
 
     #[test]
     fn an_array_gives_the_bits_of_its_file() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name);
-        let values = values();
+        let values: Vec<u16> = (0..3 * 20 * 16).map(|k| ((k * 7919) % 4096) as u16).collect();
         let stack = ndarray::Array3::from_shape_vec((3, 16, 20), values.clone()).expect("the shape");
         let bias = ndarray::Array2::<u16>::from_elem((16, 20), 40);
         let flat = ndarray::Array2::<u16>::from_shape_fn((16, 20), |(v, u)| (3000 + 10 * v + u) as u16);
@@ -155,7 +135,7 @@ mod tests {
         let monitor = Monitor::default();
         let opened = Burst::open_with(&[path("frames.npy")], &files, &monitor).expect("opened");
         let made = Burst::from_arrays("made", arrays, &plain, &monitor).expect("made");
-        assert_eq!(pixels(&made), pixels(&opened));
+        assert_eq!(made.frames, opened.frames);
         assert_eq!((made.full_scale, made.quantisation_step), (opened.full_scale, opened.quantisation_step));
         let suggested = Burst::from_arrays("made", of_u16(&values), &OpenOptions::default(), &monitor).expect("made");
         assert_eq!(suggested.suggested_full_scale, Some(4095.0));

@@ -50,14 +50,11 @@ fn after(separator: &str, text: &str) -> String {
     if text.is_empty() { String::new() } else { format!("{separator}{text}") }
 }
 
-const COPY_AGAIN: &str = "copy it again or remove it";
-
 impl OpenError {
     pub(crate) fn new(kind: OpenErrorKind, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { kind, subject: String::new(), problem: problem.into(), remedy: remedy.into() }
     }
 
-    /// The error as one about the file or folder `path`.
     pub(crate) fn about(self, path: &Path) -> Self {
         Self { subject: path.display().to_string(), ..self }
     }
@@ -67,7 +64,6 @@ impl OpenError {
         Self::new(OpenErrorKind::Request, problem, "")
     }
 
-    /// Error for a pipe or a device, whose opening would wait for ever.
     pub(super) fn not_a_file(path: &Path) -> Self {
         let problem = "this is neither a regular file nor a folder";
         Self::new(OpenErrorKind::Request, problem, "save the frames to files first").about(path)
@@ -85,9 +81,8 @@ impl OpenError {
         Self::new(OpenErrorKind::Request, problem, "open it alone").about(path)
     }
 
-    /// Error for a file that is empty, truncated or damaged.
     pub(super) fn damaged(path: &Path, problem: impl Into<String>) -> Self {
-        Self::new(OpenErrorKind::Damaged, problem, COPY_AGAIN).about(path)
+        Self::new(OpenErrorKind::Damaged, problem, "copy it again or remove it").about(path)
     }
 
     /// Error for a truncated or damaged file of the format `format`; `reason` is the decoder's message.
@@ -108,8 +103,7 @@ impl OpenError {
         Self::new(OpenErrorKind::Mismatch, problem, "crop them alike or remove the odd one")
     }
 
-    /// Error for value number `index`, row by row, of frame `frame` of the file, whose frames have `width` columns: not
-    /// a number, infinite, or too large for 32-bit float.
+    /// Error for value number `index`, row by row, of a frame of `width` columns: not a number, infinite, or too large.
     pub(super) fn not_finite(path: &Path, frame: usize, width: usize, index: usize, value: f32) -> Self {
         let problem = format!("frame {frame} has {value} at pixel ({}, {})", index % width, index / width);
         let remedy = "replace what is not a finite number, by 0 or a neighbour's value";
@@ -122,25 +116,21 @@ impl OpenError {
         Self::new(OpenErrorKind::TooLarge, problem, remedy).about(path)
     }
 
-    /// Error for the bias or flat frame, `frame`, at `path`, which does not fit the frames.
     pub(super) fn calibration(path: &Path, frame: &str, reason: &str) -> Self {
         let problem = format!("the {frame} frame does not fit the frames: {reason}");
         Self::new(OpenErrorKind::Mismatch, problem, "").about(path)
     }
 
-    /// Error for a file or folder that the system could not read.
     pub(crate) fn unread(path: &Path, reason: impl std::fmt::Display) -> Self {
         Self::new(OpenErrorKind::System, format!("cannot read this: {reason}"), "").about(path)
     }
 
     pub(super) fn from_io(path: &Path, error: &std::io::Error) -> Self {
-        match error.kind() {
-            std::io::ErrorKind::NotFound => {
-                let problem = "there is no such file or folder";
-                Self::new(OpenErrorKind::NotFound, problem, "check the spelling").about(path)
-            }
-            _ => Self::unread(path, error),
+        if error.kind() == std::io::ErrorKind::NotFound {
+            let problem = "there is no such file or folder";
+            return Self::new(OpenErrorKind::NotFound, problem, "check the spelling").about(path);
         }
+        Self::unread(path, error)
     }
 
     /// Error for a decoder's failed read of a file of the format `format`: damage where the file ends early or the data

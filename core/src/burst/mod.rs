@@ -2,8 +2,7 @@
 //!
 //! All code that knows file formats is in this module; the detector sees only the frames. [`find_bursts`] lists the
 //! bursts that an input names, [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens
-//! one of them: a folder of frames, image files, a multi-page TIFF or a `.npy` stack. [`Burst::from_arrays`] makes one
-//! of arrays in memory.
+//! one of them, and [`Burst::from_arrays`] makes one of arrays in memory.
 
 mod arrays;
 mod decode;
@@ -55,10 +54,7 @@ pub struct Burst {
 }
 
 impl Burst {
-    /// Makes a burst from planes in memory.
-    ///
-    /// # Panics
-    /// If there is no frame, or the sizes differ. (The opener checks files.)
+    /// Makes a burst from planes in memory. Panics if there is none, or the sizes differ. (The opener checks files.)
     pub fn from_planes(name: impl Into<String>, frames: Vec<Plane>) -> Self {
         assert!(!frames.is_empty(), "a burst has at least one frame");
         assert!(frames.iter().all(|f| f.size() == frames[0].size()), "all frames of a burst have one size");

@@ -26,10 +26,7 @@ impl Note {
 
     /// Text for the window, with the menu item.
     pub fn for_window(&self) -> String {
-        match self.option {
-            Some(_) => format!("{}; see File > Calibration", self.text),
-            None => self.text.clone(),
-        }
+        format!("{}{}", self.text, self.option.map_or("", |_| "; see File > Calibration"))
     }
 }
 
@@ -71,18 +68,14 @@ const CHUNK: usize = 4096;
 /// Adding a float of this magnitude (up to its double) to a small number rounds that to a whole number, in the sum's
 /// lower bits; far faster than rounding each number by itself.
 const INTEGERS: f32 = (1 << 23) as f32;
-/// Mask of the bits of a float's fraction.
 const MANTISSA: u32 = (1 << 23) - 1;
 
 /// Largest value of the smallest usual converter that could have made these 16-bit frames. `None` where their values
-/// need 16 bits or are all multiples of 2 (aligned to the top of the word), and where a full scale was given or the
-/// values were linearised.
+/// need 16 bits or are all even (aligned to the top of the word), or were scaled or linearised by an option.
 pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -> Option<f32> {
     const WORD: f32 = 65535.0;
-    if options.full_scale.is_some() || options.linearise {
-        return None;
-    }
-    if frames.iter().any(|f| f.scale != FileScale::Range(WORD)) {
+    let is_of_words = frames.iter().all(|f| f.scale == FileScale::Range(WORD));
+    if options.full_scale.is_some() || options.linearise || !is_of_words {
         return None;
     }
     let beyond = CONVERTERS[CONVERTERS.len() - 1].1 as u32;
@@ -101,10 +94,7 @@ pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -
         seen
     };
     let (largest, bits) = frames.par_iter().map(of_frame).reduce(|| (0, 0), |a, b| (a.0.max(b.0), a.1 | b.1));
-    if bits & 1 == 0 {
-        return None;
-    }
-    CONVERTERS.iter().map(|(_, value)| *value).find(|value| largest as f32 <= *value)
+    CONVERTERS.iter().map(|(_, value)| *value).find(|value| bits & 1 == 1 && largest as f32 <= *value)
 }
 
 impl Burst {
@@ -146,7 +136,6 @@ impl Burst {
     }
 }
 
-/// Text of the first three of `items`.
 fn list(items: &[String]) -> String {
     const FEW: usize = 3;
     let more = if items.len() > FEW { ", …" } else { "" };

@@ -1,9 +1,8 @@
 //! Opening of a burst: finds the files, decodes them in parallel and calibrates the values to fractions of full scale.
 //!
-//! Calibration: a frame's value becomes (value − bias) / (full scale − black) / gain. The bias is a bias frame where
-//! there is one and the black level otherwise; the gain is the flat frame less the bias, over its own mean. Bias and
-//! flat frame are measured by the same camera, but their files may be of another kind: their values are converted to
-//! the frames' unit, or refused where the unit cannot be told.
+//! A frame's value becomes (value − bias) / (full scale − black) / gain. The bias is a bias frame where there is one
+//! and the black level otherwise; the gain is the flat frame less the bias, over its own mean. Where their files are of
+//! another kind, their values are converted to the frames' unit, or refused where the unit cannot be told.
 
 use super::Burst;
 use super::decode::{self, Expected, FileScale, RawFrame, Ticker, in_order};
@@ -19,9 +18,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 impl Burst {
     /// Opens a folder of frames, a picture, a multi-page TIFF or a `.npy` stack with the default options.
-    ///
-    /// # Errors
-    /// See [`OpenError`]; every message names the file and a remedy.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         Self::open_with(&[path.as_ref().to_path_buf()], &OpenOptions::default(), &Monitor::default())
     }
@@ -30,7 +26,7 @@ impl Burst {
     /// are its frames (in the order given). One single picture is a burst of one frame, which is enough for SIFT but
     /// has no slopes.
     ///
-    /// **Values.** Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if
+    /// Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if
     /// signed), also when the camera has fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless
     /// [`OpenOptions::full_scale`] says otherwise. Float files are taken as they are if their values lie in [0, 1]
     /// (magnitudes up to 2 are taken for noise around that), otherwise they are divided by the burst's largest
@@ -40,27 +36,25 @@ impl Burst {
     /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused,
     /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1.
     ///
-    /// **Damaged files.** The sizes that a file announces are compared with its length before it is decoded. Raw files,
-    /// and pictures whose decoding takes much memory, are decoded by a [`super::DecodeWorker`] where one is installed.
-    ///
-    /// Frames are decoded in parallel; progress is reported to `monitor` for every frame, and cancellation checked
-    /// before each.
-    ///
-    /// # Errors
-    /// See [`OpenError`]. Of several faulty frames the first is named.
+    /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed;
+    /// progress is reported to `monitor` for every frame, and cancellation checked before each. Of several faulty
+    /// frames the error names the first.
     pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
         let raw = read(inputs, options, monitor)?;
-        let measured =
-            |path: &Option<PathBuf>| path.as_ref().map(|path| Measured::read(path, options, monitor)).transpose();
+        let measured = |path: &Option<PathBuf>| {
+            let Some(path) = path.clone() else { return Ok(None) };
+            // Quiet, because its progress would begin again after the burst's own.
+            let frames = read(std::slice::from_ref(&path), options, &monitor.silent())?.frames;
+            Ok::<_, OpenError>(Some(Measured { frames, path }))
+        };
         let measured = [measured(&options.bias)?, measured(&options.flat)?];
         let sources = inputs.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect();
         calibrated(raw, measured, sources, options, monitor)
     }
 }
 
-/// Converts decoded frames to fractions of full scale, with the bias and the flat frame where they were measured.
 pub(super) fn calibrated(
     mut raw: RawBurst,
     measured: [Option<Measured>; 2],
@@ -99,41 +93,24 @@ pub(super) fn calibrated(
     })
 }
 
-/// Decoded frames of a calibration, and where they come from.
 pub(super) struct Measured {
     pub frames: Vec<RawFrame>,
     pub path: PathBuf,
 }
 
-impl Measured {
-    /// Decodes the frames at `path`.
-    fn read(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
-        // Quiet, because its progress would begin again after the burst's own.
-        let frames = read(&[path.to_path_buf()], options, &monitor.silent())?.frames;
-        Ok(Self { frames, path: path.to_owned() })
-    }
-}
-
-/// Bias and gain from the measured bias and flat frame, in the burst's unit.
 fn calibration(burst: &RawBurst, levels: Levels, measured: [Option<Measured>; 2]) -> Result<Calibration, OpenError> {
     let mean = |of: &Measured, kind| mean_in_unit_of(&burst.frames, levels, &of.frames, kind, &of.path);
     let [bias, flat] = measured;
-    let bias = match &bias {
-        Some(of) => {
-            let bias = mean(of, "bias")?;
-            check_bias(&bias, of.frames[0].scale, &burst.frames, &of.path)?;
-            Some(bias)
-        }
-        None => None,
-    };
-    let gain = match &flat {
-        Some(of) => Some(gain(mean(of, "flat")?, bias.as_ref(), levels.black, &of.path)?),
-        None => None,
-    };
+    let bias = bias.map(|of| {
+        let bias = mean(&of, "bias")?;
+        check_bias(&bias, of.frames[0].scale, &burst.frames, &of.path)?;
+        Ok::<_, OpenError>(bias)
+    });
+    let bias = bias.transpose()?;
+    let gain = flat.map(|of| gain(mean(&of, "flat")?, bias.as_ref(), levels.black, &of.path)).transpose()?;
     Ok(Calibration { bias, gain })
 }
 
-/// Decoded frames, before calibration.
 pub(super) struct RawBurst {
     pub name: String,
     pub frames: Vec<RawFrame>,
@@ -142,7 +119,6 @@ pub(super) struct RawBurst {
     pub origins: Vec<(PathBuf, usize)>,
 }
 
-/// Decodes the burst that `inputs` name.
 fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, OpenError> {
     let limits = &options.limits;
     let source = only_burst(inputs)?;
@@ -244,10 +220,7 @@ pub(super) struct Levels {
 }
 
 impl Levels {
-    /// Levels of `frames`, where no others are given.
-    ///
-    /// # Errors
-    /// A full scale that is not finite and positive, or a black level that is not finite or not below the full scale.
+    /// Levels of `frames`, where no others are given; an error for given ones that make no sense.
     pub fn of(frames: &[RawFrame], given: Option<f32>, black: Option<f32>) -> Result<Self, OpenError> {
         if let Some(value) = given.filter(|s| !(s.is_finite() && *s > 0.0)) {
             let problem = "the full scale is the file's value that becomes 1.0";
@@ -274,16 +247,13 @@ fn natural_full_scale(frames: &[RawFrame]) -> f32 {
     });
     let largest =
         frames.iter().filter_map(|f| if let FileScale::Data { largest, .. } = f.scale { Some(largest) } else { None });
-    match range.reduce(f32::max) {
-        Some(range) => range,
-        None => largest.reduce(f32::max).filter(|&l| l > MAX_UNIT_VALUE).unwrap_or(1.0),
-    }
+    let of_data = || largest.reduce(f32::max).filter(|&l| l > MAX_UNIT_VALUE).unwrap_or(1.0);
+    range.reduce(f32::max).unwrap_or_else(of_data)
 }
 
 /// Bias and gain of each pixel: the first is subtracted from a frame, the second divides it. In the frames' unit.
 #[derive(Debug, Default)]
 pub(super) struct Calibration {
-    /// The bias frame.
     pub bias: Option<Plane>,
     /// The gain of each pixel, 1 on average.
     pub gain: Option<Plane>,
@@ -318,13 +288,9 @@ impl Calibration {
     }
 }
 
-/// Factor that converts the values of calibration frames to the unit of the burst's own files.
-///
-/// # Errors
-/// The reason why the two units cannot be related, and a remedy.
+/// Factor that converts the values of calibration frames to the unit of the burst's own files. The error says why the
+/// units cannot be related, and a remedy.
 fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'static str> {
-    const ALIKE: &str = "save it with the same program and in the same format as the frames";
-    let in_fractions = |full_scale: f32| Ok(full_scale);
     match (frames, of) {
         (FileScale::Range(a), FileScale::Range(b)) if a == b => Ok(b),
         (FileScale::Range(_), FileScale::Range(_)) if levels.given.is_some() => Err(
@@ -334,7 +300,7 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
         (FileScale::Range(a), FileScale::Range(_)) => Ok(a),
         // Fractions of the frames' full scale, as `stack` writes.
         (FileScale::Range(a), FileScale::Data { integer: false, largest }) if largest <= 1.0 => {
-            in_fractions(levels.given.unwrap_or(a))
+            Ok(levels.given.unwrap_or(a))
         }
         (FileScale::Range(a), FileScale::Data { largest, .. }) if largest <= a => Ok(1.0),
         (FileScale::Range(_), FileScale::Data { .. }) => Err(
@@ -342,10 +308,9 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
         ),
         (FileScale::Data { integer: a, largest }, FileScale::Data { integer: b, largest: own }) => {
             let (unit, own_unit) = (!a && largest <= MAX_UNIT_VALUE, !b && own <= MAX_UNIT_VALUE);
-            match (unit, own_unit) {
-                _ if own == 0.0 => Ok(1.0),
-                (true, true) | (false, false) => Ok(1.0),
-                (false, true) if levels.given.is_some() => in_fractions(levels.full_scale),
+            match levels.given {
+                _ if own == 0.0 || unit == own_unit => Ok(1.0),
+                Some(_) if own_unit => Ok(levels.full_scale),
                 _ => Err("its values are in another unit than those of the frames; save both in the same unit"),
             }
         }
@@ -354,14 +319,13 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
         (FileScale::Data { .. }, FileScale::Range(b)) => Ok(b),
         (FileScale::Raw { .. }, FileScale::Raw { .. }) => Ok(1.0),
         (FileScale::Raw { .. }, FileScale::Data { integer: false, largest }) if largest <= 1.0 => Ok(1.0),
-        (FileScale::Raw { .. }, _) | (_, FileScale::Raw { .. }) => Err(ALIKE),
+        (FileScale::Raw { .. }, _) | (_, FileScale::Raw { .. }) => {
+            Err("save it with the same program and in the same format as the frames")
+        }
     }
 }
 
 /// The mean of calibration frames in the unit of the burst's own files; `kind` is "bias" or "flat".
-///
-/// # Errors
-/// A size or a unit that does not fit the burst's `frames`.
 pub(super) fn mean_in_unit_of(
     frames: &[RawFrame],
     levels: Levels,
@@ -399,24 +363,17 @@ pub(super) fn mean_in_unit_of(
     Ok(mean)
 }
 
-/// Checks that a bias whose files are `of` another kind than the frames' is, once converted, not brighter than all
-/// values of the frames.
-///
-/// # Errors
-/// A bias whose mean is above the brightest value of the frames.
+/// Checks that a bias whose files are `of` another kind than the frames' is, once converted, not brighter on average
+/// than all values of the frames.
 pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path: &Path) -> Result<(), OpenError> {
     let is_alike = match (of, frames[0].scale) {
         (FileScale::Range(a), FileScale::Range(b)) => a == b,
         (a, b) => std::mem::discriminant(&a) == std::mem::discriminant(&b),
     };
-    if is_alike {
-        return Ok(());
-    }
     let unit = |frame: &RawFrame| if let FileScale::Range(range) = frame.scale { range } else { 1.0 };
-    let brightest = frames.iter().flat_map(|f| f.plane.data().iter().map(move |v| v * unit(f)));
-    let brightest = brightest.fold(f32::MIN, f32::max);
+    let values = frames.iter().flat_map(|f| f.plane.data().iter().map(move |v| v * unit(f)));
     let mean = mean_of(bias);
-    if mean > f64::from(brightest) && mean > 0.0 {
+    if !is_alike && mean > f64::from(values.fold(f32::MIN, f32::max)) && mean > 0.0 {
         let reason = "it is brighter than everything in the frames; save it in their unit";
         return Err(OpenError::calibration(path, "bias", reason));
     }
@@ -427,10 +384,8 @@ fn mean_of(plane: &Plane) -> f64 {
     plane.data().iter().map(|v| f64::from(*v)).sum::<f64>() / plane.data().len() as f64
 }
 
-/// Gain of each pixel from a flat frame and the bias, or black level, that it contains. Dead pixels have a gain of 1.
-///
-/// # Errors
-/// A flat frame that shows no light, or has many dead pixels.
+/// Gain of each pixel from a flat frame and the bias, or black level, that it contains. Dead pixels have a gain of 1;
+/// a flat frame without light, or with many of them, is refused.
 pub(super) fn gain(mut flat: Plane, bias: Option<&Plane>, black: f32, path: &Path) -> Result<Plane, OpenError> {
     match bias {
         Some(bias) => flat.data_mut().iter_mut().zip(bias.data()).for_each(|(f, b)| *f -= b),

@@ -13,13 +13,11 @@ use std::path::{Path, PathBuf};
 #[serde(default, deny_unknown_fields)]
 pub struct OpenOptions {
     /// A bias frame, or a stack or folder of them, which is averaged. It is subtracted in the frames' unit, before the
-    /// division by the full scale. Negative differences are kept: clipping them would raise the mean of the noise and
-    /// make it look smaller than it is.
+    /// division by the full scale. Negative differences stay: clipping them would make the noise look smaller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bias: Option<PathBuf>,
     /// A flat frame, or a stack or folder of them, which is averaged: a picture of an even surface. The frames are
-    /// divided by it (less the bias, over its mean), which corrects the lens's vignetting and each pixel's own
-    /// sensitivity.
+    /// divided by it (less the bias, over its mean), against vignetting and each pixel's own sensitivity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flat: Option<PathBuf>,
     /// File value that becomes 1.0, such as 4095 for 12-bit values in 16-bit files. `None` takes it from the files: see

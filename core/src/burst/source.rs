@@ -1,17 +1,10 @@
 //! Finding of the bursts that an input names, and of their sizes, before any pixel is read.
 //!
-//! A folder that holds pictures is a burst. A folder that holds none, but has subfolders that do, is a dataset: each of
-//! those subfolders is a burst; so is a folder of bursts beside which fewer pictures lie than it has bursts, such as a
-//! preview. Such stray pictures are listed apart. A subfolder that cannot be read is listed as a burst, whose opening
-//! gives the error: one bad entry does not hide the others. A multi-page TIFF or a `.npy` stack alone is a burst;
-//! several stacks, given together or lying in one folder, are several bursts. Several single pictures are the frames of
-//! one burst.
-//!
-//! A folder is read in natural order (`frame_2` before `frame_10`). Files named one by one keep the order in which they
-//! are named, so that frames can be ordered by hand.
-//!
-//! A robot that records all the way has no folders of bursts: [`cut_sequence`] makes a burst of every N frames of its
-//! recording. The cut is between files: each burst lists its own frames and is opened alone.
+//! A folder that holds pictures is a burst, in natural order (`frame_2` before `frame_10`); one with fewer pictures
+//! than subfolders of pictures is a dataset: each of those is a burst, and its own pictures are listed apart, as
+//! strays. A subfolder that cannot be read is listed as a burst, whose opening gives the error. A multi-page TIFF or a
+//! `.npy` stack is a burst; several single pictures, in the order in which they are named, are the frames of one burst.
+//! [`cut_sequence`] makes a burst of every N frames of a long recording; each lists its own files and is opened alone.
 
 use super::decode;
 use super::error::{OpenError, OpenErrorKind};
@@ -34,21 +27,15 @@ pub struct BurstFiles {
 
 impl BurstFiles {
     /// Files with its frames: those of its folder in natural order, or its paths.
-    ///
-    /// # Errors
-    /// The folder cannot be read.
     pub fn files(&self) -> Result<Vec<PathBuf>, OpenError> {
         files_at(&self.paths)
     }
 }
 
 /// Files with the frames at `paths`: those of a single folder in natural order, or the paths themselves.
-///
-/// # Errors
-/// The folder cannot be read.
 pub fn files_at(paths: &[PathBuf]) -> Result<Vec<PathBuf>, OpenError> {
     match paths {
-        [folder] if folder.is_dir() => pictures_of_folder(folder),
+        [folder] if folder.is_dir() => Ok(list(folder)?.0),
         paths => Ok(paths.to_vec()),
     }
 }
@@ -90,9 +77,6 @@ pub struct Entries {
 }
 
 /// Finds bursts as [`find_bursts`], and the pictures that belong to none.
-///
-/// # Errors
-/// As [`find_bursts`].
 pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, OpenError> {
     if inputs.is_empty() {
         return Err(OpenError::nothing_given());
@@ -131,11 +115,6 @@ pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, OpenError> {
     Ok(entries)
 }
 
-/// Pictures of a folder, in natural order. Hidden files and files of other kinds are left out.
-fn pictures_of_folder(folder: &Path) -> Result<Vec<PathBuf>, OpenError> {
-    Ok(list(folder)?.0)
-}
-
 fn entries_of_folder(folder: &Path, look_into_subfolders: bool) -> Result<Entries, OpenError> {
     let (pictures, subfolders) = list(folder)?;
     if pictures.len() > 1 && pictures.iter().all(|p| is_stack(p)) {
@@ -166,14 +145,11 @@ fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstFiles>, OpenError> {
     if let [single] = &files[..] {
         return Ok(vec![stack_source(single.clone())]);
     }
-    let stacks = files.iter().filter(|f| is_stack(f)).count();
-    if stacks == files.len() {
+    if files.iter().all(|f| is_stack(f)) {
         return Ok(files.into_iter().map(stack_source).collect());
     }
-    if stacks > 0 {
-        let path = files.iter().find(|f| is_stack(f)).expect("there is at least one stack").clone();
-        let frames = decode::frame_count(&path).unwrap_or(2);
-        return Err(OpenError::stack_among_frames(&path, frames));
+    if let Some(path) = files.iter().find(|f| is_stack(f)) {
+        return Err(OpenError::stack_among_frames(path, decode::frame_count(path).unwrap_or(2)));
     }
     let parent = files[0].parent().unwrap_or(Path::new(""));
     let together = files.iter().all(|f| f.parent().unwrap_or(Path::new("")) == parent);
@@ -201,7 +177,7 @@ pub(super) fn folder_name(folder: &Path) -> String {
     named(folder).or_else(|| named(&std::fs::canonicalize(folder).ok()?)).unwrap_or_else(|| "burst".into())
 }
 
-/// Pictures and subfolders of a folder, each in natural order.
+/// Pictures and subfolders of a folder, each in natural order, without hidden files and those of other kinds.
 fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), OpenError> {
     let (mut pictures, mut subfolders) = (Vec::new(), Vec::new());
     let entries = std::fs::read_dir(folder).map_err(|e| OpenError::from_io(folder, &e))?;
@@ -224,8 +200,7 @@ fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), OpenError> {
 }
 
 fn has_picture_extension(path: &Path) -> bool {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    extension.is_some_and(|e| decode::extensions().any(|known| known == e))
+    path.extension().is_some_and(|e| decode::extensions().any(|known| e.eq_ignore_ascii_case(known)))
 }
 
 /// Natural order of file names; names that differ only in leading zeros are ordered by their bytes, so that the order
@@ -240,13 +215,9 @@ pub(super) fn natural_order(a: &Path, b: &Path) -> Ordering {
 pub(super) fn make_names_unique(sources: &mut [BurstFiles]) {
     let mut taken = HashSet::new();
     for source in sources {
-        let mut name = source.name.clone();
-        let mut number = 2;
-        while !taken.insert(name.to_lowercase()) {
-            name = format!("{}-{number}", source.name);
-            number += 1;
-        }
-        source.name = name;
+        let numbered = (2..).map(|number| format!("{}-{number}", source.name));
+        let mut names = std::iter::once(source.name.clone()).chain(numbered);
+        source.name = names.find(|name| taken.insert(name.to_lowercase())).expect("numbers never end");
     }
 }
 
@@ -258,12 +229,8 @@ pub struct SequenceCut {
 }
 
 impl SequenceCut {
-    /// Bursts of `length` frames; each begins `step` frames after the one before. Without a step they follow one
-    /// another: each frame is in one burst. With a step below `length` they overlap, with one above it frames between
-    /// them are left out.
-    ///
-    /// # Errors
-    /// If either is 0.
+    /// Bursts of `length` frames; each begins `step` frames after the one before, by default `length`: each frame is in
+    /// one burst. Either being 0 is an error.
     pub fn new(length: usize, step: Option<usize>) -> Result<Self, OpenError> {
         let step = step.unwrap_or(length);
         if length == 0 || step == 0 {
@@ -294,11 +261,9 @@ impl SequenceCut {
     }
 }
 
-/// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in time order.
-///
-/// A burst is named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses), so
-/// that its features can be compared with data on that frame, such as the camera's pose. For bursts of several
-/// sequences, [`name_among_several`] makes the names differ.
+/// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in time order. A burst is
+/// named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses); among bursts
+/// of several sequences, [`name_among_several`] makes the names differ.
 ///
 /// # Errors
 /// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.
@@ -340,12 +305,8 @@ pub struct Declared {
 }
 
 impl Declared {
-    /// Reads the header of the first frame of the burst that `inputs` name, as [`Burst::open_with`] takes them.
-    ///
-    /// # Errors
-    /// As [`Burst::open_with`], for errors that the first header shows.
-    ///
-    /// [`Burst::open_with`]: super::Burst::open_with
+    /// Reads the header of the first frame of the burst that `inputs` name, as
+    /// [`Burst::open_with`](super::Burst::open_with) takes them.
     pub fn of(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, OpenError> {
         let files = only_burst(inputs)?.files()?;
         let first = files.first().ok_or_else(OpenError::nothing_given)?;
@@ -378,9 +339,7 @@ mod tests {
                 prop_assert_ne!(natural_order(a, c), Ordering::Greater);
             }
         }
-    }
 
-    proptest! {
         #[test]
         fn every_burst_is_whole_and_the_last_one_is_the_last_that_fits(frames in 0usize..200, length in 1usize..20, step in 1usize..20) {
             let cut = SequenceCut::new(length, Some(step)).expect("it can be cut like this");

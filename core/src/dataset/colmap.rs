@@ -236,13 +236,11 @@ fn model_id(model: CameraModel) -> u32 {
 /// The geometry that the verified matches of the bursts `a` and `b` agree on; `None` where they were not verified.
 fn database_geometry([a, b]: [&BurstSide; 2], result: &MatchResult) -> Option<DatabaseGeometry> {
     let Verification { model, inlier, .. } = result.verification.as_ref()?;
-    let Some(model) = model else {
-        return Some(DatabaseGeometry::degenerate());
-    };
+    let Some(model) = model else { return Some(DatabaseGeometry::default()) };
     let agreed = || result.matches.iter().zip(inlier).filter(|(_, inlier)| **inlier).map(|(m, _)| m);
     let none = DatabaseGeometry {
         inliers: agreed().map(|m| [m.a as u32, m.b as u32]).collect(),
-        ..DatabaseGeometry::degenerate()
+        ..DatabaseGeometry::default()
     };
     Some(match model {
         TwoViewModel::Fundamental { fundamental } => {

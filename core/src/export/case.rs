@@ -1,10 +1,9 @@
 //! A case: a burst, or the part of it around a place, with the settings and the question about it, in one file.
 //!
-//! The file is a ZIP without compression of its own: `case.toml`, one 16-bit grey PNG for each frame,
-//! `frames/00000.png` and on, and where there are some the session of the window, `session.toml`, and the truth of the
-//! frames, `truth.json`. Values are `offset + word·scale`; those of 8 and 16-bit files come back as they were,
-//! those of calibrated ones within rounding. Reading is bounded: the sizes that `case.toml` declares are checked before
-//! frames are decoded, and no entry is read further than a frame of that size can need.
+//! The file is a ZIP without compression of its own: `case.toml`, a 16-bit grey PNG for each frame (`frames/00000.png`
+//! and on), and where there are some the window's `session.toml` and the frames' `truth.json`. Values are
+//! `offset + word·scale`; those of 8 and 16-bit files come back exactly, calibrated ones within rounding. Reading is
+//! bounded: declared sizes are checked before frames are decoded, and no entry is read further than these can need.
 
 use super::atomic::write_marked;
 use super::error::ExportError;
@@ -17,7 +16,7 @@ use crate::plane::{Plane, memory};
 use crate::synth::{FeatureTruth, Truth};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{BufReader, Cursor, Read, Seek, Write};
+use std::io::{self, BufReader, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zip::write::SimpleFileOptions;
@@ -25,13 +24,9 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 /// Ending of the names of cases.
 pub const CASE_EXTENSION: &str = "burstcase";
-/// Name of the entry with the settings.
 const ABOUT: &str = "case.toml";
-/// Name of the entry with the session.
 const SESSION: &str = "session.toml";
-/// Name of the entry with the truth.
 const TRUTH: &str = "truth.json";
-/// Version of the format.
 const VERSION: u32 = 1;
 
 /// What a case holds beside its frames and settings.
@@ -84,19 +79,12 @@ mod bounds {
     use crate::detector::params::Bounds;
     use std::ops::Bound::{Excluded, Included};
 
-    /// Place that is asked about, pixels.
     pub const PLACE: Bounds = Bounds::new((Included(-1e6), Included(1e6)), "a place is within 1000000 pixels");
-    /// Column and row at which the frames begin.
     pub const CORNER: Bounds = Bounds::new((Included(0.0), Included(1e6)), "a corner is within 1000000 pixels");
-    /// Columns, rows and frames.
     pub const COUNT: Bounds = Bounds::new((Included(1.0), Included(1e6)), "there are 1 to 1000000");
-    /// Sensor pixels along a side of a pixel.
     pub const BINNING: Bounds = Bounds::new((Included(1.0), Included(64.0)), "there are 1 to 64");
-    /// Intensity of the word 0.
     pub const OFFSET: Bounds = Bounds::new((Included(-1e30), Included(1e30)), "an offset is within 1e30");
-    /// Intensity of a step, and full scale of the files.
     pub const SCALE: Bounds = Bounds::new((Excluded(0.0), Included(1e33)), "a scale is above 0 and up to 1e33");
-    /// Smallest difference of the files' values.
     pub const STEP: Bounds = Bounds::new((Included(0.0), Included(1e33)), "a step is 0 to 1e33");
 }
 
@@ -119,9 +107,6 @@ pub enum CaseError {
 impl Case {
     /// A case of `burst`, or of the square of `around` pixels to each side of `place` in it, with the burst of its
     /// frames.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn of(
         burst: &Burst,
         search: &SearchParams,
@@ -173,7 +158,7 @@ impl Case {
         2 * pixels + 8192
     }
 
-    /// Checks the numbers: a file may hold anything.
+    /// A file may hold anything.
     fn check(&self) -> Result<(), ParamError> {
         for place in self.place.iter().flatten() {
             bounds::PLACE.check("place", f64::from(*place))?;
@@ -244,9 +229,6 @@ impl Truth {
 }
 
 /// Writes a case; `burst` has its frames.
-///
-/// # Errors
-/// When the file cannot be written, or the work was cancelled; an older one is then unchanged.
 pub fn write_case(
     path: &Path,
     (case, burst): (&Case, &Burst),
@@ -256,30 +238,32 @@ pub fn write_case(
     let about = toml::to_string(case).expect("a case is plain values, which TOML can always hold");
     let truth = enclosed.truth.as_ref().map(|truth| truth.within(case));
     let truth = truth.map(|truth| serde_json::to_string(&truth).expect("a truth is plain values"));
-    let texts = [(ABOUT, Some(&about)), (SESSION, enclosed.session.as_ref()), (TRUTH, truth.as_ref())];
-    write_marked(path, Kind::Case, |out| {
-        // The size and sum of an entry come before its bytes, so it is written to memory first.
-        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-        let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
-        for (name, text) in texts.iter().filter_map(|(name, text)| Some((*name, (*text)?))) {
-            zip.start_file(name, stored).map_err(std::io::Error::other)?;
-            zip.write_all(text.as_bytes())?;
-        }
-        for (t, frame) in burst.frames.iter().enumerate() {
-            monitor.check().map_err(std::io::Error::other)?;
-            monitor.report(Stage::Write, t as f32 / burst.len() as f32);
-            zip.start_file(frame_name(t), stored).map_err(std::io::Error::other)?;
-            zip.write_all(&encoded(frame, case, monitor)?)?;
-        }
-        out.write_all(&zip.finish().map_err(std::io::Error::other)?.into_inner())
-    })
+    let texts = [(ABOUT, Some(about)), (SESSION, enclosed.session.clone()), (TRUTH, truth)];
+    let texts = texts.into_iter().filter_map(|(name, text)| Some(Ok((name.to_owned(), text?.into_bytes()))));
+    let frames = burst.frames.iter().enumerate().map(|(t, frame)| {
+        monitor.report(Stage::Write, t as f32 / burst.len() as f32);
+        Ok((frame_name(t), encoded(frame, case, monitor)?))
+    });
+    write_marked(path, Kind::Case, |out| out.write_all(&zipped(texts.chain(frames))?))
+}
+
+/// A ZIP of entries, each with its name. In memory, because an entry's size and sum come before its bytes.
+fn zipped(entries: impl Iterator<Item = io::Result<(String, Vec<u8>)>>) -> io::Result<Vec<u8>> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    for entry in entries {
+        let (name, bytes) = entry?;
+        zip.start_file(name, stored).map_err(io::Error::other)?;
+        zip.write_all(&bytes)?;
+    }
+    Ok(zip.finish().map_err(io::Error::other)?.into_inner())
 }
 
 fn frame_name(t: usize) -> String {
     format!("frames/{t:05}.png")
 }
 
-fn encoded(frame: &Plane, case: &Case, monitor: &Monitor) -> std::io::Result<Vec<u8>> {
+fn encoded(frame: &Plane, case: &Case, monitor: &Monitor) -> io::Result<Vec<u8>> {
     let word =
         |&x: &f32| (((f64::from(x) - case.offset) / case.scale).round().clamp(0.0, 65535.0) as u16).to_be_bytes();
     let mut bytes = Vec::new();
@@ -287,14 +271,14 @@ fn encoded(frame: &Plane, case: &Case, monitor: &Monitor) -> std::io::Result<Vec
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(png::BitDepth::Sixteen);
     encoder.set_compression(png::Compression::Fast);
-    let mut writer = encoder.write_header().map_err(std::io::Error::other)?;
-    let mut rows = writer.stream_writer().map_err(std::io::Error::other)?;
+    let mut writer = encoder.write_header().map_err(io::Error::other)?;
+    let mut rows = writer.stream_writer().map_err(io::Error::other)?;
     for row in frame.data().chunks(frame.width().max(1)) {
-        monitor.check().map_err(std::io::Error::other)?;
+        monitor.check().map_err(io::Error::other)?;
         rows.write_all(&row.iter().flat_map(word).collect::<Vec<u8>>())?;
     }
-    rows.finish().map_err(std::io::Error::other)?;
-    writer.finish().map_err(std::io::Error::other)?;
+    rows.finish().map_err(io::Error::other)?;
+    writer.finish().map_err(io::Error::other)?;
     Ok(bytes)
 }
 
@@ -304,24 +288,18 @@ pub fn is_case(path: &Path) -> bool {
 }
 
 /// Reads a case without its frames.
-///
-/// # Errors
-/// See [`CaseError`].
 pub fn read_about(path: &Path) -> Result<Case, CaseError> {
-    let mut zip = opened(path)?;
-    about(path, &mut zip)
+    about(path, &mut opened(path)?)
 }
 
 /// Reads a case and its frames.
-///
-/// # Errors
-/// See [`CaseError`].
 pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Case, Burst), CaseError> {
     let mut zip = opened(path)?;
     let case = about(path, &mut zip)?;
     let [width, height] = case.size;
-    let fits = limits.check_frame(path, width as u64, height as u64);
-    fits.and_then(|()| limits.check_burst(path, case.frames as u64, width as u64, height as u64))
+    limits
+        .check_frame(path, width as u64, height as u64)
+        .and_then(|()| limits.check_burst(path, case.frames as u64, width as u64, height as u64))
         .map_err(|error| invalid(path, error.to_string()))?;
     let mut frames = Vec::with_capacity(case.frames);
     for t in 0..case.frames {
@@ -345,17 +323,11 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
 }
 
 /// Reads the text of a case's session; `None` where it has none.
-///
-/// # Errors
-/// See [`CaseError`].
 pub fn read_session(path: &Path) -> Result<Option<String>, CaseError> {
     text(path, &mut opened(path)?, SESSION, MAX_SESSION_BYTES)
 }
 
 /// Reads the truth of a case's frames; `None` where it has none.
-///
-/// # Errors
-/// See [`CaseError`].
 pub fn read_truth(path: &Path) -> Result<Option<Truth>, CaseError> {
     let text = text(path, &mut opened(path)?, TRUTH, MAX_SESSION_BYTES)?;
     let Some(text) = text else { return Ok(None) };
@@ -371,12 +343,7 @@ pub fn has_truth(path: &Path) -> bool {
 }
 
 /// The text of an entry, of which there may be `limit` bytes at most; `None` where there is no such entry.
-fn text<R: Read + Seek>(
-    path: &Path,
-    zip: &mut ZipArchive<R>,
-    name: &str,
-    limit: u64,
-) -> Result<Option<String>, CaseError> {
+fn text(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Option<String>, CaseError> {
     if zip.index_for_name(name).is_none() {
         return Ok(None);
     }
@@ -388,13 +355,14 @@ fn invalid(path: &Path, problem: impl ToString) -> CaseError {
     CaseError::Invalid { path: path.to_owned(), problem: problem.to_string() }
 }
 
-fn opened(path: &Path) -> Result<ZipArchive<BufReader<File>>, CaseError> {
+type Zip = ZipArchive<BufReader<File>>;
+
+fn opened(path: &Path) -> Result<Zip, CaseError> {
     let file = File::open(path).map_err(|error| invalid(path, error))?;
     ZipArchive::new(BufReader::new(file)).map_err(|error| invalid(path, error))
 }
 
-/// The bytes of an entry, of which there may be `limit` at most.
-fn entry<R: Read + Seek>(path: &Path, zip: &mut ZipArchive<R>, name: &str, limit: u64) -> Result<Vec<u8>, CaseError> {
+fn entry(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Vec<u8>, CaseError> {
     let entry = zip.by_name(name).map_err(|error| invalid(path, format!("{name}: {error}")))?;
     let mut bytes = Vec::new();
     // The declared size is no promise.
@@ -405,19 +373,19 @@ fn entry<R: Read + Seek>(path: &Path, zip: &mut ZipArchive<R>, name: &str, limit
     Ok(bytes)
 }
 
-fn about<R: Read + Seek>(path: &Path, zip: &mut ZipArchive<R>) -> Result<Case, CaseError> {
+fn about(path: &Path, zip: &mut Zip) -> Result<Case, CaseError> {
     let text = text(path, zip, ABOUT, MAX_SETTINGS_BYTES)?;
     let text = text.ok_or_else(|| invalid(path, format!("there is no {ABOUT}")))?;
-    let case: Case = toml::from_str(&text).map_err(|error| invalid(path, format!("{ABOUT}: {error}")))?;
-    let wrong = |problem: &str| Err(invalid(path, format!("{ABOUT}: {problem}")));
+    let wrong = |problem: String| invalid(path, format!("{ABOUT}: {problem}"));
+    let case: Case = toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
     if case.version != VERSION {
-        return wrong("its version is not 1");
+        return Err(wrong("its version is not 1".to_owned()));
     }
-    case.check().map_err(|error| invalid(path, format!("{ABOUT}: {error}")))?;
+    case.check().map_err(|error| wrong(error.to_string()))?;
     Ok(case)
 }
 
-fn frame<R: Read + Seek>(path: &Path, zip: &mut ZipArchive<R>, case: &Case, t: usize) -> Result<Plane, CaseError> {
+fn frame(path: &Path, zip: &mut Zip, case: &Case, t: usize) -> Result<Plane, CaseError> {
     let name = frame_name(t);
     let [width, height] = case.size;
     let words = 2 * width as u64 * height as u64;
@@ -462,9 +430,8 @@ mod tests {
     fn a_case_comes_back_as_it_was() {
         let (burst, truth) = chart();
         let search = SearchParams::default();
-        let (case, part) =
-            Case::of(&burst, &search, (Some([40.0, 30.0]), None), "why not this one?", &Monitor::default())
-                .expect("nobody cancels");
+        let of = |place, note: &str| Case::of(&burst, &search, place, note, &Monitor::default()).expect("whole");
+        let (case, part) = of((Some([40.0, 30.0]), None), "why not this one?");
         // A case without session and truth.
         let (_home, path) = written(&case, &part, &Enclosed::default());
         assert!(!has_truth(&path));
@@ -478,8 +445,7 @@ mod tests {
         assert_eq!(read, case);
         assert!(back.frames == burst.frames, "12-bit values are exact");
         assert!(std::fs::metadata(&path).expect("a file").len() <= case.estimated_bytes());
-        let (case, part) =
-            Case::of(&burst, &search, (Some([90.0, 30.0]), Some(10)), "", &Monitor::default()).expect("nobody cancels");
+        let (case, part) = of((Some([90.0, 30.0]), Some(10)), "");
         assert_eq!((case.corner, case.size, case.place), ([80, 20], [16, 21], Some([10.0, 10.0])));
         assert_eq!(part.frames[1].at(3, 4), burst.frames[1].at(83, 24));
         let (_home, path) = written(&case, &part, &enclosed);
@@ -530,16 +496,11 @@ mod tests {
         for (size, frames) in [([1 << 40, 1 << 40], 4), ([96, 64], 1 << 40), ([0, 64], 4), ([97, 64], 4), ([96, 64], 5)]
         {
             let lying = Case { size, frames, ..case.clone() };
-            let text = toml::to_string(&lying).expect("plain values");
-            let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-            let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
-            zip.start_file(ABOUT, stored).expect("started");
-            zip.write_all(text.as_bytes()).expect("written");
-            for (t, frame) in part.frames.iter().enumerate() {
-                zip.start_file(frame_name(t), stored).expect("started");
-                zip.write_all(&encoded(frame, &case, &Monitor::default()).expect("encoded")).expect("written");
-            }
-            std::fs::write(&path, zip.finish().expect("finished").into_inner()).expect("written");
+            let about = Ok((ABOUT.to_owned(), toml::to_string(&lying).expect("plain values").into_bytes()));
+            let encoded = |frame| encoded(frame, &case, &Monitor::default());
+            let frames = part.frames.iter().enumerate().map(|(t, frame)| Ok((frame_name(t), encoded(frame)?)));
+            let zip = zipped(std::iter::once(about).chain(frames)).expect("zipped");
+            std::fs::write(&path, zip).expect("written");
             let error = read_case(&path, &Limits::default(), &Monitor::default()).expect_err("a lie");
             assert!(matches!(error, CaseError::Invalid { .. }), "{error}");
         }
@@ -564,11 +525,8 @@ mod tests {
             assert!(words.contains("a.burstcase") && words.contains(name), "{words}");
         }
         // Texts beyond their limits are not read to their end, whatever they unpack to.
-        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-        let packed = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
-        zip.start_file(SESSION, packed).expect("started");
-        zip.write_all(&vec![b'#'; MAX_SESSION_BYTES as usize + 1]).expect("written");
-        std::fs::write(&path, zip.finish().expect("finished").into_inner()).expect("written");
+        let long = Ok((SESSION.to_owned(), vec![b'#'; MAX_SESSION_BYTES as usize + 1]));
+        std::fs::write(&path, zipped(std::iter::once(long)).expect("zipped")).expect("written");
         let error = read_session(&path).expect_err("too long").to_string();
         assert!(error.contains("session.toml") && error.contains("larger"), "{error}");
     }

@@ -1,9 +1,8 @@
 //! As many marks as each part of a picture can bear.
 //!
-//! The image is divided into square cells whose side is a power of two, in image pixels, and lies between
-//! [`CELL_POINTS`] and half of it on the screen or sheet. The caller adds the marks from the strongest to the weakest
-//! and draws the first [`IN_A_CELL`] of each cell. Cells of one zoom nest in those of the next coarser one, so zooming
-//! in only adds marks; and because the cells belong to the image, panning changes none.
+//! The image is divided into square cells whose side is a power of two, in image pixels, of up to [`CELL_POINTS`] on
+//! the screen or sheet. The caller adds the marks from the strongest to the weakest and draws the first [`IN_A_CELL`]
+//! of each cell. Cells nest in those of the next coarser zoom: zooming in only adds marks, and panning changes none.
 
 /// Largest side of a cell on the screen, in points.
 const CELL_POINTS: f32 = 64.0;
@@ -13,11 +12,6 @@ pub const IN_A_CELL: u16 = 2;
 
 /// Largest number of cells along a side of the view and its surroundings; larger views share the cells at their rim.
 const MAX_CELLS: usize = 256;
-
-/// Side of a cell in image pixels, for a picture of `points_per_pixel` points an image pixel.
-fn cell_image(points_per_pixel: f32) -> f32 {
-    (CELL_POINTS / points_per_pixel.clamp(1e-6, 1e6)).log2().floor().exp2()
-}
 
 /// Square cells over a view and its surroundings, with the number of marks in each.
 #[derive(Debug, Clone)]
@@ -33,7 +27,7 @@ impl Cells {
     /// Empty cells for a picture of `points_per_pixel` points an image pixel, visible from `min` to `max` (image
     /// pixels).
     pub fn new(points_per_pixel: f32, [min, max]: [[f32; 2]; 2]) -> Self {
-        let side = cell_image(points_per_pixel);
+        let side = (CELL_POINTS / points_per_pixel.clamp(1e-6, 1e6)).log2().floor().exp2();
         // Circles reach into the view from outside: cells one view around it are counted too.
         let size = [max[0] - min[0], max[1] - min[1]];
         let first = [0, 1].map(|axis| ((min[axis] - size[axis]) / side).floor());

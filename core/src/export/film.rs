@@ -62,10 +62,7 @@ pub fn estimated_film_bytes(pictures: [&RgbaImage; 2], count: usize) -> u64 {
     (of_one(pictures[0]) + of_one(pictures[1])) / 2 * count as u64
 }
 
-/// Writes a film.
-///
-/// # Errors
-/// As [`encode_film`], and when the file cannot be written; an older one is then unchanged.
+/// Writes a film, which [`encode_film`] encodes.
 pub fn write_film(
     path: &Path,
     pictures: (usize, impl IntoIterator<Item = io::Result<RgbaImage>>),
@@ -80,8 +77,9 @@ mod tests {
     use super::*;
     use image::Rgba;
 
-    fn given(pictures: Vec<RgbaImage>) -> (usize, impl Iterator<Item = io::Result<RgbaImage>>) {
-        (pictures.len(), pictures.into_iter().map(Ok))
+    fn encoded(pictures: Vec<RgbaImage>, monitor: &Monitor) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        encode_film(&mut bytes, (pictures.len(), pictures.into_iter().map(Ok)), 10, monitor).map(|()| bytes)
     }
 
     fn pictures() -> Vec<RgbaImage> {
@@ -90,20 +88,17 @@ mod tests {
 
     #[test]
     fn films_come_back_picture_by_picture() {
-        let mut bytes = Vec::new();
-        encode_film(&mut bytes, given(pictures()), 10, &Monitor::default()).expect("encoded");
+        let bytes = encoded(pictures(), &Monitor::default()).expect("encoded");
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut decoder = options.read_info(&bytes[..]).expect("a GIF");
-        let mut count = 0;
-        while let Some(frame) = decoder.read_next_frame().expect("a picture") {
+        for truth in pictures() {
+            let frame = decoder.read_next_frame().expect("read").expect("a picture");
             assert_eq!(frame.delay, 10);
-            let of_truth = pictures()[count].as_raw().clone();
-            let off = frame.buffer.iter().zip(&of_truth).map(|(a, b)| a.abs_diff(*b)).max();
+            let off = frame.buffer.iter().zip(truth.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
             assert!(off.is_some_and(|off| off <= 4), "{off:?}");
-            count += 1;
         }
-        assert_eq!(count, 3);
+        assert!(decoder.read_next_frame().expect("read").is_none());
         let estimate = estimated_film_bytes([&pictures()[0], &pictures()[1]], 3) as f64;
         assert!((0.4..3.0).contains(&(estimate / bytes.len() as f64)));
     }
@@ -113,11 +108,11 @@ mod tests {
         let mut sizes = pictures();
         sizes.push(RgbaImage::new(3, 3));
         for pictures in [Vec::new(), vec![RgbaImage::new(0, 5)], vec![RgbaImage::new(70_000, 1)], sizes] {
-            assert!(encode_film(&mut Vec::new(), given(pictures), 10, &Monitor::default()).is_err());
+            assert!(encoded(pictures, &Monitor::default()).is_err());
         }
         let monitor = Monitor::default();
         monitor.cancel();
-        assert!(encode_film(&mut Vec::new(), given(pictures()), 10, &monitor).is_err());
+        assert!(encoded(pictures(), &monitor).is_err());
         // A picture that cannot be made ends the film.
         let failing = (2, [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))]);
         let error = encode_film(&mut Vec::new(), failing, 10, &Monitor::default());

@@ -50,9 +50,6 @@ impl ExportFormat {
     }
 
     /// Writes the features of `detection` to the file `path` in this format.
-    ///
-    /// # Errors
-    /// [`ExportError`] when the file cannot be written; an older one is then unchanged.
     pub fn write(self, path: &Path, detection: &Detection) -> Result<(), ExportError> {
         match self {
             Self::Csv => write_csv(path, &detection.features),
@@ -108,8 +105,7 @@ pub fn detection_files(folder: &Path, burst_name: &str, formats: &[ExportFormat]
 const LONGEST_NAME: usize = 200;
 
 /// The name with all characters replaced by `_` that some system does not allow in a file's name. Never empty, never a
-/// path. A name of more than 200 bytes is cut; a checksum of the whole name distinguishes it from others with the same
-/// beginning.
+/// path. A name of more than 200 bytes is cut, and ends with a checksum of the whole.
 pub fn safe_file_name(name: &str) -> String {
     let forbidden = |c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c);
     let name: String = name.chars().map(|c| if forbidden(c) { '_' } else { c }).collect();
@@ -151,15 +147,10 @@ mod tests {
 
     #[test]
     fn no_name_leaves_its_folder() {
-        let cases = [
-            ("slider-far", "slider-far"),
-            ("../../etc/passwd", "_.._etc_passwd"),
-            ("a:b?", "a_b_"),
-            ("..", "burst"),
-            ("", "burst"),
-            (" 夜 1. ", "夜 1"),
-        ];
-        for (name, safe) in cases {
+        let paths = [("../../etc/passwd", "_.._etc_passwd"), ("..", "burst"), ("", "burst")];
+        for (name, safe) in
+            [("slider-far", "slider-far"), ("a:b?", "a_b_"), (" 夜 1. ", "夜 1")].into_iter().chain(paths)
+        {
             assert_eq!(safe_file_name(name), safe);
         }
     }

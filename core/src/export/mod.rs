@@ -1,10 +1,8 @@
 //! Export: one source file for each file format.
 //!
-//! Features are written as CSV, as COLMAP's text and [database](write_colmap_database), or with their descriptors as
-//! `.npz`; pictures as 32-bit float TIFF (exact values) or PNG (as shown); figures as SVG with a vector overlay or on
-//! a [`sheet`] with axes; matches as CSV and as a picture of both images. Every file is written completely or not at
-//! all, see [`write_whole`]; [`OutputRules`] decides which files may be replaced. `kept` records what results were
-//! made from.
+//! Pictures are written as 32-bit float TIFF (exact values) or PNG (as shown), figures as SVG with a vector overlay or
+//! on a [`sheet`] with axes. Every file is written completely or not at all, see [`write_whole`]; [`OutputRules`]
+//! decides which files may be replaced. `kept` records what results were made from.
 
 mod atomic;
 pub mod case;

@@ -10,21 +10,14 @@ use ndarray_npy::NpzWriter;
 use std::io;
 use std::path::Path;
 
-/// Writes features and descriptors. Without features both arrays are written with no rows.
-///
-/// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
-///
-/// # Panics
-/// When the numbers of features and descriptors differ: a mistake of the caller.
+/// Writes features and descriptors, one for each feature (it panics if the numbers differ); also without any.
 pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {
     assert_eq!(features.len(), descriptors.len(), "each feature has one descriptor");
     let values = |f| Quantity::STORED.into_iter().filter_map(move |quantity| quantity.of(f));
     let rows: Vec<f32> = features.iter().flat_map(values).collect();
-    let rows =
-        ArrayView2::from_shape((features.len(), Quantity::STORED.len()), &rows).expect("one row for each feature");
-    let descriptors =
-        ArrayView2::from_shape((descriptors.len(), 128), descriptors.as_flattened()).expect("128 bytes each");
+    let count = features.len();
+    let rows = ArrayView2::from_shape((count, Quantity::STORED.len()), &rows).expect("one row for each");
+    let descriptors = ArrayView2::from_shape((count, 128), descriptors.as_flattened()).expect("128 bytes each");
     write_marked(path, Kind::Features, |out| {
         let mut npz = NpzWriter::new(out);
         npz.add_array("features", &rows).map_err(io::Error::other)?;

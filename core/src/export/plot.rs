@@ -70,9 +70,8 @@ impl Sheet {
                     r#"stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dashes}" stroke-linejoin="round""#
                 );
                 for &(x, y, spread) in points {
-                    if let Some([low, high]) =
-                        spread.filter(|ends| [x, y, ends[0], ends[1]].iter().all(|n| n.is_finite()))
-                    {
+                    let is_finite = |ends: &[f64; 2]| [x, y, ends[0], ends[1]].iter().all(|n| n.is_finite());
+                    if let Some([low, high]) = spread.filter(is_finite) {
                         let style = r#"stroke-width="1.2" stroke-opacity="0.75""#;
                         sheet.line((x_of(x), y_of(low)), (x_of(x), y_of(high)), colour, style);
                     }
@@ -129,15 +128,8 @@ mod tests {
         let spread = Some([0.25, 1.5]);
         let all = [series(&[(0.0, 1.0, None), (1.0, f64::NAN, spread), (2.0, 1.0, spread), (3.0, 2.0, None)])];
         let mut sheet = Sheet::new(300.0, "lines");
-        let plot = Plot {
-            title: "",
-            label_x: "x",
-            label_y: "y",
-            range_x: (0.0, 3.0),
-            range_y: (0.0, 2.0),
-            has_dots: true,
-            series: &all,
-        };
+        let (range_x, range_y) = ((0.0, 3.0), (0.0, 2.0));
+        let plot = Plot { title: "", label_x: "x", label_y: "y", range_x, range_y, has_dots: true, series: &all };
         sheet.plot(Area { x: 60.0, y: 20.0, width: 100.0, height: 100.0 }, &plot);
         assert_eq!(sheet.legend((10.0, 10.0), 50.0, &[all[0].clone(), all[0].clone()]), 50.0, "one under the other");
         let svg = sheet.finish(200.0);

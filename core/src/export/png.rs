@@ -17,19 +17,14 @@ pub struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    /// A picture of three bytes for each pixel: red, green, blue.
-    ///
-    /// # Panics
-    /// When `pixels` does not hold `width × height × 3` bytes: a mistake of the caller.
+    /// A picture of three bytes for each pixel: red, green, blue. Panics if there are not as many.
     pub fn rgb(width: usize, height: usize, pixels: &'a [u8]) -> Self {
         assert_eq!(pixels.len(), width * height * 3, "three bytes for each pixel");
         Self { width, height, has_alpha: false, pixels }
     }
 
-    /// A picture of four bytes for each pixel: red, green, blue and (straight, not premultiplied) alpha.
-    ///
-    /// # Panics
-    /// When `pixels` does not hold `width × height × 4` bytes: a mistake of the caller.
+    /// A picture of four bytes for each pixel: red, green, blue and (straight, not premultiplied) alpha. Panics if
+    /// there are not as many.
     pub fn rgba(width: usize, height: usize, pixels: &'a [u8]) -> Self {
         assert_eq!(pixels.len(), width * height * 4, "four bytes for each pixel");
         Self { width, height, has_alpha: true, pixels }
@@ -40,13 +35,11 @@ impl<'a> Picture<'a> {
         (self.width, self.height)
     }
 
-    /// Red, green and blue of each pixel, row by row.
     pub(super) fn rgb_pixels(&self) -> Vec<[u8; 3]> {
         let bytes = if self.has_alpha { 4 } else { 3 };
         self.pixels.chunks_exact(bytes).map(|p| [p[0], p[1], p[2]]).collect()
     }
 
-    /// Fails when PNG cannot hold the size.
     pub(super) fn check_size(&self, path: &Path) -> Result<(), ExportError> {
         // PNG's own limit is 2³¹ − 1 for each side.
         let fits = |side: usize| (1..=i32::MAX as usize).contains(&side);
@@ -75,9 +68,6 @@ impl<'a> Picture<'a> {
 }
 
 /// Writes the picture as PNG.
-///
-/// # Errors
-/// [`ExportError`] when the picture has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_png(path: &Path, picture: Picture<'_>) -> Result<(), ExportError> {
     picture.check_size(path)?;
     write_marked(path, Kind::Picture, |out| picture.encode_png(out))

@@ -1,7 +1,7 @@
 //! The sheet on which a figure is drawn: lines, text, pictures, and axes with round ticks.
 
 use super::png::Picture;
-use super::svg::{Attribute, Number, PathData, SvgWriter};
+use super::svg::{Attribute, Number, PathData, SvgWriter, rectangle};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 
@@ -44,7 +44,6 @@ impl Area {
         self.y + self.height
     }
 
-    /// Left, upper side, width and height.
     fn numbers(&self) -> [Number; 4] {
         [self.x, self.y, self.width, self.height].map(Number)
     }
@@ -69,7 +68,6 @@ pub struct Sheet {
     title: String,
 }
 
-/// Why writing cannot fail.
 const IN_MEMORY: &str = "memory can be written";
 
 impl Sheet {
@@ -137,9 +135,7 @@ impl Sheet {
 
     /// Draws a rectangle, filled and outlined by `style`.
     pub fn rectangle(&mut self, area: Area, style: &str) {
-        let [x, y, width, height] = area.numbers();
-        let place: [Attribute<'_>; 4] = [("x", &x), ("y", &y), ("width", &width), ("height", &height)];
-        self.body.empty("rect", &place, style).expect(IN_MEMORY);
+        self.body.empty("rect", &rectangle(&area.numbers()), style).expect(IN_MEMORY);
     }
 
     /// Draws a circle, filled and outlined by `style`.
@@ -158,17 +154,13 @@ impl Sheet {
     pub fn picture(&mut self, area: Area, plane: &Plane, display: &Display) {
         let colours = display.colours();
         let pixels: Vec<u8> = plane.data().iter().flat_map(|&x| colours.colour(x)).collect();
-        let [x, y, width, height] = area.numbers();
-        let place: [Attribute<'_>; 4] = [("x", &x), ("y", &y), ("width", &width), ("height", &height)];
         let picture = Picture::rgb(plane.width(), plane.height(), &pixels);
-        self.body.picture(&place, &picture).expect("a picture with pixels is encoded in memory");
+        self.body.picture(&rectangle(&area.numbers()), &picture).expect("a picture with pixels is encoded in memory");
     }
 
     /// Draws the shapes of `draw`, clipped to `area`.
     pub fn clipped(&mut self, area: Area, draw: impl FnOnce(&mut Self)) {
-        let [x, y, width, height] = area.numbers();
-        let place: [Attribute<'_>; 4] = [("x", &x), ("y", &y), ("width", &width), ("height", &height)];
-        self.body.begin_clipped(&place, &[]).expect(IN_MEMORY);
+        self.body.begin_clipped(&rectangle(&area.numbers()), &[]).expect(IN_MEMORY);
         draw(self);
         self.body.end("g").expect(IN_MEMORY);
     }

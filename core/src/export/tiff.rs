@@ -10,14 +10,10 @@ use tiff::TiffResult;
 use tiff::encoder::{TiffEncoder, TiffKind, colortype::Gray32Float};
 use tiff::tags::Tag;
 
-/// Maximum size of a plain TIFF's values; larger planes become BigTIFF, because the offsets of a plain TIFF end at 4
-/// GiB.
+/// Maximum size of a plain TIFF's values, because its offsets end at 4 GiB; larger planes become BigTIFF.
 const MAX_PLAIN_BYTES: usize = 0xf000_0000;
 
 /// Writes the plane's values unchanged.
-///
-/// # Errors
-/// [`ExportError`] when the plane has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), ExportError> {
     let (width, height) = plane.size();
     let unfit = || ExportError::Size { path: path.into(), width, height, format: "TIFF" };

@@ -1,12 +1,9 @@
-//! The mark by which Burstscope recognises what it wrote, so that it replaces this and nothing else without being told
-//! to.
+//! The mark by which Burstscope recognises what it wrote, so that it replaces this alone without being told to.
 //!
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
-//! it claims. A file has it in the field that its format offers: a text chunk of PNG, a comment of GIF, ZIP and XML, or
-//! a comment line, at its end, which claim all bytes before; `Software` in a TIFF, which claims the samples. A folder
-//! has it in a file of JSON beside what the mark claims ([`Kind::file`]). COLMAP's database has the identity of its
-//! program in its header alone, because COLMAP adds to it. Tables have no such field, see
-//! [`is_ours`](crate::export::is_ours).
+//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP and XML, or a comment line, at the end of a file,
+//! and claims all bytes before; in `Software` of a TIFF, for the samples; in a file of a folder ([`Kind::file`]).
+//! COLMAP's database has a number in its header alone, and tables have none, see [`is_ours`](crate::export::is_ours).
 
 use super::{MAX_TABLE_BYTES, path_text, read_text};
 use serde::de::DeserializeOwned;
@@ -23,7 +20,6 @@ use tiff::tags::Tag;
 pub(crate) const SOFTWARE: &str = concat!("Burstscope ", env!("CARGO_PKG_VERSION"));
 /// Application id of COLMAP's databases that this program wrote, in the field that SQLite has for it.
 pub(crate) const DATABASE_ID: u32 = u32::from_be_bytes(*b"Brst");
-/// Version of the form of a mark.
 const FORMAT: u32 = 1;
 /// Number of bytes at the start of a file that tell its format.
 const HEAD: u64 = 128;
@@ -121,29 +117,20 @@ impl Checksum {
     }
 
     /// The checksum of the file at `path`.
-    ///
-    /// # Errors
-    /// The system's error.
     pub fn of_file(path: &Path) -> io::Result<Self> {
         Self::of_parts(&mut File::open(path)?, &[(0, u64::MAX)])
     }
 
     /// The checksum of parts of a file, each from an offset on and of at most so many bytes.
     fn of_parts(file: &mut File, parts: &[(u64, u64)]) -> io::Result<Self> {
-        let (mut hasher, mut piece, mut bytes) = (crc32fast::Hasher::new(), vec![0; 1 << 16], 0);
+        let (mut hasher, mut piece, mut bytes) = (crc32fast::Hasher::new(), Vec::with_capacity(1 << 16), 0);
         for &(offset, length) in parts {
             file.seek(SeekFrom::Start(offset))?;
             let mut part = file.take(length);
-            loop {
-                match part.read(&mut piece) {
-                    Ok(0) => break,
-                    Ok(count) => {
-                        hasher.update(&piece[..count]);
-                        bytes += count as u64;
-                    }
-                    Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                    Err(error) => return Err(error),
-                }
+            while part.by_ref().take(1 << 16).read_to_end(&mut piece)? > 0 {
+                hasher.update(&piece);
+                bytes += piece.len() as u64;
+                piece.clear();
             }
         }
         Ok(Self { bytes, crc32: hasher.finalize() })
@@ -171,7 +158,6 @@ enum Place {
 }
 
 impl Place {
-    /// Place in a file that begins with `head`.
     fn of(head: &[u8]) -> Self {
         let starts: [(&[u8], Self); 4] =
             [(b"\x89PNG\r\n\x1a\n", Self::Png), (b"GIF8", Self::Gif), (b"PK\x03\x04", Self::Zip), (b"<", Self::Xml)];
@@ -189,7 +175,6 @@ impl Place {
         }
     }
 
-    /// The end of a file with the mark `text`.
     fn marked_end(self, text: &[u8]) -> Vec<u8> {
         match self {
             Self::Png => {
@@ -210,9 +195,7 @@ impl Place {
 }
 
 /// Puts the mark of this kind into a complete PNG, GIF, ZIP or XML file, or as a comment line at the end of any other.
-///
-/// # Errors
-/// The system's error, or a file that does not end as its format does.
+/// A file that does not end as its format does is an error.
 pub fn seal(file: &mut File, kind: Kind) -> io::Result<()> {
     let place = Place::of(&part_of(file, 0, HEAD)?);
     let length = file.seek(SeekFrom::End(0))?;
@@ -292,7 +275,6 @@ fn mark_in_tiff(file: &mut File) -> Option<MarkWithParts> {
     Some((mark, offsets.into_iter().zip(lengths).collect()))
 }
 
-/// A mark in a file of JSON, with what it claims.
 #[derive(Serialize, Deserialize)]
 struct Claiming<T> {
     #[serde(flatten)]
@@ -300,10 +282,7 @@ struct Claiming<T> {
     claims: T,
 }
 
-/// Returns the text of a file of JSON that claims `claims`.
-///
-/// # Panics
-/// When `claims` cannot be written as JSON: a mistake of the caller.
+/// Returns the text of a file of JSON that claims `claims`, which are plain values.
 pub fn claiming(kind: Kind, claims: &impl Serialize) -> String {
     let claims = serde_json::to_value(claims).expect("claims are plain values");
     // As they are read back, because a number may lose its last digit on the way.
@@ -346,9 +325,6 @@ fn list(folder: &Path, below: &str, listing: &mut Listing) -> io::Result<()> {
 }
 
 /// Writes the mark of a complete folder, which claims all that is in it.
-///
-/// # Errors
-/// The system's error.
 pub fn seal_folder(folder: &Path, kind: Kind) -> io::Result<()> {
     let mut listing = Listing::new();
     list(folder, "", &mut listing)?;
@@ -356,9 +332,6 @@ pub fn seal_folder(folder: &Path, kind: Kind) -> io::Result<()> {
 }
 
 /// Whether all that is in `folder`, which [`seal_folder`] marked, is as it was then. Missing files do not count.
-///
-/// # Errors
-/// The system's error.
 pub fn is_unchanged(folder: &Path, kind: Kind) -> io::Result<bool> {
     let Some(claimed) = claims::<Listing>(folder, kind) else { return Ok(false) };
     let mut listing = Listing::new();
@@ -387,9 +360,8 @@ mod tests {
             let before = std::fs::read(at(name)).ok();
             std::fs::write(at(name), content).expect("written");
             assert!(!is_ours(Kind::Burst), "{name}");
-            before
-                .map_or_else(|| std::fs::remove_file(at(name)), |text| std::fs::write(at(name), text))
-                .expect("undone");
+            let undone = before.map_or_else(|| std::fs::remove_file(at(name)), |text| std::fs::write(at(name), text));
+            undone.expect("as it was");
         }
         std::fs::create_dir(at("empty")).expect("made");
         assert!(!is_ours(Kind::Burst));

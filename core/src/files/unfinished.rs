@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
 use tempfile::TempDir;
 
-/// Suffix of the names of hidden folders of unfinished work.
 const SUFFIX: &str = ".tmp";
 /// Name of what is being completed.
 const NEW: &str = "new";
@@ -30,7 +29,6 @@ pub struct Unfinished {
     folder: TempDir,
 }
 
-/// Claims of the mark of unfinished work.
 #[derive(Debug, Serialize, Deserialize)]
 struct Making {
     /// Name of what is made, beside the hidden folder; `None` for a name that is no text.
@@ -38,14 +36,15 @@ struct Making {
 }
 
 impl Unfinished {
-    /// Makes a hidden folder beside `target`, which is what will be made, after removing those that killed runs have
-    /// left there.
-    ///
-    /// # Errors
-    /// The system's error.
+    /// Makes a hidden folder beside `target`, which is what will be made; the first time that this process writes
+    /// there, those that killed runs have left are removed.
     pub fn beside(target: &Path) -> io::Result<Self> {
         let parent = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        remove_abandoned_once(parent);
+        static SEEN: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
+        let known = std::path::absolute(parent).unwrap_or_else(|_| parent.to_path_buf());
+        if SEEN.lock().unwrap_or_else(PoisonError::into_inner).insert(known) {
+            remove_abandoned(parent);
+        }
         let folder = tempfile::Builder::new().prefix(&format!("{HIDDEN_PREFIX}-")).suffix(SUFFIX).tempdir_in(parent)?;
         let mut in_use = File::create_new(folder.path().join(Kind::Unfinished.file()))?;
         // The mark is written when the file is locked. On a file system without locks nothing is removed either.
@@ -62,9 +61,7 @@ impl Unfinished {
 
     /// Puts the complete folder in the place of `target`, and returns true. An existing one is moved away first and
     /// removed with the hidden folder, if `may_go` then agrees; otherwise it is put back.
-    ///
-    /// # Errors
-    /// The system's error, or that of `may_go`; the existing folder is then in its place.
+    /// After an error, of the system or of `may_go`, it is in its place.
     pub fn put_folder(&self, target: &Path, may_go: impl FnOnce(&Path) -> io::Result<bool>) -> io::Result<bool> {
         let old = self.folder.path().join(OLD);
         let is_there = target.exists();
@@ -82,42 +79,26 @@ impl Unfinished {
 }
 
 /// Whether `folder` holds nothing but locks and unfinished work that runs of this program left, or does not exist.
-///
-/// # Errors
-/// A folder that cannot be read, or a path that is no folder.
 pub fn is_free(folder: &Path) -> io::Result<bool> {
-    match std::fs::read_dir(folder) {
-        Ok(entries) => {
-            for entry in entries {
-                let path = entry?.path();
-                if !is_lock(&path) && !is_unfinished(&path) {
-                    return Ok(false);
-                }
-            }
-            Ok(true)
+    let entries = match std::fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(true),
+        entries => entries?,
+    };
+    for entry in entries {
+        let path = entry?.path();
+        if !is_lock(&path) && !is_unfinished(&path) {
+            return Ok(false);
         }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(true),
-        Err(error) => Err(error),
     }
+    Ok(true)
 }
 
-/// Whether `folder` is unfinished work, by its name and mark.
 fn is_unfinished(folder: &Path) -> bool {
     let name = folder.file_name().and_then(OsStr::to_str).unwrap_or_default();
-    let is_folder = || std::fs::symlink_metadata(folder).is_ok_and(|found| found.is_dir());
     name.starts_with(HIDDEN_PREFIX)
         && name.ends_with(SUFFIX)
-        && is_folder()
+        && std::fs::symlink_metadata(folder).is_ok_and(|found| found.is_dir())
         && claims::<Making>(folder, Kind::Unfinished).is_some()
-}
-
-/// Removes the unfinished work of killed runs from `parent`, the first time that this process writes there.
-fn remove_abandoned_once(parent: &Path) {
-    static SEEN: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
-    let known = std::path::absolute(parent).unwrap_or_else(|_| parent.to_path_buf());
-    if SEEN.lock().unwrap_or_else(PoisonError::into_inner).insert(known) {
-        remove_abandoned(parent);
-    }
 }
 
 /// Removes the unfinished work of killed runs from `parent`, if it exists. If a run was killed while it put a folder in
@@ -202,9 +183,8 @@ mod tests {
             let before = std::fs::read(at(name)).ok();
             std::fs::write(at(name), text).expect("written");
             assert!(!is_free(home.path()).expect("a folder"), "{name}");
-            before
-                .map_or_else(|| std::fs::remove_file(at(name)), |text| std::fs::write(at(name), text))
-                .expect("undone");
+            let undone = before.map_or_else(|| std::fs::remove_file(at(name)), |text| std::fs::write(at(name), text));
+            undone.expect("as it was");
         }
         assert!(is_free(home.path()).expect("a folder") && is_free(&at(".burstscope-lock")).is_err());
     }

@@ -1,10 +1,8 @@
 //! Decoding in a separate process, so that a faulty third-party decoder cannot end the program.
 //!
-//! A decoder that asks for more memory than there is ends its whole process, and nothing can catch that. So raw files,
-//! and pictures whose decoding takes much memory, are decoded by a child process: the same program, with a limit of
-//! memory and of time, which may read this file and nothing else, and sends the pixels back
-//! ([`serve_decoding`](super::serve_decoding)). A failure of the child is an error about the file. The library does not
-//! know which program that is; the program sets it once, by [`DecodeWorker::install`].
+//! A decoder that asks for more memory than there is ends its whole process. So raw files, and pictures whose decoding
+//! takes much memory, are decoded by a child process ([`serve_decoding`](super::serve_decoding)), with a limit of
+//! memory and of time, which may read this file and nothing else. A failure of the child is an error about the file.
 
 use super::wire::{DecodeRequest, Part, receive_reply, send};
 use super::{Expected, RawFrame};
@@ -19,11 +17,9 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The program that decodes files in a separate process, and the arguments that make it do so.
-///
-/// It is started with the arguments and the path of a file, and must call [`serve_decoding`](super::serve_decoding)
-/// with that path. Without one, all files are decoded in the calling process; sizes that a file announces are compared
-/// with its length all the same, but a decoder that asks for too much memory ends the process.
+/// The program that decodes files in a separate process. It is started with the arguments and the path of a file, and
+/// must call [`serve_decoding`](super::serve_decoding) with that path. Without one, all files are decoded in the
+/// calling process, which a decoder that asks for too much memory ends.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DecodeWorker {
     /// The program.
@@ -35,8 +31,7 @@ pub struct DecodeWorker {
 static WORKER: OnceLock<DecodeWorker> = OnceLock::new();
 
 impl DecodeWorker {
-    /// Sets this program as the decoder of files for the whole process. False if one was set already: the first one
-    /// stays.
+    /// Sets this program as the decoder for the whole process. False if one was set already, which stays.
     pub fn install(self) -> bool {
         WORKER.set(self).is_ok()
     }
@@ -61,7 +56,6 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// Budget for a file of `file_bytes` with `pixels`, for whose decoding `decoder_bytes` should be enough.
     pub(super) fn new(file_bytes: u64, pixels: u64, decoder_bytes: u64) -> Self {
         Self {
             memory_bytes: BASE_BYTES.saturating_add(decoder_bytes).saturating_add(file_bytes.saturating_mul(4)),
@@ -79,10 +73,8 @@ pub(super) fn is_installed() -> bool {
     WORKER.get().is_some()
 }
 
-/// Decodes `part` of the file `path`, of the format `kind`, in a child process.
-///
-/// # Errors
-/// The child's error about the file; damage where the child ended without an answer, unless somebody else ended it.
+/// Decodes `part` of the file `path`, of the format `kind`, in a child process. Where that ends without an answer, the
+/// file is damaged, unless somebody else ended it.
 pub(super) fn decode(
     path: &Path,
     kind: &'static str,
@@ -145,7 +137,6 @@ pub(super) fn decode(
     }
 }
 
-/// Reason why there is no answer.
 enum Ending {
     /// The file is the cause, as the end of a sentence about it.
     OfFile(String),
@@ -164,11 +155,9 @@ impl Running {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // One thread, and one arena of the allocator: more would take address space that the file needs.
         command.env("RAYON_NUM_THREADS", "1").env("MALLOC_ARENA_MAX", "1").env("RUST_BACKTRACE", "0");
+        // Signals from the terminal (Ctrl-C) are for the program, which ends its children itself.
         #[cfg(unix)]
-        {
-            // Signals from the terminal (Ctrl-C) are for the program, which ends its children itself.
-            std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        }
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
         #[cfg(windows)]
         {
             // Without it a program that has no console would show one for each file.
@@ -181,12 +170,9 @@ impl Running {
 
     fn pipes(&mut self) -> (impl io::Write + use<>, impl Read + use<>, ChildStderr) {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
-        const ASKED_FOR: &str = "it was started with this pipe, and nobody took it";
-        (
-            child.stdin.take().expect(ASKED_FOR),
-            child.stdout.take().expect(ASKED_FOR),
-            child.stderr.take().expect(ASKED_FOR),
-        )
+        let pipes = child.stdin.take().zip(child.stdout.take()).zip(child.stderr.take());
+        let ((stdin, stdout), stderr) = pipes.expect("it was started with these pipes, and nobody took them");
+        (stdin, stdout, stderr)
     }
 
     fn last_words(&mut self, error: &io::Error, stderr: ChildStderr, is_overdue: bool, budget: Budget) -> Ending {
@@ -203,9 +189,8 @@ impl Running {
             return Ending::OfFile(format!("its decoder was not done after {} seconds", budget.cpu_seconds));
         }
         // The standard library prints this before it aborts.
-        let refused = words.split("memory allocation of ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
-        if let Some(bytes) = refused {
-            let bytes: u64 = bytes;
+        let asked = words.split("memory allocation of ").nth(1);
+        if let Some(bytes) = asked.and_then(|rest| rest.split(' ').next()?.parse::<u64>().ok()) {
             return Ending::OfFile(format!(
                 "its decoder asked for {} MiB of memory, and may have {} MiB in all",
                 bytes.div_ceil(1 << 20),
@@ -231,32 +216,27 @@ impl Drop for Running {
     }
 }
 
-/// Whether the system ended the process for using too much processor time.
+#[cfg(unix)]
 fn is_out_of_time(status: &ExitStatus) -> bool {
-    #[cfg(unix)]
-    {
-        use std::os::unix::process::ExitStatusExt;
-        status.signal() == Some(rustix::process::Signal::XCPU.as_raw())
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = status;
-        false
-    }
+    use std::os::unix::process::ExitStatusExt;
+    status.signal() == Some(rustix::process::Signal::XCPU.as_raw())
+}
+
+#[cfg(not(unix))]
+fn is_out_of_time(_: &ExitStatus) -> bool {
+    false
 }
 
 /// Number of the signal that ended the process, if it is none that a process brings about by what it does.
+#[cfg(unix)]
 fn signal_from_outside(status: &ExitStatus) -> Option<i32> {
-    #[cfg(unix)]
-    {
-        use rustix::process::Signal;
-        use std::os::unix::process::ExitStatusExt;
-        let own = [Signal::ABORT, Signal::BUS, Signal::FPE, Signal::ILL, Signal::SEGV, Signal::SYS, Signal::TRAP];
-        status.signal().filter(|signal| !own.iter().any(|own| own.as_raw() == *signal))
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = status;
-        None
-    }
+    use rustix::process::Signal;
+    use std::os::unix::process::ExitStatusExt;
+    let own = [Signal::ABORT, Signal::BUS, Signal::FPE, Signal::ILL, Signal::SEGV, Signal::SYS, Signal::TRAP];
+    status.signal().filter(|signal| !own.iter().any(|own| own.as_raw() == *signal))
+}
+
+#[cfg(not(unix))]
+fn signal_from_outside(_: &ExitStatus) -> Option<i32> {
+    None
 }

@@ -114,10 +114,10 @@ fn check_end_of_text(path: &Path, mut file: &File) -> Result<(), OpenError> {
         file.rewind()?;
         Ok((first, last[0]))
     };
-    let (first, last) = ends().map_err(|e| OpenError::from_read(path, name(ImageFormat::Pnm), &e))?;
+    let (first, last) = ends().map_err(|e| OpenError::from_read(path, "PNM", &e))?;
     if matches!(&first, b"P2" | b"P3") && last.is_ascii_digit() {
         let reason = "no space or line end follows its last number, which may be cut";
-        return Err(OpenError::corrupt(path, name(ImageFormat::Pnm), reason));
+        return Err(OpenError::corrupt(path, "PNM", reason));
     }
     Ok(())
 }
@@ -127,7 +127,6 @@ fn orientation(decoder: &mut impl ImageDecoder) -> Orientation {
     decoder.orientation().unwrap_or(Orientation::NoTransforms)
 }
 
-/// Reads all samples of the picture, in the machine's byte order.
 fn read<T: Sample + bytemuck::Pod>(decoder: impl ImageDecoder, count: usize) -> Result<Vec<T>, ImageError> {
     let mut values: Vec<T> = memory::zeroed(count);
     decoder.read_image(bytemuck::cast_slice_mut(&mut values))?;
@@ -155,7 +154,6 @@ fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u
     read_bytes(path, most).map_err(|e| OpenError::from_io(path, &e))
 }
 
-/// The decoder of a file, or of `bytes` if it is a JPEG.
 fn decoder<'a>(
     path: &Path,
     file: File,

@@ -1,8 +1,7 @@
 //! Decoding of JPEGs that takes no damaged data.
 //!
-//! The picture library fills in missing data without an error. So a JPEG is decoded here by the same decoder in its
-//! strict mode, and its end marker must be there: the decoder does not miss it. Bytes after the end of the picture are
-//! allowed: cameras put films and second pictures there.
+//! The picture library fills in missing data without an error. So a JPEG is decoded by the same decoder in its strict
+//! mode, and its end marker must be there. After it cameras put films and second pictures.
 
 use super::look::too_few_bytes;
 use crate::plane::memory;
@@ -12,10 +11,7 @@ use zune_jpeg::zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options:
 /// Largest number of pixels of a byte of a JPEG: a block of 8×8 takes a bit or more.
 const PIXELS_A_BYTE: u64 = 8 * 64;
 
-/// Samples of a whole JPEG; in its own colours, or `as_rgb` unless it is grey.
-///
-/// # Errors
-/// Damage, in words.
+/// Samples of a whole JPEG; in its own colours, or `as_rgb` unless it is grey. The error is its damage, in words.
 pub(super) fn samples(bytes: &[u8], as_rgb: bool) -> Result<Vec<u8>, String> {
     if !has_end(bytes) {
         return Err("its end marker is missing: it is cut off".to_owned());

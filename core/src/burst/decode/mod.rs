@@ -104,12 +104,10 @@ pub(super) struct Header {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Expected<'a> {
     pub first: &'a Path,
-    /// Size (columns, rows) of that frame.
     pub size: (usize, usize),
 }
 
 impl Expected<'_> {
-    /// Checks that the file `path` has the expected size, if there is one.
     fn check(expected: Option<Self>, path: &Path, size: (usize, usize)) -> Result<(), OpenError> {
         match expected {
             Some(Self { first, size: first_size }) if size != first_size => Err(OpenError::different_sizes(
@@ -179,7 +177,6 @@ pub(super) fn frame(
     Ok(RawFrame { misnamed, ..frame })
 }
 
-/// Decodes all frames of a file that may hold several.
 pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
     let input = InputFile::open(path, usize::MAX)?;
     let misnamed = input.misnamed;
@@ -202,7 +199,6 @@ fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result
     guarded(path, Kind::Tiff, || tiff::page(path, input, page, frame, options))
 }
 
-/// The frame of a raw file, decoded in a child process where one is installed.
 fn raw_frame(
     path: &Path,
     input: &InputFile,
@@ -210,10 +206,7 @@ fn raw_frame(
     options: &OpenOptions,
     monitor: &Monitor,
 ) -> Result<RawFrame, OpenError> {
-    if !cfg!(feature = "raw") {
-        return Err(without_raw(path));
-    }
-    if child::is_installed() {
+    if cfg!(feature = "raw") && child::is_installed() {
         // Two pixels a byte are more than any camera packs; a directory gives their number.
         let packed = input.length.saturating_mul(2);
         let pixels = input.directories.as_ref().map_or(packed, |found| found.pixels).min(options.limits.max_pixels);
@@ -224,11 +217,13 @@ fn raw_frame(
     #[cfg(feature = "raw")]
     let frame = raw::frame(path, expected, options);
     #[cfg(not(feature = "raw"))]
-    let frame = Err(without_raw(path));
+    let frame = {
+        let reason = "this program was built without raw frames (the feature 'raw'); convert it to a 16-bit TIFF";
+        Err(OpenError::unsupported(path, "raw", reason))
+    };
     frame
 }
 
-/// A file whose declared sizes have been checked.
 struct InputFile {
     file: File,
     length: u64,
@@ -284,12 +279,6 @@ impl InputFile {
     }
 }
 
-/// Error for raw files where the feature to read them is missing.
-fn without_raw(path: &Path) -> OpenError {
-    let reason = "this program was built without raw frames (the feature 'raw'); convert it to a 16-bit TIFF";
-    OpenError::unsupported(path, "raw", reason)
-}
-
 /// Runs a decoder. A panic in it, and memory that the system refuses it, become errors about the file.
 fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, OpenError>) -> Result<T, OpenError> {
     let no_memory = |refused: NoMemory| OpenError::new(OpenErrorKind::NoMemory, refused.to_string(), "").about(path);
@@ -301,8 +290,7 @@ fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, OpenEr
 /// Makes a frame of a plane in file units. Fails at the first value that is not finite.
 pub(super) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame, OpenError> {
     let values = plane.data();
-    // The bits of magnitudes are ordered as the magnitudes, with infinity and NaN above all; integers are compared many
-    // at a time.
+    // The bits of magnitudes are ordered as they are, infinity and NaN above all; integers are compared many at a time.
     let largest = values.iter().fold(0, |largest, v| (v.to_bits() & 0x7fff_ffff).max(largest));
     let largest = f32::from_bits(largest);
     if !largest.is_finite() {
@@ -320,7 +308,6 @@ pub(super) struct Ticker<'a> {
 }
 
 impl<'a> Ticker<'a> {
-    /// Counter that reports the finished fraction of `total` frames to `monitor`.
     pub(super) fn new(monitor: &'a Monitor, total: usize) -> Self {
         Self { monitor, done: AtomicUsize::new(0), total }
     }

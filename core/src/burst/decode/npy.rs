@@ -1,7 +1,7 @@
 //! `.npy` arrays: a stack `[frames, rows, columns]` or one frame `[rows, columns]`, of any integer or float type in
 //! either byte order, in C or Fortran order. Booleans become 0 and 1.
 
-use super::npy_header::{self, Dtype, NpyHeader};
+use super::npy_header::{self, NpyHeader};
 use super::{Expected, FileScale, RawFrame, frame_of_plane};
 use crate::burst::decode::{Ticker, in_order};
 use crate::burst::error::OpenError;
@@ -41,18 +41,17 @@ pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_
             Ok(frame)
         })?
     };
-    let is_integer = !matches!(header.dtype, Dtype::F16 | Dtype::F32 | Dtype::F64);
-    let planes = planes.into_iter().map(|values| Plane::from_vec(header.width, header.height, values));
-    planes
-        .enumerate()
-        .map(|(t, plane)| match header.range {
+    let is_integer = !header.code.starts_with('f');
+    let frame = |(t, values)| {
+        let plane = Plane::from_vec(header.width, header.height, values);
+        match header.range {
             Some(full_scale) => Ok(RawFrame::linear(plane, FileScale::Range(full_scale))),
             None => frame_of_plane(path, t, plane, is_integer),
-        })
-        .collect()
+        }
+    };
+    planes.into_iter().enumerate().map(frame).collect()
 }
 
-/// Reads frame `t` of an array in C order.
 fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) -> Result<Vec<f32>, OpenError> {
     let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
     let count = header.width * header.height;
@@ -123,22 +122,23 @@ fn convert(bytes: &[u8], header: &NpyHeader, values: &mut Vec<f32>) {
             }
         }};
     }
-    match header.dtype {
-        Dtype::Bool => values.extend(bytes.iter().map(|b| f32::from(u8::from(*b != 0)))),
-        Dtype::U8 => from!(u8),
-        Dtype::U16 => from!(u16),
-        Dtype::U32 => from!(u32),
-        Dtype::U64 => from!(u64),
-        Dtype::I8 => from!(i8),
-        Dtype::I16 => from!(i16),
-        Dtype::I32 => from!(i32),
-        Dtype::I64 => from!(i64),
-        Dtype::F32 => from!(f32),
-        Dtype::F64 => from!(f64),
-        Dtype::F16 => {
+    match header.code {
+        "b1" => values.extend(bytes.iter().map(|b| f32::from(u8::from(*b != 0)))),
+        "u1" => from!(u8),
+        "u2" => from!(u16),
+        "u4" => from!(u32),
+        "u8" => from!(u64),
+        "i1" => from!(i8),
+        "i2" => from!(i16),
+        "i4" => from!(i32),
+        "i8" => from!(i64),
+        "f4" => from!(f32),
+        "f8" => from!(f64),
+        "f2" => {
             let (chunks, _) = bytes.as_chunks::<2>();
             let bits = |c: &[u8; 2]| if header.big_endian { u16::from_be_bytes(*c) } else { u16::from_le_bytes(*c) };
             values.extend(chunks.iter().map(|c| half::f16::from_bits(bits(c)).to_f32()));
         }
+        other => unreachable!("{other} is not in the table of types"),
     }
 }

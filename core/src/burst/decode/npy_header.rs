@@ -14,42 +14,26 @@ use std::path::Path;
 /// Largest header allowed, bytes. Longer ones are of structured arrays, which are no pictures.
 const MAX_HEADER_BYTES: usize = 4096;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Dtype {
-    Bool,
-    U8,
-    U16,
-    U32,
-    U64,
-    I8,
-    I16,
-    I32,
-    I64,
-    F16,
-    F32,
-    F64,
-}
-
-/// Each type, its code in the header, bytes of a value, and the largest value where that is the full scale.
-const DTYPES: [(Dtype, &str, usize, Option<f32>); 12] = [
-    (Dtype::Bool, "b1", 1, Some(1.0)),
-    (Dtype::U8, "u1", 1, Some(255.0)),
-    (Dtype::U16, "u2", 2, Some(65535.0)),
-    (Dtype::U32, "u4", 4, None),
-    (Dtype::U64, "u8", 8, None),
-    (Dtype::I8, "i1", 1, Some(127.0)),
-    (Dtype::I16, "i2", 2, Some(32767.0)),
-    (Dtype::I32, "i4", 4, None),
-    (Dtype::I64, "i8", 8, None),
-    (Dtype::F16, "f2", 2, None),
-    (Dtype::F32, "f4", 4, None),
-    (Dtype::F64, "f8", 8, None),
+/// Code of each type in the header, bytes of a value, and the largest value where that is the full scale.
+const DTYPES: [(&str, usize, Option<f32>); 12] = [
+    ("b1", 1, Some(1.0)),
+    ("u1", 1, Some(255.0)),
+    ("u2", 2, Some(65535.0)),
+    ("u4", 4, None),
+    ("u8", 8, None),
+    ("i1", 1, Some(127.0)),
+    ("i2", 2, Some(32767.0)),
+    ("i4", 4, None),
+    ("i8", 8, None),
+    ("f2", 2, None),
+    ("f4", 4, None),
+    ("f8", 8, None),
 ];
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NpyHeader {
-    pub dtype: Dtype,
-    /// Bytes of a value.
+    /// Code of the values' type in [`DTYPES`].
+    pub code: &'static str,
     pub value_bytes: usize,
     /// Largest value of the types whose range is the full scale.
     pub range: Option<f32>,
@@ -90,8 +74,8 @@ pub(super) fn read(path: &Path, mut file: &File, limits: &Limits) -> Result<NpyH
     let (descr, fortran_order, shape) = parse(text).ok_or_else(|| corrupt("its header cannot be understood"))?;
 
     let (order, code) = descr.split_at_checked(1).unwrap_or(("", ""));
-    let record = DTYPES.iter().find(|(_, known, ..)| *known == code);
-    let (dtype, _, value_bytes, range) = *record.ok_or_else(|| {
+    let record = DTYPES.iter().find(|(known, ..)| *known == code);
+    let (code, value_bytes, range) = *record.ok_or_else(|| {
         let reason =
             format!("its values are of the type '{descr}'; save integers or floats, such as uint16 or float32");
         OpenError::unsupported(path, "NPY", reason)
@@ -120,7 +104,7 @@ pub(super) fn read(path: &Path, mut file: &File, limits: &Limits) -> Result<NpyH
         return Err(corrupt(&format!("{wanted} bytes of values are announced, {there} are there")));
     }
     Ok(NpyHeader {
-        dtype,
+        code,
         value_bytes,
         range,
         big_endian,
@@ -132,7 +116,6 @@ pub(super) fn read(path: &Path, mut file: &File, limits: &Limits) -> Result<NpyH
     })
 }
 
-/// `descr`, `fortran_order` and `shape` of the dictionary.
 fn parse(text: &str) -> Option<(String, bool, Vec<u64>)> {
     let mut rest = text.trim().strip_prefix('{')?.trim_start();
     let (mut descr, mut fortran_order, mut shape) = (None, None, None);

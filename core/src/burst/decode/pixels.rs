@@ -13,7 +13,6 @@ use std::sync::LazyLock;
 pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 pub(in crate::burst) trait Sample: Copy {
-    /// Converts to the nearest `f32`.
     fn to_f32(self) -> f32;
 }
 
@@ -67,7 +66,6 @@ fn byte_linear<T: Sample>(byte: T) -> f32 {
     BYTES_LINEAR[(byte.to_f32() as usize).min(255)]
 }
 
-/// Linear intensity of an sRGB-encoded sample of at most `largest`.
 fn sample_linear<T: Sample>(largest: f32) -> impl Fn(T) -> f32 {
     move |sample| linear(f64::from(sample.to_f32()) / f64::from(largest))
 }
@@ -114,30 +112,24 @@ pub(super) fn turned_size((width, height): (usize, usize), orientation: Orientat
     }
 }
 
-/// Function from a place of the turned picture, and the last column and row of the stored one, to the stored place.
-type PlaceOf = fn((usize, usize), (usize, usize)) -> (usize, usize);
-
 pub(super) fn turned(plane: Plane, orientation: Orientation) -> Plane {
     let (width, height) = plane.size();
     let (right, bottom) = (width - 1, height - 1);
     let (new_width, new_height) = turned_size((width, height), orientation);
-    let from = |at: PlaceOf| {
-        Plane::from_fn(new_width, new_height, |u, v| {
-            let (u, v) = at((u, v), (right, bottom));
-            plane.at(u, v)
-        })
-    };
-    match orientation {
-        Orientation::NoTransforms => plane,
-        Orientation::FlipHorizontal => from(|(u, v), (right, _)| (right - u, v)),
-        Orientation::FlipVertical => from(|(u, v), (_, bottom)| (u, bottom - v)),
-        Orientation::Rotate180 => from(|(u, v), (right, bottom)| (right - u, bottom - v)),
-        Orientation::Rotate90 => from(|(u, v), (_, bottom)| (v, bottom - u)),
-        Orientation::Rotate270 => from(|(u, v), (right, _)| (right - v, u)),
-        // First turned, then flipped from left to right.
-        Orientation::Rotate90FlipH => from(|(u, v), _| (v, u)),
-        Orientation::Rotate270FlipH => from(|(u, v), (right, bottom)| (right - v, bottom - u)),
+    if orientation == Orientation::NoTransforms {
+        return plane;
     }
+    Plane::from_fn(new_width, new_height, |u, v| match orientation {
+        Orientation::NoTransforms => plane.at(u, v),
+        Orientation::FlipHorizontal => plane.at(right - u, v),
+        Orientation::FlipVertical => plane.at(u, bottom - v),
+        Orientation::Rotate180 => plane.at(right - u, bottom - v),
+        Orientation::Rotate90 => plane.at(v, bottom - u),
+        Orientation::Rotate270 => plane.at(right - v, u),
+        // First turned, then flipped from left to right.
+        Orientation::Rotate90FlipH => plane.at(v, u),
+        Orientation::Rotate270FlipH => plane.at(right - v, bottom - u),
+    })
 }
 
 #[cfg(test)]

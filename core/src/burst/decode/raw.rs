@@ -1,14 +1,10 @@
 //! Raw frames: a sensor's own values, by `rawler` (DNG, and the other formats that it knows).
 //!
-//! A colour sensor has one colour at each pixel, in a mosaic of 2×2. Filling in the other two (demosaicing) would make
-//! noise that neighbours share, which every later step would have to model. So the colours are kept apart: the four
-//! pixels of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken. Places, scales and
-//! slopes are then in binned pixels. Values under black stay negative; nothing is stretched, balanced or clipped. The
-//! active area is taken, not the crop that the camera recommends.
-//!
-//! The black and white levels are those of the file unless given: the values that become 0 and 1. Black may differ from
-//! colour to colour, and by a little from column to column and from row to row (DNG's `BlackLevelDeltaH` and
-//! `BlackLevelDeltaV`): stripes that the sensor has in the dark, and that would stay in every frame at one place.
+//! Filling in the colours of the mosaic of 2×2 (demosaicing) would make noise that neighbours share. So the four pixels
+//! of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken; places, scales and slopes
+//! are in binned pixels. Values under black stay negative; nothing is stretched, balanced or clipped. The active area
+//! is taken, not the crop that the camera recommends. The black and white levels, which become 0 and 1, are the file's
+//! unless given; black may differ by colour, column and row (DNG's `BlackLevelDeltaH` and `BlackLevelDeltaV`).
 
 use super::pixels::turned;
 use super::{Expected, FileScale, RawFrame};
@@ -61,7 +57,7 @@ pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenO
     let orientation = u8::try_from(raw.orientation.to_u16()).ok().and_then(Orientation::from_exif);
     let plane = turned(plane, orientation.unwrap_or(Orientation::NoTransforms));
     Expected::check(expected, path, plane.size())?;
-    Ok(RawFrame { binning, ..RawFrame::linear(plane, FileScale::Raw { white: levels.white() }) })
+    Ok(RawFrame { binning, ..RawFrame::linear(plane, FileScale::Raw { white: levels.white[0] }) })
 }
 
 /// Part of the sensor that sees light; `None` where it is empty or exceeds the declared size, or where values are
@@ -103,8 +99,8 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) 
         if width == 0 || height == 0 {
             return Err("its active area is smaller than a square of the mosaic".to_owned());
         }
-        let wanted: Vec<(usize, usize)> =
-            (0..4).map(|k| (k % 2, k / 2)).filter(|&(u, v)| colour.takes(colour_at(u, v))).collect();
+        let is_wanted = |&(u, v): &(usize, usize)| colour.index().is_none_or(|c| c == colour_at(u, v));
+        let wanted: Vec<(usize, usize)> = (0..4).map(|k| (k % 2, k / 2)).filter(is_wanted).collect();
         let share = 1.0 / wanted.len() as f32;
         let plane = Plane::from_fn(width, height, |u, v| {
             wanted.iter().map(|(du, dv)| at(2 * u + du, 2 * v + dv, 0)).sum::<f32>() * share
@@ -113,13 +109,9 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) 
     }
     let plane = match raw.cpp {
         1 => Plane::from_fn(area.d.w, area.d.h, |u, v| at(u, v, 0)),
-        3 => Plane::from_fn(area.d.w, area.d.h, |u, v| match colour {
-            RawColour::Luma => {
-                grey_from_interleaved(&[at(u, v, 0), at(u, v, 1), at(u, v, 2)], 3, Curve::Linear(1.0))[0]
-            }
-            RawColour::Red => at(u, v, 0),
-            RawColour::Green => at(u, v, 1),
-            RawColour::Blue => at(u, v, 2),
+        3 => Plane::from_fn(area.d.w, area.d.h, |u, v| match colour.index() {
+            None => grey_from_interleaved(&[at(u, v, 0), at(u, v, 1), at(u, v, 2)], 3, Curve::Linear(1.0))[0],
+            Some(c) => at(u, v, c),
         }),
         samples => return Err(format!("it has {samples} values a pixel; one or three can be opened")),
     };
@@ -127,13 +119,13 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) 
 }
 
 impl RawColour {
-    /// Whether a pixel of the mosaic's colour `index` (red, green, blue) is taken.
-    fn takes(self, index: usize) -> bool {
+    /// Index of the colour (red, green, blue) that is taken; `None` for all.
+    fn index(self) -> Option<usize> {
         match self {
-            Self::Luma => true,
-            Self::Red => index == 0,
-            Self::Green => index == 1,
-            Self::Blue => index == 2,
+            Self::Luma => None,
+            Self::Red => Some(0),
+            Self::Green => Some(1),
+            Self::Blue => Some(2),
         }
     }
 }
@@ -184,10 +176,8 @@ pub(super) struct RawLevels {
 }
 
 impl RawLevels {
-    /// Levels of `raw`, whose active area has `size` (columns, rows), or those that `options` gives.
-    ///
-    /// # Errors
-    /// The fault of the levels, as the end of a sentence about the file.
+    /// Levels of `raw`, whose active area has `size` (columns, rows), or those that `options` gives. An error is the
+    /// end of a sentence about the file.
     pub(super) fn of(
         raw: &RawImage,
         size: (usize, usize),
@@ -227,11 +217,6 @@ impl RawLevels {
             return Ok(levels);
         }
         Err(format!("its black level is not below its white level, {darkest}; give both by full scale and black level"))
-    }
-
-    /// Value of the first sample of a pixel that becomes 1.
-    pub(super) fn white(&self) -> f32 {
-        self.white[0]
     }
 
     /// Sample `c` of the pixel in column `u` and row `v` of the active area, scaled so that black becomes 0 and white

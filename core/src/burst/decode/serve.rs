@@ -12,17 +12,13 @@ use crate::monitor::Monitor;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-/// Decodes the file `path` as the request on standard input says, and writes it to standard output: the main function
-/// of a program started as a [`DecodeWorker`](super::DecodeWorker). The process limits its own memory and time, gives
-/// up what decoding does not need, and ends when its input does. Returns the exit code.
+/// The main function of a program started as a [`DecodeWorker`](super::DecodeWorker): decodes the file `path` as the
+/// request on standard input says, and writes it to standard output. Returns the exit code.
 pub fn serve_decoding(path: &Path) -> u8 {
     // A panic becomes an error about the file, which is sent; its message is dropped.
     std::panic::set_hook(Box::new(|_| {}));
-    match serve(path) {
-        Ok(()) => 0,
-        // There was no request, or the answer could not be sent.
-        Err(_) => 1,
-    }
+    // 1: there was no request, or the answer could not be sent.
+    u8::from(serve(path).is_err())
 }
 
 fn serve(path: &Path) -> io::Result<()> {
@@ -159,7 +155,6 @@ mod confined {
         469,
     ];
 
-    /// Gives up [`CALLS`].
     pub(super) fn without_calls() -> Result<(), seccompiler::Error> {
         let denied = SeccompAction::Errno(libc::EPERM.unsigned_abs());
         let calls = CALLS.iter().map(|call| (*call, Vec::new())).collect();

@@ -74,18 +74,16 @@ pub(super) fn stack(
     ticker: &Ticker<'_>,
 ) -> Result<Vec<RawFrame>, OpenError> {
     let pages = Pages::read(path, input.file, &options.limits)?.list;
-    // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages rather than
-    // single ones.
+    // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages.
     let run = pages.len().div_ceil(4 * rayon::current_num_threads()).max(1);
-    let runs: Vec<(usize, &[usize])> =
-        pages.chunks(run).enumerate().map(|(i, run_pages)| (i * run, run_pages)).collect();
+    let runs: Vec<&[usize]> = pages.chunks(run).collect();
     let frames = in_order(runs.len(), |i| {
-        let (first, pages) = runs[i];
+        let pages = runs[i];
         let mut reader = PageReader::open(path, input.length, options, ticker.monitor())?;
         let mut frames = Vec::with_capacity(pages.len());
         for (k, &page) in pages.iter().enumerate() {
             ticker.check()?;
-            frames.push(reader.read(page, first + k)?);
+            frames.push(reader.read(page, i * run + k)?);
             ticker.tick();
         }
         Ok(frames)
@@ -106,11 +104,9 @@ fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder, 
     Ok(decoder.with_limits(own))
 }
 
-/// The pages that are frames.
 struct Pages {
     /// Size (columns, rows) of all pages.
     size: (usize, usize),
-    /// Indices of the pages in the file.
     list: Vec<usize>,
 }
 
@@ -138,10 +134,8 @@ impl Pages {
             }
             decoder.next_image().map_err(fail)?;
         }
-        let Some(size) = size else {
-            let reason = "all its pages are thumbnails; save the full pictures";
-            return Err(OpenError::unsupported(path, "TIFF", reason));
-        };
+        let thumbnails = "all its pages are thumbnails; save the full pictures";
+        let size = size.ok_or_else(|| OpenError::unsupported(path, "TIFF", thumbnails))?;
         if let Some(announced) = announced.filter(|&n| n > 1 && list.len() == 1) {
             let reason = format!(
                 "it announces {announced} images but lists only the first, as ImageJ does in files beyond 4 GiB; \
@@ -185,12 +179,10 @@ impl<'a> PageReader<'a> {
             let part = Part::Page { page, frame };
             return child::decode(path, "TIFF", part, None, self.options, budget, self.monitor);
         }
-        let damage = match self.damage().map_err(fail)? {
-            Some(reason) if !self.options.accept_damaged => {
-                return Err(OpenError::corrupt(path, "TIFF", reason));
-            }
-            damage => damage,
-        };
+        let damage = self.damage().map_err(fail)?;
+        if let Some(reason) = damage.as_ref().filter(|_| !self.options.accept_damaged) {
+            return Err(OpenError::corrupt(path, "TIFF", reason));
+        }
         let decoded = decode_page(path, frame, &mut self.decoder, self.options)?;
         Ok(RawFrame { damage, ..decoded })
     }
@@ -201,10 +193,8 @@ impl<'a> PageReader<'a> {
         if self.decoder.find_tag_unsigned::<u16>(Tag::Compression)? != Some(JPEG) {
             return Ok(None);
         }
-        let tables = match self.decoder.find_tag(Tag::JPEGTables)? {
-            Some(tables) => tables.into_u8_vec()?,
-            None => Vec::new(),
-        };
+        let tables = self.decoder.find_tag(Tag::JPEGTables)?.map(|tables| tables.into_u8_vec()).transpose()?;
+        let tables = tables.unwrap_or_default();
         let (places, lengths) = match self.decoder.get_chunk_type() {
             ChunkType::Strip => (Tag::StripOffsets, Tag::StripByteCounts),
             ChunkType::Tile => (Tag::TileOffsets, Tag::TileByteCounts),
@@ -296,8 +286,7 @@ fn decode_page(
     let curve = Curve::of(kind.range.unwrap_or(1.0), kind.is_unsigned && options.linearise);
     let values = with_samples!(&samples, s => grey(s, size.0 * size.1, channels, planar, curve));
     let too_few = || OpenError::corrupt(path, "TIFF", "it has fewer samples than its size announces");
-    let values = values.ok_or_else(too_few)?;
-    let plane = Plane::from_vec(size.0, size.1, values);
+    let plane = Plane::from_vec(size.0, size.1, values.ok_or_else(too_few)?);
     let decoded = match kind.range {
         Some(range) => RawFrame::linear(plane, FileScale::Range(range)),
         None => frame_of_plane(path, frame, plane, !kind.is_float)?,

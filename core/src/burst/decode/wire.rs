@@ -11,13 +11,14 @@ use std::path::Path;
 
 const MAX_JSON_BYTES: u32 = 1 << 20;
 
-/// Part of a file to decode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Part {
-    /// The only frame of the file.
     Only,
     /// A page of a TIFF, by its index in the file, which is this frame of the burst.
-    Page { page: usize, frame: usize },
+    Page {
+        page: usize,
+        frame: usize,
+    },
 }
 
 /// Request to decode one file. Its path is an argument of the process, because a path need not be text.
@@ -28,7 +29,6 @@ pub(super) struct DecodeRequest {
     pub part: Part,
     /// The first frame's file, for messages, and the size (columns, rows) that this one must have too.
     pub expected: Option<(String, (usize, usize))>,
-    /// Options for opening, without calibration files.
     pub options: OpenOptions,
     pub limits: Limits,
     /// Memory that the process may address, bytes.
@@ -47,7 +47,6 @@ struct FrameHead {
     damage: Option<String>,
 }
 
-/// Sends `value` as JSON after its length.
 pub(super) fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
     let text = serde_json::to_vec(value)?;
     let length = u32::try_from(text.len()).map_err(io::Error::other)?;
@@ -55,7 +54,6 @@ pub(super) fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()
     to.write_all(&text)
 }
 
-/// Receives a value that [`send`] sent.
 pub(super) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T> {
     let mut length = [0; 4];
     from.read_exact(&mut length)?;
@@ -68,7 +66,6 @@ pub(super) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T
     Ok(serde_json::from_slice(&text)?)
 }
 
-/// Sends the reply, with the pixels of a frame.
 pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, OpenError>) -> io::Result<()> {
     match reply {
         Ok(RawFrame { plane, scale, encoding, binning, damage, misnamed: _ }) => {
@@ -80,24 +77,20 @@ pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, OpenError>
     }
 }
 
-/// Receives the reply about the file `path`.
-///
-/// # Errors
-/// Outer: the reply is damaged or cut off. Inner: the child's error about the file, or a frame beyond `limits`.
+/// Receives the reply about the file `path`. The outer error is of a reply that is damaged or cut off, the inner one is
+/// the child's error about the file, or of a frame beyond `limits`.
 pub(super) fn receive_reply(
     from: &mut impl Read,
     path: &Path,
     limits: &Limits,
 ) -> io::Result<Result<RawFrame, OpenError>> {
-    let head: Result<FrameHead, OpenError> = receive(from)?;
-    let checked = head.and_then(|head| {
-        limits.check_frame(path, head.size.0 as u64, head.size.1 as u64)?;
-        Ok(head)
-    });
-    let FrameHead { size, scale, encoding, binning, damage } = match checked {
+    let FrameHead { size, scale, encoding, binning, damage } = match receive(from)? {
         Ok(head) => head,
         Err(error) => return Ok(Err(error)),
     };
+    if let Err(error) = limits.check_frame(path, size.0 as u64, size.1 as u64) {
+        return Ok(Err(error));
+    }
     let mut values: Vec<f32> = memory::zeroed(size.0 * size.1);
     from.read_exact(bytemuck::cast_slice_mut(&mut values))?;
     let plane = Plane::from_vec(size.0, size.1, values);
@@ -115,11 +108,8 @@ mod tests {
             send_reply(&mut bytes, reply).expect("memory takes everything");
             receive_reply(&mut &bytes[..], Path::new("a.dng"), &Limits::default()).expect("an answer")
         };
-        for scale in [
-            FileScale::Range(65535.0),
-            FileScale::Raw { white: 0.1 + 0.2 },
-            FileScale::Data { integer: true, largest: f32::MAX },
-        ] {
+        let data = FileScale::Data { integer: true, largest: f32::MAX };
+        for scale in [FileScale::Range(65535.0), FileScale::Raw { white: 0.1 + 0.2 }, data] {
             let plane = Plane::from_vec(2, 2, vec![0.1, -0.0, f32::MIN_POSITIVE, 7.0]);
             let frame = RawFrame { encoding: Encoding::Srgb, binning: 2, ..RawFrame::linear(plane.clone(), scale) };
             let frame = RawFrame { damage: Some("it ends".to_owned()), ..frame };

@@ -53,18 +53,14 @@ pub fn write_colmap_database<E: From<ExportError>>(
     path: &Path,
     fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut failure = None;
-    let written = replace(path, |new| match make(new, path, fill) {
-        Ok(()) => File::options().read(true).write(true).open(new),
-        Err(error) => {
-            failure = Some(error);
-            Err(io::Error::other("the database was not completed"))
-        }
+    let mut made = Ok(());
+    let written = replace(path, |new| {
+        made = make(new, path, fill);
+        made.as_ref().map_err(|_| io::Error::other("the database was not completed"))?;
+        File::options().read(true).write(true).open(new)
     });
-    match failure {
-        Some(error) => Err(error),
-        None => Ok(written?),
-    }
+    made?;
+    Ok(written?)
 }
 
 fn make<E: From<ExportError>>(
@@ -74,8 +70,7 @@ fn make<E: From<ExportError>>(
 ) -> Result<(), E> {
     let fail = |e: rusqlite::Error| failure(path, &e);
     let connection = Connection::open(temporary).map_err(fail)?;
-    // No journal and no waiting for the disk: the file is useless until it is complete, and is flushed to the disk
-    // then.
+    // No journal and no waiting for the disk: the file is useless until it is complete, and is then flushed.
     connection.execute_batch("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN;").map_err(fail)?;
     connection.pragma_update(None, "application_id", DATABASE_ID).map_err(fail)?;
     connection.execute_batch(TABLES).map_err(fail)?;
@@ -92,9 +87,6 @@ fn failure(path: &Path, error: &rusqlite::Error) -> ExportError {
 
 impl DatabaseWriter<'_> {
     /// Adds a camera and returns its id.
-    ///
-    /// # Errors
-    /// [`ExportError`] when the file cannot be written.
     pub fn add_camera(&mut self, camera: &DatabaseCamera) -> Result<u32, ExportError> {
         self.cameras += 1;
         let id = self.cameras;
@@ -115,7 +107,7 @@ impl DatabaseWriter<'_> {
     /// [`ExportError`] when the file cannot be written, or already has an image of this name.
     ///
     /// # Panics
-    /// When the numbers of keypoints and descriptors differ, or there is no such camera: a mistake of the caller.
+    /// When the numbers of keypoints and descriptors differ, or there is no such camera.
     pub fn add_image(
         &mut self,
         name: &str,
@@ -146,8 +138,7 @@ impl DatabaseWriter<'_> {
     /// [`ExportError`] when the file cannot be written, or already has this pair.
     ///
     /// # Panics
-    /// When `a` is not before `b`, an image was not added, or a match has the index of a missing feature: a mistake of
-    /// the caller.
+    /// When `a` is not before `b`, an image was not added, or a match has the index of a missing feature.
     pub fn add_pair(
         &mut self,
         a: u32,
@@ -189,9 +180,6 @@ impl DatabaseWriter<'_> {
     }
 
     /// Reads the features of the image `id` back, as they were added.
-    ///
-    /// # Errors
-    /// [`ExportError`] when the file cannot be read, or holds no image of this id.
     pub fn features(&self, id: u32) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
         let sql = "SELECT keypoints.data, descriptors.data FROM keypoints JOIN descriptors USING (image_id) WHERE image_id = ?";
         let read = self.connection.query_row(sql, [id], |row| {
@@ -230,9 +218,10 @@ fn matrix_bytes(matrix: Matrix3<f64>) -> Vec<u8> {
 }
 
 /// Kind of a two-view geometry, with COLMAP's number for it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum GeometryKind {
     /// Too few matches agree on a geometry.
+    #[default]
     Degenerate = 1,
     /// Essential matrix, of calibrated cameras.
     Calibrated = 2,
@@ -242,8 +231,9 @@ pub enum GeometryKind {
     PlanarOrPanoramic = 6,
 }
 
-/// Geometry of images A and B, in Burstscope's pixels (the centre of the first one is (0, 0)).
-#[derive(Debug, Clone, PartialEq)]
+/// Geometry of images A and B, in Burstscope's pixels (the centre of the first one is (0, 0)). The default one is of a
+/// pair whose matches do not agree.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct DatabaseGeometry {
     /// Kind of the geometry.
     pub kind: GeometryKind,
@@ -260,18 +250,6 @@ pub struct DatabaseGeometry {
 }
 
 impl DatabaseGeometry {
-    /// The geometry of a pair whose matches do not agree.
-    pub fn degenerate() -> Self {
-        Self {
-            kind: GeometryKind::Degenerate,
-            inliers: Vec::new(),
-            fundamental: None,
-            essential: None,
-            homography: None,
-            b_from_a: None,
-        }
-    }
-
     /// This geometry in COLMAP's pixels.
     pub(super) fn in_colmap_pixels(&self) -> Self {
         let there = Matrix3::new(1.0, 0.0, FIRST_PIXEL, 0.0, 1.0, FIRST_PIXEL, 0.0, 0.0, 1.0);
@@ -284,7 +262,6 @@ impl DatabaseGeometry {
     }
 }
 
-/// Statements that create the tables.
 pub(super) const TABLES: &str = "
 CREATE TABLE cameras (
     camera_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,

@@ -75,6 +75,7 @@ fn every_blob_is_as_documented() {
     assert_eq!((id, rows, indices), (2_147_483_647 + 2, 2, vec![0, 0, 3, 1]));
     let (model, prior, bytes) = row("SELECT model, prior_focal_length, params FROM cameras").expect("a row");
     assert_eq!((model, prior, floats(&bytes)), (2, 1, camera().params));
+    assert_eq!(pair_id(7, 3), 3 * MAX_IMAGE_ID + 7);
     // Rigs and frames: one for each camera, one for each image.
     let count = |table: &str| db.query_row(&format!("SELECT COUNT(*) FROM {table}"), [], |row| row.get::<_, i64>(0));
     let counts =
@@ -133,12 +134,6 @@ fn a_database_is_whole_or_not_there() {
     assert_eq!(std::fs::read(&path).expect("a file"), before);
     assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1);
     assert!(matches!(write_colmap_database(home.path(), |_| Ok(())), Err(Mine::Export(ExportError::NotAFile(_)))));
-}
-
-#[test]
-fn pair_ids_are_colmaps() {
-    assert_eq!(pair_id(1, 2), 2_147_483_649);
-    assert_eq!(pair_id(7, 3), 3 * MAX_IMAGE_ID + 7);
 }
 
 #[test]

@@ -14,24 +14,12 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::str::FromStr;
 
-/// Writes features and descriptors for COLMAP's importer.
-///
-/// # Errors
-/// [`ExportError`] when the file cannot be written; an older one is then unchanged.
-///
-/// # Panics
-/// When the numbers of features and descriptors differ: a mistake of the caller.
+/// Writes features and descriptors for COLMAP's importer; panics if the numbers of them differ.
 pub fn write_colmap(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {
     write_colmap_keypoints(path, &features.iter().map(ColmapKeypoint::from).collect::<Vec<_>>(), descriptors)
 }
 
 /// Writes features that are already in COLMAP's convention, with their descriptors, for COLMAP's importer.
-///
-/// # Errors
-/// As [`write_colmap`].
-///
-/// # Panics
-/// As [`write_colmap`].
 pub fn write_colmap_keypoints(
     path: &Path,
     keypoints: &[ColmapKeypoint],
@@ -75,10 +63,7 @@ pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>)
     parse_colmap(path, &read_text(path, MAX_TABLE_BYTES).map_err(read)?)
 }
 
-/// Parses the `text` of a file that `write_colmap` wrote; `path` is for messages.
-///
-/// # Errors
-/// [`ExportError::Text`] with the line that is not in this format.
+/// Parses the `text` of a file that `write_colmap` wrote, as [`read_colmap`]; `path` is for messages.
 pub fn parse_colmap(path: &Path, text: &str) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
     let mut lines = text.lines();
     let bad = |line: usize, problem: String| ExportError::Text { path: path.into(), line, problem };

@@ -23,7 +23,9 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], options: &FigureOptions) -> Drawing {
     let mut letters = (0..count).map(|place| (options.letters && count > 1).then(|| letter(place)));
     let mut with_letter = |panel| (letters.next().flatten(), panel);
     let lettered: Vec<Vec<Lettered<'_>>> = rows.iter().map(|row| row.iter().map(&mut with_letter).collect()).collect();
-    let widths: Vec<Vec<f32>> = lettered.iter().map(|row| style.widths(row)).collect();
+    // With title and legend.
+    let width_of = |(letter, panel): &Lettered<'_>| style.panel(panel, letter.as_deref(), [0.0; 2], &mut Vec::new())[0];
+    let widths: Vec<Vec<f32>> = lettered.iter().map(|row| row.iter().map(width_of).collect()).collect();
     let (mut width, mut top) = (0f32, 0f32);
     let gap = GAP * style.font;
     for row in &lettered {
@@ -46,19 +48,15 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], options: &FigureOptions) -> Drawing {
 
 /// The letters of panel `place`: (a), (b), … (z), (aa), …
 fn letter(place: usize) -> String {
-    let mut rest = place;
-    let mut letters = Vec::new();
-    loop {
-        letters.push(char::from(b'a' + (rest % 26) as u8));
-        if rest < 26 {
-            break;
-        }
-        rest = rest / 26 - 1;
+    let mut letters = String::new();
+    let mut rest = place + 1;
+    while rest > 0 {
+        letters.insert(0, char::from(b'a' + ((rest - 1) % 26) as u8));
+        rest = (rest - 1) / 26;
     }
-    format!("({})", letters.into_iter().rev().collect::<String>())
+    format!("({letters})")
 }
 
-/// A panel with its letter, if it has one.
 type Lettered<'a> = (Option<String>, &'a FigurePanel);
 
 struct Style {
@@ -69,11 +67,6 @@ struct Style {
 }
 
 impl Style {
-    /// The width of each panel of a row, with its title and legend.
-    fn widths(&self, row: &[Lettered<'_>]) -> Vec<f32> {
-        row.iter().map(|(letter, panel)| self.panel(panel, letter.as_deref(), [0.0; 2], &mut Vec::new())[0]).collect()
-    }
-
     /// The width of a text, estimated: a letter is at most about 0.65 of its height wide on average.
     fn text_width(&self, text: &str) -> f32 {
         0.65 * self.font * text.chars().count() as f32
@@ -92,26 +85,21 @@ impl Style {
         out: &mut Vec<FigureShape>,
     ) -> [f32; 2] {
         let font = self.font;
-        let title = match (letter, &panel.title) {
-            (Some(letter), Some(title)) => Some(format!("{letter}  {title}")),
-            (Some(letter), None) => Some(letter.to_owned()),
-            (None, title) => title.clone(),
-        };
+        let titles: Vec<&str> = letter.into_iter().chain(panel.title.as_deref()).collect();
         let px = self.scale * panel.image_px_per_px;
         let size = [panel.size.0 as f32 * px, panel.size.1 as f32 * px];
         let mut width = size[0];
         let mut top = corner[1];
-        if let Some(title) = &title {
-            out.push(self.text([corner[0], top + 1.15 * font], title));
-            width = width.max(self.text_width(title));
+        if !titles.is_empty() {
+            let title = titles.join("  ");
+            out.push(self.text([corner[0], top + 1.15 * font], &title));
+            width = width.max(self.text_width(&title));
             top += 1.6 * font;
         }
         let rect = FigureRect { min: [corner[0], top], size };
         out.push(FigureShape::Picture { rect, size: panel.size, rgba: panel.rgba.clone() });
         let mut over = Vec::new();
-        for mark in &panel.marks {
-            self.mark(panel, mark, rect, &mut over);
-        }
+        panel.marks.iter().for_each(|mark| self.mark(panel, mark, rect, &mut over));
         if self.scale_bar {
             self.scale_bar(rect, &mut over);
         }
@@ -163,7 +151,6 @@ impl Style {
         }
     }
 
-    /// Draws a bar of a round number of image pixels in the right bottom corner.
     fn scale_bar(&self, rect: FigureRect, out: &mut Vec<FigureShape>) {
         let length_px = round_length(0.2 * rect.size[0] / self.scale);
         let length = length_px * self.scale;
@@ -227,11 +214,11 @@ fn round_length(max: f32) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use std::sync::Arc;
 
-    fn panel(size: (usize, usize)) -> FigurePanel {
+    pub fn panel(size: (usize, usize)) -> FigurePanel {
         FigurePanel {
             size,
             rgba: Arc::new(vec![9; size.0 * size.1 * 4]),
@@ -259,11 +246,7 @@ mod tests {
         let rows = [vec![panel((20, 60)), titled.clone()], vec![titled, panel((10, 10))]];
         let options = FigureOptions { letters: true, scale: 2.0, ..FigureOptions::default() };
         let drawing = lay_out(&rows, &options);
-        let rects: Vec<FigureRect> = drawing
-            .shapes
-            .iter()
-            .filter_map(|shape| if let FigureShape::Picture { rect, .. } = shape { Some(*rect) } else { None })
-            .collect();
+        let rects: Vec<FigureRect> = drawing.pictures().collect();
         assert_eq!(rects.len(), 4);
         assert_eq!((rects[0].min[0], rects[1].min[0]), (rects[2].min[0], rects[3].min[0]), "columns are not in line");
         for (i, a) in rects.iter().enumerate() {

@@ -29,11 +29,7 @@ pub struct FigureLink {
 ///
 /// Links to missing panels, and those with invalid numbers, are left out.
 pub fn draw_links(drawing: &mut Drawing, rows: &[Vec<FigurePanel>], links: &[FigureLink], stroke_width_px: f32) {
-    let pictures = drawing.shapes.iter().filter_map(|shape| match shape {
-        FigureShape::Picture { rect, .. } => Some(*rect),
-        _ => None,
-    });
-    let panels: Vec<(FigureRect, &FigurePanel)> = pictures.zip(rows.iter().flatten()).collect();
+    let panels: Vec<(FigureRect, &FigurePanel)> = drawing.pictures().zip(rows.iter().flatten()).collect();
     let mut shapes = Vec::new();
     for link in links {
         let width = stroke_width_px.clamp(0.0, 1000.0) * link.weight;
@@ -45,12 +41,9 @@ pub fn draw_links(drawing: &mut Drawing, rows: &[Vec<FigurePanel>], links: &[Fig
         if let [Some(from), Some(to)] = ends {
             line(from, to, stroke, link.dashed, &mut shapes);
         }
-        shapes.extend(ends.into_iter().flatten().map(|centre| FigureShape::Circle {
-            centre,
-            radius: RING * width,
-            stroke,
-            dashed: false,
-        }));
+        let radius = RING * width;
+        let ring = |centre| FigureShape::Circle { centre, radius, stroke, dashed: false };
+        shapes.extend(ends.into_iter().flatten().map(ring));
     }
     drawing.shapes.extend(shapes);
 }
@@ -79,43 +72,20 @@ fn line(from: [f32; 2], to: [f32; 2], stroke: FigureStroke, dashed: bool, out: &
 
 #[cfg(test)]
 mod tests {
+    use super::super::layout::tests::panel;
     use super::super::{FigureOptions, lay_out};
     use super::*;
-    use std::sync::Arc;
-
-    fn panel() -> FigurePanel {
-        FigurePanel {
-            size: (20, 10),
-            rgba: Arc::new(vec![9; 20 * 10 * 4]),
-            origin_image: [9.5, -0.5],
-            image_px_per_px: 1.0,
-            marks: Vec::new(),
-            title: None,
-            legend: Vec::new(),
-            bar: None,
-        }
-    }
 
     #[test]
     fn lines_go_from_place_to_place_and_what_is_out_of_sight_is_left_out() {
-        let rows = vec![vec![panel(), panel()]];
+        let rows = vec![vec![FigurePanel { origin_image: [9.5, -0.5], ..panel((20, 10)) }; 2]];
         let options = FigureOptions { scale: 2.0, ..FigureOptions::default() };
         let mut drawing = lay_out(&rows, &options);
         let before = drawing.shapes.len();
-        let link = FigureLink {
-            panels: [0, 1],
-            ends_image: [[9.5, -0.5], [29.5, 9.5]],
-            color: [1; 3],
-            opacity: 1.0,
-            weight: 1.0,
-            dashed: false,
-        };
+        let (panels, ends_image) = ([0, 1], [[9.5, -0.5], [29.5, 9.5]]);
+        let link = FigureLink { panels, ends_image, color: [1; 3], opacity: 1.0, weight: 1.0, dashed: false };
         draw_links(&mut drawing, &rows, &[link], 1.5);
-        let rects: Vec<FigureRect> = drawing
-            .shapes
-            .iter()
-            .filter_map(|shape| if let FigureShape::Picture { rect, .. } = shape { Some(*rect) } else { None })
-            .collect();
+        let rects: Vec<FigureRect> = drawing.pictures().collect();
         let [FigureShape::Line { points, .. }, FigureShape::Circle { .. }, FigureShape::Circle { .. }] =
             &drawing.shapes[before..]
         else {

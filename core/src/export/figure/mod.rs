@@ -1,13 +1,10 @@
 //! Figures for papers: pictures as shown in the window, with their overlays, as vectors or as pixels.
 //!
-//! [`FigurePanel`]s hold the contents: pixels, marks of features, a title, the meaning of colours. [`lay_out`] puts one
-//! or several of them on a sheet of paper, which gives a [`Drawing`]: shapes with positions in figure pixels.
-//! [`write_drawing_svg`] writes it as vectors; a caller with a font renderer can make pixels of the same drawing. So
-//! both look the same. Matches between panels are [`FigureLink`]s, which [`draw_links`] adds.
-//!
-//! A feature is a circle (of the radius at which it is drawn in the window); a tick from its centre to the circle in
-//! the direction of its orientation; and an arrow along its motion. The image's first pixel has its centre at (0, 0)
-//! and covers −0.5 … 0.5.
+//! [`lay_out`] puts one or several [`FigurePanel`]s on a sheet of paper, which gives a [`Drawing`]: shapes with
+//! positions in figure pixels. [`write_drawing_svg`] writes it as vectors; a caller with a font renderer can make
+//! pixels of it. Matches between panels are [`FigureLink`]s, which [`draw_links`] adds. A feature is a circle (of the
+//! radius at which it is drawn in the window), a tick in the direction of its orientation, and an arrow along its
+//! motion. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
 
 mod curve;
 mod layout;
@@ -233,4 +230,13 @@ pub struct Drawing {
     pub shapes: Vec<FigureShape>,
     /// Title for screen readers.
     pub title: String,
+}
+
+impl Drawing {
+    fn pictures(&self) -> impl Iterator<Item = FigureRect> {
+        self.shapes.iter().filter_map(|shape| match shape {
+            FigureShape::Picture { rect, .. } => Some(*rect),
+            _ => None,
+        })
+    }
 }

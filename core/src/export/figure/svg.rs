@@ -4,15 +4,12 @@ use super::{Colour, Drawing, FigureRect, FigureShape, FigureStroke};
 use crate::export::atomic::write_marked;
 use crate::export::error::ExportError;
 use crate::export::png::Picture;
-use crate::export::svg::{Attribute, Number, PathData, SvgWriter};
+use crate::export::svg::{Attribute, Number, PathData, SvgWriter, rectangle};
 use crate::files::mark::Kind;
 use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes the drawing.
-///
-/// # Errors
-/// [`ExportError`] when a picture has no pixels or the file cannot be written; an older one is then unchanged.
 pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), ExportError> {
     for shape in &drawing.shapes {
         if let FigureShape::Picture { size, rgba, .. } = shape {
@@ -31,22 +28,15 @@ pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), ExportErr
 fn write_shape(svg: &mut SvgWriter<impl Write>, shape: &FigureShape) -> io::Result<()> {
     match shape {
         FigureShape::Picture { rect, size, rgba } => {
-            let [x, y, width, height] = place(rect);
-            let rect: [Attribute<'_>; 4] = [("x", &x), ("y", &y), ("width", &width), ("height", &height)];
-            svg.picture(&rect, &Picture::rgba(size.0, size.1, rgba))
+            svg.picture(&rectangle(&place(rect)), &Picture::rgba(size.0, size.1, rgba))
         }
         FigureShape::Fill { rect, color } => {
-            let [x, y, width, height] = place(rect);
-            let fill = Hex(*color);
-            svg.empty("rect", &[("x", &x), ("y", &y), ("width", &width), ("height", &height), ("fill", &fill)], "")
+            let fill: [Attribute<'_>; 1] = [("fill", &Hex(*color))];
+            svg.empty("rect", &[&rectangle(&place(rect))[..], &fill].concat(), "")
         }
         FigureShape::Circle { centre, radius, stroke, dashed } => {
-            let dash = if *dashed {
-                let piece = number(std::f32::consts::TAU * radius / 16.0);
-                format!(r#"stroke-dasharray="{piece} {piece}" "#)
-            } else {
-                String::new()
-            };
+            let piece = number(std::f32::consts::TAU * radius / 16.0);
+            let dash = if *dashed { format!(r#"stroke-dasharray="{piece} {piece}" "#) } else { String::new() };
             let [x, y, r] = [centre[0], centre[1], *radius].map(number);
             let style = format!(r#"fill="none" {dash}{}"#, Stroke(stroke));
             svg.empty("circle", &[("cx", &x), ("cy", &y), ("r", &r)], &style)
@@ -63,9 +53,7 @@ fn write_shape(svg: &mut SvgWriter<impl Write>, shape: &FigureShape) -> io::Resu
             svg.text("text", &font, "", text)
         }
         FigureShape::Clipped { rect, shapes } => {
-            let [x, y, width, height] = place(rect);
-            let rect: [Attribute<'_>; 4] = [("x", &x), ("y", &y), ("width", &width), ("height", &height)];
-            svg.begin_clipped(&rect, &[("stroke-linecap", &"round")])?;
+            svg.begin_clipped(&rectangle(&place(rect)), &[("stroke-linecap", &"round")])?;
             shapes.iter().try_for_each(|shape| write_shape(svg, shape))?;
             svg.end("g")
         }
@@ -76,12 +64,10 @@ fn number(value: f32) -> Number {
     Number(f64::from(value))
 }
 
-/// Left, upper side, width and height.
 fn place(rect: &FigureRect) -> [Number; 4] {
     [rect.min[0], rect.min[1], rect.size[0], rect.size[1]].map(number)
 }
 
-/// A stroke as SVG attributes.
 struct Stroke<'a>(&'a FigureStroke);
 
 impl std::fmt::Display for Stroke<'_> {
@@ -91,7 +77,6 @@ impl std::fmt::Display for Stroke<'_> {
     }
 }
 
-/// A colour as `#rrggbb`.
 struct Hex(Colour);
 
 impl std::fmt::Display for Hex {

@@ -32,7 +32,6 @@ mod tag {
     pub(super) const DNG_VERSION: u64 = 50706;
 }
 
-/// What the directories of a file announce.
 #[derive(Debug, Default)]
 pub(in crate::burst::decode) struct Directories {
     /// Largest size, columns × rows.
@@ -44,9 +43,6 @@ pub(in crate::burst::decode) struct Directories {
 impl Directories {
     /// Checks at most `most` pages of `file`, a TIFF of `length` bytes; of a file that is `raw` by its name, and of a
     /// DNG, all directories, because its decoder reads them. A DNG must hold the data of all its pictures.
-    ///
-    /// # Errors
-    /// A file that announces more than it can hold, or that cannot be read.
     pub(in crate::burst::decode) fn read(
         file: &mut (impl Read + Seek),
         length: u64,
@@ -223,9 +219,8 @@ mod tests {
         bytes.resize(8 + before, 7);
         bytes.extend((entries.len() as u16).to_le_bytes());
         for (tag, kind, count, value) in entries {
-            bytes.extend(
-                [&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat(),
-            );
+            bytes.extend([tag.to_le_bytes(), kind.to_le_bytes()].concat());
+            bytes.extend([count.to_le_bytes(), value.to_le_bytes()].concat());
         }
         bytes.extend([0; 4]);
         bytes
@@ -238,9 +233,8 @@ mod tests {
         bytes.resize(16 + before, 7);
         bytes.extend((entries.len() as u64).to_be_bytes());
         for (tag, kind, count, value) in entries {
-            bytes.extend(
-                [&tag.to_be_bytes()[..], &kind.to_be_bytes(), &count.to_be_bytes(), &value.to_be_bytes()].concat(),
-            );
+            bytes.extend([tag.to_be_bytes(), kind.to_be_bytes()].concat());
+            bytes.extend([count.to_be_bytes(), value.to_be_bytes()].concat());
         }
         bytes.extend([0; 8]);
         bytes
@@ -250,7 +244,6 @@ mod tests {
         Directories::read(&mut Cursor::new(bytes), bytes.len() as u64, raw, usize::MAX)
     }
 
-    /// Reason why a file is refused.
     fn reason(bytes: &[u8], raw: bool) -> String {
         read(bytes, raw).expect_err("refused").to_string()
     }
@@ -258,8 +251,7 @@ mod tests {
     #[test]
     fn sizes_are_read_in_both_forms_and_byte_orders() {
         let little = tiff(&[(256, LONG, 1, 40), (257, LONG, 1, 30)], 6);
-        let big = big_tiff(&[(256, LONG, 1, 40 << 32), (257, 3, 1, 30 << 48)], 12);
-        for bytes in [little, big] {
+        for bytes in [little, big_tiff(&[(256, LONG, 1, 40 << 32), (257, 3, 1, 30 << 48)], 12)] {
             let found = read(&bytes, false).expect("sound");
             assert_eq!((found.pixels, found.is_dng), (1200, false));
         }

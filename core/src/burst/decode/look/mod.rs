@@ -1,9 +1,7 @@
 //! Kind of a file, by its first bytes, and checks of the sizes that it declares, before any decoder reads it.
 //!
-//! A decoder takes memory and time as the file tells it to. So the sizes in the file's own structures are compared with
-//! the file's length: a file that announces more than it could hold is damaged, and is refused with a reason. The check
-//! reads headers only, and bounds its own memory. Here are pictures whose decoder would trust them; [`directories`]
-//! checks TIFFs and raw files.
+//! A decoder takes memory and time as the file tells it to. So a file that announces more than its length could hold is
+//! refused. The check reads headers only, and bounds its own memory; [`directories`] checks TIFFs and raw files.
 
 mod directories;
 
@@ -56,7 +54,6 @@ pub(super) fn check_webp(file: &mut (impl Read + Seek), length: u64) -> io::Resu
     Err(corrupt(format!("it has more than {CHUNKS} chunks")))
 }
 
-/// A kind of file that can be decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Values as the sensor gave them, in one of many formats, which the decoder tells apart.
@@ -144,17 +141,13 @@ pub(super) fn video(path: &Path) -> OpenError {
 pub(super) fn unknown(path: &Path, start: &[u8]) -> OpenError {
     // A PNG's signature is made to show a transfer as text, which changes it.
     if start.get(1..4) == Some(b"PNG") || start.get(12..16) == Some(b"IHDR") {
-        return OpenError::corrupt(
-            path,
-            "PNG",
-            "its first bytes are changed, as by a transfer as text or of seven bits",
-        );
+        let reason = "its first bytes are changed, as by a transfer as text or of seven bits";
+        return OpenError::corrupt(path, "PNG", reason);
     }
     if let Some(named) = Kind::named(path) {
-        let problem = format!(
-            "this file is named as a {} but does not begin like one: it is damaged or of another kind",
-            named.name()
-        );
+        let kind = named.name();
+        let problem =
+            format!("this file is named as a {kind} but does not begin like one: it is damaged or of another kind");
         return OpenError::damaged(path, problem);
     }
     let extensions = extensions().collect::<Vec<_>>().join(", ");
