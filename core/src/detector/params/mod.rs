@@ -20,7 +20,7 @@ pub use choices::{
     SlopeExtrema, SlopeNeighbours, Word,
 };
 pub use doc::DetectorParams;
-pub(crate) use record::param;
+pub(crate) use record::params;
 pub use record::{Bounds, Drag, Field, Param, ParamDoc, Stage, TextValue};
 pub use rules::Rules;
 pub use searched::{AUTO, SearchParams, SlopeChoice};

@@ -291,11 +291,6 @@ impl<P> Param<P> {
         }
     }
 
-    /// Record with a description.
-    pub const fn described(self, doc: ParamDoc) -> Self {
-        Self { doc, ..self }
-    }
-
     /// Record of a parameter whose number is in `range`; `remedy` is given for others.
     pub const fn within(self, range: (Bound<f64>, Bound<f64>), remedy: &'static str) -> Self {
         Self { bounds: Some(Bounds::new(range, remedy)), ..self }
@@ -450,18 +445,27 @@ impl<P> Deref for Param<P> {
     }
 }
 
-/// Declares the constant `$id`, the [`Param`] with these fields of its [`ParamDoc`].
-macro_rules! param {
-    ($id:ident, $params:ty, $name:literal, $label:literal, $unit:literal, $term:literal, $meaning:literal, $effect:literal, $rest:expr) => {
-        #[doc = concat!($meaning, " ", $effect)]
-        pub const $id: Param<$params> = $rest.described(ParamDoc {
-            name: $name,
-            label: $label,
-            unit: $unit,
-            term: $term,
-            meaning: $meaning,
-            effect: $effect,
-        });
+/// Declares the [`Param`] of each parameter, with these fields of its [`ParamDoc`], and the list of all.
+macro_rules! params {
+    ($params:ty; $($id:ident: $name:literal, $label:literal, $unit:literal, $term:literal;
+        $meaning:literal, $effect:literal, $record:expr;)+) => {
+        $(
+            #[doc = concat!($meaning, " ", $effect)]
+            pub const $id: Param<$params> = Param {
+                doc: ParamDoc {
+                    name: $name,
+                    label: $label,
+                    unit: $unit,
+                    term: $term,
+                    meaning: $meaning,
+                    effect: $effect,
+                },
+                ..$record
+            };
+        )+
+
+        /// Records of all parameters, in the order in which they are shown.
+        pub const ALL: [Param<$params>; [$($name),+].len()] = [$($id),+];
     };
 }
-pub(crate) use param;
+pub(crate) use params;
