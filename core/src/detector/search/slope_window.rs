@@ -9,7 +9,7 @@
 use crate::detector::feature::{Tally, Test};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use crate::detector::params::{DetectorParams, Localisation, SlopeExtrema, SlopeNeighbours};
-use crate::detector::refine::{Refined, peak_offset, peak_offset_2d};
+use crate::detector::refine::{Fit, peak_offset, peak_offset_2d};
 use crate::detector::scale_space::DogTile;
 use crate::detector::search::extrema::{Candidate, beats_all_27};
 use std::ops::Range;
@@ -19,21 +19,19 @@ use std::ops::Range;
 pub struct Undecided {
     pub candidate: Candidate,
     /// The refined extremum, or the test that rejects it if no slope does.
-    pub refined: Result<Refined, Test>,
+    pub refined: Result<Fit, Test>,
     /// D of the refined sample at the slopes around, as far as they have been visited: `around[dj + 1][di + 1]`.
     around: [[f32; 3]; 3],
 }
 
 impl Undecided {
-    /// Reads D from a neighbouring slope's tile.
     fn look_at(&mut self, tile: &DogTile, (di, dj): (i64, i64)) {
-        if let (Ok(Refined { x, y, .. }), -1..=1, -1..=1) = (self.refined, di, dj) {
+        if let (Ok(Fit { x, y, .. }), -1..=1, -1..=1) = (self.refined, di, dj) {
             self.around[(dj + 1) as usize][(di + 1) as usize] = tile.at(self.candidate.level_index, x, y);
         }
     }
 }
 
-/// Values at other slopes that a candidate needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OtherSlopes {
     Unseen,
@@ -132,7 +130,7 @@ impl SlopeWindow {
         &mut self,
         made: usize,
         gate: impl Fn(&Candidate) -> bool,
-        refine: impl Fn(&DogTile, &Candidate) -> Result<Refined, Test>,
+        refine: impl Fn(&DogTile, &Candidate) -> Result<Fit, Test>,
         tally: &mut Tally,
     ) {
         let earlier = self.earlier(made);
@@ -190,7 +188,6 @@ impl SlopeWindow {
         &self.undecided[index % self.undecided.len()]
     }
 
-    /// See [`refined_slope`].
     pub fn refined_slope(&self, index: usize, undecided: &Undecided) -> Slope {
         refined_slope(&self.grid, self.others, index, &undecided.around)
     }
@@ -253,8 +250,8 @@ mod tests {
             let (tile, candidates) = window.slot_mut(made);
             fill(tile, value);
             candidates.push(Candidate { x: 1, y: 1, level_index: 1, value });
-            let here =
-                Refined { x: 1, y: 1, x_refined: 1.0, y_refined: 1.0, level_refined: 1.0, value, edge_quotient: 4.0 };
+            let (offset, value, curvature) = ([0.0; 3], f64::from(value), [-1.0, 0.0, -1.0]);
+            let here = Fit { x: 1, y: 1, offset, level_refined: 1.0, level_reach: 1.0, value, curvature };
             window.compare(made, |_| true, |_, _| Ok(here), &mut tally);
             for index in window.decidable(made) {
                 for undecided in window.undecided(index) {
