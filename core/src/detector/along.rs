@@ -1,16 +1,10 @@
-//! The response along a motion: D at single places, at any slope, from the frames at the resolution of each octave, and
-//! the pixels around a place from which it follows.
+//! The response along a motion: D at single places, at any slope, and the pixels around a place from which it follows.
 //!
-//! A feature lies at a slope of its own, between those of the grid. Neighbouring slopes of a grid misalign the
-//! outermost frames by their step times (N − 1)/2 pixels, so a feature half-way between two of them is smeared in both,
-//! and a descriptor computed there matches less. The grid's stacks are no help: the frames have to be shifted again.
-//! For octaves above 0 that is done on frames of that octave's resolution ([`OctaveFrames`]): each pixel the mean of
-//! 2^o × 2^o of a frame's. Averaging before shifting equals averaging after it, except for detail finer than the
-//! averages, which no level of that octave shows.
-//!
-//! D at a place is a weighted patch: the frames are shifted by any slope and averaged in a small patch, and the patch
-//! is weighted by two Gaussians. Stacking and filtering commute, so the values are those of a search at that slope, up
-//! to interpolation (and, in coarser octaves, the way in which the frames are brought to their resolution).
+//! A feature lies at a slope of its own, between those of the grid, whose stacks smear it. So the frames are shifted
+//! again, for octaves above 0 frames of that octave's resolution ([`OctaveFrames`]): each pixel the mean of 2^o × 2^o of
+//! a frame's. D at a place is the mean of the shifted frames in a small patch, weighted by two Gaussians. Stacking and
+//! filtering commute, so the values are those of a search at that slope, up to interpolation (and, in coarser octaves,
+//! the way in which the frames are brought to their resolution).
 
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::{Base, SIGMA_INPUT, octave_pixel, octave_size};
@@ -275,18 +269,15 @@ mod tests {
             let (columns, rows) = (at(40.0)..at(100.0), at(20.0)..at(80.0));
             base.patch(size, columns.clone(), rows.clone(), &mut scratch, &mut patch);
             let middle = patch.row((rows.start + rows.end) / 2)[columns.clone().count() / 2];
+            // Averages and interpolation increase σ².
+            let source = of_octave.sigma_octave(&offsets).powi(2) as f32 * pixel * pixel;
+            let variance = 36.0 + source - (SIGMA_INPUT as f32).powi(2);
+            let truth = |du: f32, dv: f32| 36.0 / variance * (-(du * du + dv * dv) / (2.0 * variance)).exp();
+            let offset = |range: &Range<i64>, at: f32| ((range.start + range.end) / 2) as f32 * pixel - at;
+            let centre = truth(offset(&columns, 70.0), offset(&rows, 50.0));
             for y in rows {
                 for (x, value) in columns.clone().zip(patch.row(y)) {
                     let (du, dv) = (x as f32 * pixel - 70.0, y as f32 * pixel - 50.0);
-                    // Increase of σ² by averages and interpolation.
-                    let added = (of_octave.sigma_octave(&offsets).powi(2) as f32
-                        - (SIGMA_INPUT as f32 / pixel).powi(2))
-                        * pixel
-                        * pixel;
-                    let variance = 36.0 + added;
-                    let truth = |du: f32, dv: f32| 36.0 / variance * (-(du * du + dv * dv) / (2.0 * variance)).exp();
-                    let (cu, cv) = ((columns.start + columns.end) / 2, (at(20.0) + at(80.0)) / 2);
-                    let centre = truth(cu as f32 * pixel - 70.0, cv as f32 * pixel - 50.0);
                     let expected = truth(du, dv) - centre + middle;
                     assert!((value - expected).abs() < 8e-3, "octave {octave} ({x}, {y}): {value} {expected}");
                 }

@@ -1,11 +1,9 @@
 //! Motion stack: frames shifted by a slope and averaged (the paper's shift-sum filter H_M).
 //!
-//! Numerics. Frame `t` is sampled at `x + (t − t0)·λ`. The offset is constant over the image, so it is split once into
-//! whole pixels and a fraction, and a row of the result is a weighted sum of at most two rows of each frame, read at
-//! whole-pixel distances: contiguous loads, no gather, and sums that stay in registers. A frame covers a pixel when the
-//! sampling point lies between the centres of its first and last pixel; the sum is divided by the number of frames that
-//! do, which keeps borders from darkening. Where no frame covers a pixel (a corner, with diagonal slopes and an even
-//! number of frames) the frames' nearest pixels are averaged instead.
+//! Frame `t` is sampled at `x + (t − t0)·λ`. The offset is constant over the image, so it is split once into whole
+//! pixels and a fraction. A frame covers a pixel when the sampling point lies between the centres of its first and last
+//! pixel; the sum is divided by the number of frames that do. Where none does (a corner, with diagonal slopes and an
+//! even number of frames) the frames' nearest pixels are averaged.
 
 use crate::detector::params::Interpolation;
 use crate::detector::params::slope_grid::Slope;
@@ -25,11 +23,6 @@ pub struct FrameTimes {
 }
 
 impl FrameTimes {
-    /// Times at which all of `frame_count` frames take part.
-    pub fn all(frame_count: usize) -> Self {
-        Self { frame_count, kept: (0..frame_count).collect() }
-    }
-
     /// Times of the frames that take part, from mid-burst, frames.
     pub fn from_middle(&self) -> Vec<f32> {
         let middle = 0.5 * (self.frame_count as f32 - 1.0);

@@ -59,11 +59,6 @@ pub enum Method {
     Merge,
 }
 
-impl Method {
-    /// All methods, in the order in which they are listed.
-    pub const ALL: [Self; 3] = [Self::Buff, Self::Sift, Self::Merge];
-}
-
 /// Rule for candidates: extrema of place and scale at their own slope, or jointly over slopes too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

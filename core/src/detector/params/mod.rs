@@ -27,7 +27,7 @@ pub use searched::{AUTO, SearchParams, SlopeChoice};
 pub use slope_grid::MAX_SLOPES;
 pub use validate::ParamError;
 
-use crate::detector::params::slope_grid::SlopeGrid;
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 
 impl DetectorParams {
     /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame
@@ -47,7 +47,7 @@ impl DetectorParams {
     pub fn used_slopes(&self) -> SlopeGrid {
         match self.method {
             Method::Buff => self.slopes,
-            Method::Sift | Method::Merge => SlopeGrid::single(crate::detector::params::slope_grid::Slope::default()),
+            Method::Sift | Method::Merge => SlopeGrid::single(Slope::default()),
         }
     }
 
@@ -99,16 +99,6 @@ pub const MIN_OCTAVE_SIDE: usize = 16;
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_defaults_are_valid_and_survive_a_file() {
-        let params = DetectorParams::default();
-        assert_eq!(params.validate(), Ok(()));
-        assert_eq!(DetectorParams::from_toml(&params.to_toml()), Ok(params));
-        assert_eq!(DetectorParams::from_toml(""), Ok(DetectorParams::default()));
-        let error = DetectorParams::from_toml("peak_treshold = 1.0").expect_err("misspelt");
-        assert!(error.contains("peak_treshold"), "{error}");
-    }
 
     #[test]
     fn a_file_may_fix_the_gate_and_the_frames() {

@@ -254,14 +254,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_is_horizontal_and_runs_from_min_to_max() {
+    fn a_line_is_horizontal_and_runs_from_min_to_max_and_a_plane_its_first_axis_fastest() {
         let grid = SlopeGrid::line(-3.0..=3.0, 7);
-        let slopes: Vec<_> = grid.slopes().collect();
-        assert_eq!(slopes.len(), 7);
-        assert_eq!(slopes[0], Slope::new(-3.0, 0.0));
-        assert_eq!(slopes[4], Slope::new(1.0, 0.0));
+        assert!(grid.slopes().eq((-3..=3).map(|u| Slope::new(u as f32, 0.0))));
         assert!(grid.on_rim(0, 0) && grid.on_rim(6, 0) && !grid.on_rim(3, 0));
         assert_eq!(SlopeGrid::line_along(90.0, -1.0..=1.0, 3).slope(2), Slope::new(0.0, 1.0));
+        let plane = SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=2.0, 2);
+        assert!(plane.is_plane() && plane.coordinates(4) == (1, 1));
+        assert_eq!((plane.slope(0), plane.slope(5)), (Slope::new(-1.0, 0.0), Slope::new(1.0, 2.0)));
     }
 
     #[test]
@@ -282,15 +282,6 @@ mod tests {
             assert_eq!(line.nearest_on_rim(Slope::new(slope_u, 0.0)), on_rim, "{slope_u}");
         }
         assert!(!SlopeGrid::single(Slope::new(1.0, 0.0)).nearest_on_rim(Slope::new(1.0, 0.0)));
-    }
-
-    #[test]
-    fn a_plane_counts_its_first_axis_fastest() {
-        let grid = SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=2.0, 2);
-        assert!(grid.is_plane());
-        assert_eq!(grid.slope(0), Slope::new(-1.0, 0.0));
-        assert_eq!(grid.slope(5), Slope::new(1.0, 2.0));
-        assert_eq!(grid.coordinates(4), (1, 1));
     }
 
     #[test]

@@ -222,13 +222,7 @@ pub fn compared_slopes(grid: &SlopeGrid, index: usize, neighbours: SlopeNeighbou
 }
 
 /// D of the refined sample at the slopes around slope `index`, 0 beyond the grid.
-fn d_around(
-    search: &Search<'_>,
-    around: &Neighbourhood,
-    index: usize,
-    level_index: usize,
-    fit: &Fit,
-) -> [[f32; 3]; 3] {
+fn d_around(search: &Search<'_>, around: &Neighbourhood, index: usize, level_index: usize, fit: &Fit) -> [[f32; 3]; 3] {
     let (i, j) = search.grid.coordinates(index);
     std::array::from_fn(|dj| {
         std::array::from_fn(|di| {

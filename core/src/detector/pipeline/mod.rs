@@ -1,10 +1,8 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
-//! The inputs give the frames that take part and their noise; the [search](crate::detector::search) goes through
-//! octaves, tiles and slopes and finds keypoints. Then features are chosen: of the keypoints on one blob the
-//! strongest stays; those that stay are localised and described, tested for their
-//! [coherence](crate::detector::coherence) if requested, and ranked. The data for explaining the detection is gathered
-//! in a [`Trail`], which judges single samples ([`Judgement`]).
+//! The inputs give the frames that take part and their noise; the [search](crate::detector::search) finds keypoints.
+//! Of those on one blob the strongest stays; those that stay are localised, described and ranked. The data for
+//! explaining the detection is gathered in a [`Trail`], which judges single samples ([`Judgement`]).
 
 mod choice;
 mod judgement;
@@ -19,7 +17,7 @@ pub use outcome::follows;
 pub use trail::Trail;
 
 use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally};
-use super::memory::{self, Account, OF_PROCESS, Plan};
+use super::memory::{self, Account, OF_PROCESS};
 use super::params::{DescribeSlope, DetectorParams};
 use crate::burst::Burst;
 use crate::detector::along::Along;
@@ -67,31 +65,20 @@ fn search_all(
     params.validate_for(burst.len(), burst.size())?;
     let frames = params.used_frames(burst.len()).len();
     let (plan, _share) = account.plan(params, frames, burst.size(), budget)?;
-    plan.run(|| search_as_planned(burst, params, &plan, keeps, started, monitor))
-}
-
-/// Detects by `plan`, with parameters that are valid for the burst; `started` is the time of the start.
-fn search_as_planned(
-    burst: &Burst,
-    params: &DetectorParams,
-    plan: &Plan,
-    keeps: bool,
-    started: Instant,
-    monitor: &Monitor,
-) -> Result<Trail, DetectError> {
-    let inputs = Inputs::new(burst, params, monitor)?;
-    let mut times = StageTimes { noise_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
-
-    let search = Search::new(&inputs, monitor);
-    let mut tally = Tally::default();
-    let started = Instant::now();
-    let searched = search.octaves(&inputs.octaves(), &plan.search, &mut tally)?;
-    times.search_secs = started.elapsed().as_secs_f32();
-    let outcome = Outcome::new(&search, searched, &plan.describe, tally, keeps);
-    let passing = outcome.all();
-    let (choice, detection) = choose(&search, &outcome, &passing, &Along::new(&inputs), times)?;
-    drop(search);
-    Ok(Trail::new(inputs, Arc::new(outcome), passing, choice, detection))
+    plan.run(|| {
+        let inputs = Inputs::new(burst, params, monitor)?;
+        let mut times = StageTimes { noise_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
+        let search = Search::new(&inputs, monitor);
+        let mut tally = Tally::default();
+        let started = Instant::now();
+        let searched = search.octaves(&inputs.octaves(), &plan.search, &mut tally)?;
+        times.search_secs = started.elapsed().as_secs_f32();
+        let outcome = Outcome::new(&search, searched, &plan.describe, tally, keeps);
+        let passing = outcome.all();
+        let (choice, detection) = choose(&search, &outcome, &passing, &Along::new(&inputs), times)?;
+        drop(search);
+        Ok(Trail::new(inputs, Arc::new(outcome), passing, choice, detection))
+    })
 }
 
 /// Chooses the features among the `passing` keypoints of a search. `times` are those of the steps before.

@@ -1,13 +1,9 @@
-//! Data that a detection keeps to explain its result: the frames as they were searched, the first levels of the coarser
-//! octaves if there is memory for them, all keypoints with the ones that removed them, and the keypoint of each
-//! feature.
-//!
-//! Nothing here changes the result. To explain a detection, the search's own functions are run again on the few samples
-//! in question (see [`Trail::neighbourhood`]); the values are bitwise equal, because those of a tile do not depend on
-//! the tile.
+//! Data that a detection keeps to explain its result. Nothing here changes the result: the search's own functions are
+//! run again on the few samples in question (see [`Trail::neighbourhood`]); the values are bitwise equal, because those
+//! of a tile do not depend on the tile.
 
 use crate::detector::along::Along;
-use crate::detector::coherence::{Evenness, FrameResponse};
+use crate::detector::coherence::{Evenness, FrameResponse, floor_pixel};
 use crate::detector::distinct::{self, Blob};
 use crate::detector::feature::{Detection, Feature, Keypoint, Test};
 use crate::detector::memory::on_threads;
@@ -18,6 +14,7 @@ use crate::detector::pipeline::choice::{Choice, Chooser, Verdict};
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, SigmaD, sigma_d};
 use crate::detector::scale_space::{ScaleSpace, octave_size};
 use crate::detector::search::setup::{Inputs, Search};
+use crate::detector::stack::coverage;
 use crate::kernel::patch::{Patch, PatchScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -52,7 +49,6 @@ pub struct Trail {
     /// σ_D at the place of least noise, by octave, DoG level index and slope.
     pub(super) sigma_d: SigmaD,
     pub(super) detection: Detection,
-    /// See [`Self::search_secs`].
     pub(super) search_secs: f32,
 }
 
@@ -76,8 +72,7 @@ impl Trail {
         let blob = |&index: &usize| (index, Blob::of(&self.keypoints()[index], &self.inputs.space));
         self.stayed = self.choice.distinct.iter().map(blob).collect();
         self.stayed.sort_by(|a, b| a.1.v.total_cmp(&b.1.v));
-        let monitor = Monitor::default();
-        self.sigma_d = self.with_search(&monitor, sigma_d);
+        self.sigma_d = self.with_search(&Monitor::default(), sigma_d);
         self
     }
 
@@ -185,8 +180,7 @@ impl Trail {
         self.choice.verdicts[index] == Verdict::Cut
     }
 
-    /// First test that a keypoint that [is cut](Trail::is_cut) would fail if all features were kept. The first call
-    /// takes as long as describing all keypoints.
+    /// First test that a keypoint that [is cut](Trail::is_cut) would fail if all features were kept.
     pub fn fails_uncut(&self, index: usize) -> Option<Test> {
         match self.uncut().verdicts[index] {
             Verdict::Kept | Verdict::Cut => None,
@@ -194,7 +188,7 @@ impl Trail {
         }
     }
 
-    /// The choice without a maximum number of features.
+    /// The choice without a maximum number of features. The first call takes as long as describing all keypoints.
     fn uncut(&self) -> &Choice {
         if self.inputs.params.max_features == 0 {
             return &self.choice;
@@ -237,9 +231,7 @@ impl Trail {
     /// distinct keypoints. Keypoints that [are cut](Trail::is_cut) may not be compared.
     pub fn would_be_covered_by(&self, keypoint: &Keypoint) -> Option<usize> {
         let params = &self.inputs.params;
-        let Distinct::Radius(radius) = params.distinct else {
-            return None;
-        };
+        let Distinct::Radius(radius) = params.distinct else { return None };
         let rule = distinct::Rule { radius, scale_ratio: params.distinct_scale };
         let blob = Blob::of(keypoint, &self.inputs.space);
         // Reach of a stronger keypoint that covers it: its scale is larger by the ratio at most.
@@ -256,14 +248,12 @@ impl Trail {
         self.choice.ranked.get(index).copied().unwrap_or_else(|| self.uncut().ranked[index])
     }
 
-    /// Number of features including those beyond `max_features`. The first call takes as long as describing all
-    /// keypoints.
+    /// Number of features including those beyond `max_features`.
     pub fn ranked(&self) -> usize {
         self.uncut().ranked.len()
     }
 
-    /// Rank by strength that a keypoint that [is cut](Trail::is_cut) has, or would have if it stayed, among all
-    /// features. The first call takes as long as describing all keypoints.
+    /// Rank by strength that a keypoint that [is cut](Trail::is_cut) has, or would have, among all features.
     pub fn rank_uncut(&self, keypoint: usize) -> usize {
         let ranked = &self.uncut().ranked;
         let strength = |index: usize| self.keypoints()[index].strength();
@@ -299,7 +289,13 @@ impl Trail {
         (place, slope): ((f32, f32), Slope),
         chosen: &[usize],
     ) -> f32 {
-        self.inputs.sigma_d_at((octave, level), (place, slope), chosen)
+        let (all, size) = (self.inputs.offsets(slope), self.inputs.size_image);
+        let offsets: Vec<_> = chosen.iter().map(|&index| all[index]).collect();
+        let at = floor_pixel(place, size);
+        let min = self.inputs.sigma_d(octave, level, slope, &offsets);
+        // The place factor samples all frames that took part.
+        let covering = coverage(&offsets, at.0, at.1, size).max(1);
+        min * (offsets.len() as f32 / covering as f32).sqrt() * self.inputs.noise.place_factor(octave, &all, at, size)
     }
 
     /// D of the mean of the `chosen` frames (indices among those that took part) at each of the DoG `levels` of

@@ -1,9 +1,6 @@
 //! Extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule,
-//! those at the slopes around it.
-//!
-//! The tests come in METHOD's order and each rejection is counted. Thresholds come first because they are cheapest and
-//! reject nearly everything, together with the eight neighbours in the image: both are tested for a whole row at once,
-//! in vector lanes.
+//! those at the slopes around it. Thresholds and the eight neighbours in the image reject nearly everything: they are
+//! tested for a whole row at once, in vector lanes.
 
 use crate::detector::feature::{Tally, Test};
 use crate::detector::scale_space::DogTile;

@@ -2,9 +2,8 @@
 //! with other slopes or refined over them.
 //!
 //! Slopes are visited in running order, first axis fastest. A candidate is compared with the slopes before its own as
-//! soon as it is found, while their tiles are still held, and with those after its own as they come. While it waits for
-//! them, it keeps the values that it needs of its own tile, which is then free. So a line of slopes needs two tiles, a
-//! plane one row of the grid and two.
+//! soon as it is found, and with those after its own as they come; meanwhile it keeps the values that it needs of its
+//! own tile, which is then free. So a line of slopes needs two tiles, a plane one row of the grid and two.
 
 use crate::detector::feature::{Tally, Test};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
