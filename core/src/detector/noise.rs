@@ -38,9 +38,6 @@ const PIECE: usize = 32;
 
 /// Standard deviation of one frame's noise, fraction of full scale, from the frames `used` of a burst. At least the
 /// rounding error of the files' numbers (step/√12). 0 for noiseless float frames or for float images under 3×3 pixels.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<f32, Cancelled> {
     let step = burst.quantisation_step;
     let min = step / 12f32.sqrt();
@@ -220,22 +217,30 @@ pub(super) fn dog_energy(low: f64, high: f64) -> f64 {
 /// of the input over all slopes and octaves.
 ///
 /// The number of local maxima of a smooth Gaussian field above k falls like k²·exp(−k²/2) per independent place; the
-/// places are proportional to pixels and slopes. The factor in front, [`MAXIMA_PER_PIXEL`], was measured on pure noise.
+/// places are proportional to pixels and slopes. The factor in front was measured on pure noise.
 pub fn gate_factor(params: &DetectorParams) -> f32 {
     let allowed = match params.noise_gate {
         NoiseGate::Factor(k) => return k,
-        NoiseGate::Strict => STRICT_FALSE_PER_MEGAPIXEL,
-        NoiseGate::Auto => AUTO_FALSE_PER_MEGAPIXEL,
-        NoiseGate::Matching => MATCHING_FALSE_PER_MEGAPIXEL,
+        // At most one false feature is promised; with two orientations a keypoint is up to two.
+        NoiseGate::Strict => 0.5,
+        // They find no match, while the faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
+        NoiseGate::Auto => 5.0,
+        // Below the gates for which the factors were measured: 300 to 360 features come through. They cost time and
+        // give few wrong matches (docs/MEASUREMENTS.md).
+        NoiseGate::Matching => 100.0,
     };
-    let maxima = match params.used_extrema() {
-        SlopeExtrema::Each => MAXIMA_PER_PIXEL,
-        SlopeExtrema::Joint => JOINT_MAXIMA_PER_PIXEL,
+    let maxima_per_pixel = match params.used_extrema() {
+        // One for one blob. Measured on 12 to 20 Mpx of white noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for 13
+        // slopes on a line, 7×7, and the doubled image, on samples; exact maxima are a quarter more.
+        SlopeExtrema::Each => 0.000_25,
+        // Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 … 0.0004, for one slope, 7 and 13 on a
+        // line, 7×7, and the doubled image.
+        SlopeExtrema::Joint => 0.000_35,
     };
     let slopes = params.used_slopes().len() as f64;
     // Octave 0 and the coarser ones have 4/3 of its places; the doubled image has four times as many.
     let places = 1e6 * 4f64.powi(-params.first_octave) * slopes;
-    let expected = |k: f64| maxima * places * k * k * (-0.5 * k * k).exp();
+    let expected = |k: f64| maxima_per_pixel * places * k * k * (-0.5 * k * k).exp();
     let (mut low, mut high) = (2.0, 12.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -247,24 +252,6 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
     }
     high as f32
 }
-
-/// Target of the strict gate: false keypoints per megapixel of pure noise. With two orientations a keypoint is up to
-/// two features, and at most one false feature a megapixel is promised.
-pub const STRICT_FALSE_PER_MEGAPIXEL: f64 = 0.5;
-/// Target of the automatic gate: false keypoints per megapixel of pure noise. They are few beside true ones and find no
-/// match, while the faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
-pub const AUTO_FALSE_PER_MEGAPIXEL: f64 = 5.0;
-/// Target of the gate for matching: false keypoints per megapixel of pure noise. They cost time and give few wrong
-/// matches (docs/MEASUREMENTS.md). So low a gate lies below those for which [`MAXIMA_PER_PIXEL`] was measured: 300 to
-/// 360 features come through.
-pub const MATCHING_FALSE_PER_MEGAPIXEL: f64 = 100.0;
-/// Factor of `gate_factor` for extrema at each slope for itself, one for one blob. Measured on 12 to 20 Mpx of white
-/// noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for 13 slopes on a line, 7×7, and the doubled image, where the
-/// gate compared samples; exact maxima, which it compares now, are a quarter more. See [`gate_factor`].
-pub const MAXIMA_PER_PIXEL: f64 = 0.000_25;
-/// Factor of `gate_factor` for joint extrema. Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 …
-/// 0.0004, for one slope, 7 and 13 on a line, 7×7, and the doubled image.
-pub const JOINT_MAXIMA_PER_PIXEL: f64 = 0.000_35;
 
 #[cfg(test)]
 mod tests {

@@ -184,14 +184,11 @@ pub enum Localisation {
 /// The noise gate: how many standard deviations of the noise in D a response must reach.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum NoiseGate {
-    /// For looking and matching: the factor is derived from the size of the search so that pure noise gives about
-    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::AUTO_FALSE_PER_MEGAPIXEL) false keypoints a
-    /// megapixel, which matching rejects.
+    /// For looking and matching: the factor is derived from the size of the search so that pure noise gives about 5
+    /// false keypoints a megapixel, which matching rejects.
     #[default]
     Auto,
-    /// For matching alone: as [`Self::Auto`], with about
-    /// [`MATCHING_FALSE_PER_MEGAPIXEL`](crate::detector::noise::MATCHING_FALSE_PER_MEGAPIXEL), among which are
-    /// faint true ones that matching finds.
+    /// For matching alone: as [`Self::Auto`], with about 100, among which are faint true ones that matching finds.
     Matching,
     /// The factor is derived so that pure noise gives at most one false feature a megapixel over the whole search.
     Strict,

@@ -1,9 +1,7 @@
 //! Record of one parameter: all that the program knows about it, in one place.
 //!
 //! The option of the commands, the row in the window, the changes that advice suggests, the checks, the help texts and
-//! the page of reference are made from a [`Param`]. Its [`Field`] reads, writes and edits the value; its [`Stage`] says
-//! what it decides. The records of the detector are in [`super::doc`], those of matching in
-//! [`crate::matching::params::doc`].
+//! the page of reference are made from a [`Param`].
 
 use super::{Distinct, FrameRange, NoiseGate, ParamError, Word};
 use crate::detector::params::slope_grid::SlopeAxis;
@@ -56,28 +54,19 @@ pub enum Stage {
 }
 
 /// Value of a parameter, in place.
+#[allow(missing_docs)] // each is described by the type of its value
 pub enum Field<'a> {
-    /// Real number.
     F32(&'a mut f32),
-    /// Count.
     U32(&'a mut u32),
-    /// Integer, which may be negative.
     I32(&'a mut i32),
-    /// Count.
     Usize(&'a mut usize),
-    /// Count or seed.
     U64(&'a mut u64),
-    /// Yes or no.
     Flag(&'a mut bool),
     /// One of a few named values.
     Word(&'a mut dyn Word),
-    /// Axis of slopes, MIN:MAX:COUNT.
     Axis(&'a mut SlopeAxis),
-    /// Frames A..B, or all.
     Frames(&'a mut Option<FrameRange>),
-    /// Noise gate: a rule's name or a number.
     Gate(&'a mut NoiseGate),
-    /// Distinct keypoints: off or a radius.
     Distinct(&'a mut Distinct),
     /// Value with a syntax of its own.
     Text(&'a mut dyn TextValue),
@@ -176,10 +165,7 @@ impl Field<'_> {
 
     /// Names of the values among which it is chosen: those of the command line, and those of the window.
     pub fn words(&self) -> Option<&'static [(&'static str, &'static str)]> {
-        match self {
-            Self::Word(word) => Some(word.words()),
-            _ => None,
-        }
+        if let Self::Word(word) = self { Some(word.words()) } else { None }
     }
 }
 
@@ -340,7 +326,7 @@ impl<P> Param<P> {
     /// Sets the value in `params` to what `text` says.
     ///
     /// # Errors
-    /// The fault in `text`. The value is checked only for whether it can be read.
+    /// The fault in `text`; the value is not checked otherwise.
     pub fn read(&self, params: &mut P, text: &str) -> Result<(), String> {
         (self.field)(params).read(text)
     }

@@ -165,12 +165,9 @@ impl Trail {
         let others = OtherSlopes::of(search.params);
         let is_beaten = is_beaten(search, around, slope_index, &candidate, others);
         let part = around.pixels.get(slope_index).filter(|_| ascends(search.params, octave));
-        let view = |(plane, first): &PartOfLevel| PixelView {
-            left: first.0 as i64,
-            top: first.1 as i64,
-            ..PixelView::of(plane)
-        };
-        let first = part.map(|part| search.first_level(view(part)));
+        let first = part.map(|(plane, (u, v))| {
+            search.first_level(PixelView { left: *u as i64, top: *v as i64, ..PixelView::of(plane) })
+        });
         let samples = (own, first.as_ref());
         let refined = refine(samples, (x, y), level_index, around.size, search.limits(sigma_d)).map(|_| ());
         let rejected_by = match at_own {

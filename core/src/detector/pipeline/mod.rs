@@ -123,9 +123,6 @@ impl Trail {
     ///
     /// Keypoints, features and descriptors are those of the search to the bit. In the tally, samples that are no
     /// keypoints are counted as that earlier search rejected them.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn rejudged(&self, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
         if !follows(params, &self.outcome.params) {
             return Ok(None);

@@ -312,9 +312,6 @@ impl Trail {
 
     /// The response of each frame that took part at the scale (octave, DoG level), along the motion through `place`
     /// (input pixels, at mid-burst) at `slope`, in time order.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn frame_responses(
         &self,
         scale: (i32, i32),
@@ -326,9 +323,6 @@ impl Trail {
     }
 
     /// Evenness of the frames' responses along the motion of each of `features`, in their order.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn evenness_of(&self, features: &[Feature], monitor: &Monitor) -> Result<Vec<Evenness>, Cancelled> {
         let done = AtomicUsize::new(0);
         monitor.report(Stage::Frames, 0.0);

@@ -38,7 +38,6 @@ pub fn scale_ease(ascends: bool) -> f32 {
 /// Number of columns that are skipped together when none of them reaches the thresholds.
 const RUN: usize = 64;
 
-/// Numbers of inner columns of a row that fail the cheapest tests.
 #[derive(Debug, Default, Clone, Copy)]
 struct Counts {
     below_peak: u32,
