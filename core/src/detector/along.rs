@@ -123,8 +123,7 @@ impl<'a> Along<'a> {
     }
 
     /// D of the mean of the `chosen` frames (indices among those that take part) at each of the DoG `levels` of
-    /// `octave`, on the path through `place` (input pixels, at mid-burst) at `slope`. The octave's pixel nearest to the
-    /// place is taken.
+    /// `octave`, on the path through `place` (input pixels, at mid-burst) at `slope`, at the octave's nearest pixel.
     pub fn response(
         &self,
         octave: i32,
@@ -134,9 +133,7 @@ impl<'a> Along<'a> {
         chosen: &[usize],
     ) -> Vec<f32> {
         let frames = self.of(octave);
-        let offsets = frames.offsets(slope);
-        let planes: Vec<&Plane> = chosen.iter().map(|&index| frames.planes[index]).collect();
-        let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
+        let (planes, offsets) = frames.chosen(slope, chosen);
         frames.response(&planes, &offsets, levels, place)
     }
 }
@@ -158,6 +155,12 @@ impl OctaveFrames<'_> {
         let in_octave = (f64::from(slope.u) / pixel, f64::from(slope.v) / pixel);
         let Inputs { times, params, .. } = self.inputs;
         times.of(shifted_offsets(times.frame_count, in_octave, shift_px, params.rules.interpolation))
+    }
+
+    /// The `chosen` frames, and their offsets at `slope`.
+    pub fn chosen(&self, slope: Slope, chosen: &[usize]) -> (Vec<&Plane>, Vec<FrameOffset>) {
+        let offsets = self.offsets(slope);
+        chosen.iter().map(|&index| (self.planes[index], offsets[index])).unzip()
     }
 
     /// Source of the octave's pixels: `planes` read at `offsets`.

@@ -42,6 +42,10 @@ pub const CLIP_SIGMAS: f32 = 2.5;
 const QUARTILES: f32 = 1.348_98;
 
 impl Combine {
+    /// All ways.
+    pub const ALL: [Self; 7] =
+        [Self::Mean, Self::Median, Self::ClippedMean, Self::Max, Self::Min, Self::Deviation, Self::MeanMinusMedian];
+
     /// The combination of sorted values; at least one.
     fn of_sorted(self, sorted: &[f32]) -> f32 {
         let n = sorted.len();
@@ -112,9 +116,7 @@ mod tests {
 
     #[test]
     fn every_way_is_its_definition() {
-        use Combine::{ClippedMean, Deviation, Max, Mean, MeanMinusMedian, Median, Min};
-        let ways = [Mean, Median, ClippedMean, Max, Min, Deviation, MeanMinusMedian];
-        let of = |values: &[f32]| ways.map(|combine| combine.of_sorted(values));
+        let of = |values: &[f32]| Combine::ALL.map(|combine| combine.of_sorted(values));
         assert_eq!(of(&[3.0]), [3.0, 3.0, 3.0, 3.0, 3.0, 0.0, 0.0]);
         let deviation = (2.0f32 * (1.5 * 1.5 + 0.5 * 0.5) / 3.0).sqrt();
         assert_eq!(of(&[1.0, 2.0, 3.0, 4.0]), [2.5, 2.5, 2.5, 4.0, 1.0, deviation, 0.0]);

@@ -37,9 +37,8 @@ pub struct Blob {
 
 impl Blob {
     /// It is ranked by snr·|D|^¼: snr alone serves matching best, |D|·√snr finds most discs of charts, and this lies
-    /// between them at little loss to either (docs/MEASUREMENTS.md). The noise is that at the refined scale, scaled as
-    /// 1/σ from the level's: with the level's own, a smear whose best sample is one level coarser would win over the
-    /// sharp blob, because noise falls from level to level. Without noise it is ranked by |D|.
+    /// between them (docs/MEASUREMENTS.md). The noise is that at the refined scale, scaled as 1/σ from the level's: with
+    /// the level's own, a smear one level coarser would win over the sharp blob. Without noise it is ranked by |D|.
     pub fn of(keypoint: &Keypoint, space: &ScaleSpace) -> Self {
         let (u, v, sigma) = keypoint.in_image();
         let magnitude = keypoint.value.abs();
@@ -99,36 +98,8 @@ impl Along<'_> {
     }
 }
 
-/// Strongest of the blobs `stay` that would remove `blob`, which is none of them: the result of [`covered_by`] if
-/// `blob` came after all blobs that are at least as strong. `both_stay`, called with the stronger one, is as there.
-pub fn would_cover(
-    blob: &Blob,
-    stay: impl Iterator<Item = (usize, Blob)>,
-    rule: Rule,
-    both_stay: impl Fn(usize) -> bool,
-) -> Option<usize> {
-    stay.filter(|(index, stronger)| stronger.rank >= blob.rank && stronger.covers(blob, rule) && !both_stay(*index))
-        .max_by(|a, b| a.1.rank.total_cmp(&b.1.rank))
-        .map(|(index, _)| index)
-}
-
 /// Number of blobs that are compared in parallel with the blobs before them; results do not depend on it.
 const BLOCK: usize = if cfg!(test) { 16 } else { 512 };
-
-/// For each blob the index of the strongest one that stayed and covers it; `None` for those that stay. Of equally
-/// strong blobs the first one goes first. `both_stay(stronger, weaker)` tells whether two that lie so near are separate
-/// structures all the same.
-pub fn covered_by(
-    blobs: &[Blob],
-    rule: Rule,
-    both_stay: impl Fn(usize, usize) -> bool + Sync,
-    monitor: &Monitor,
-) -> Result<Vec<Option<usize>>, Cancelled> {
-    let mut deciding = Deciding::new(blobs, rule);
-    let all: Vec<usize> = (0..blobs.len()).collect();
-    deciding.decide(&all, both_stay, monitor)?;
-    Ok(all.iter().map(|&index| deciding.covered_by(index)).collect())
-}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Decision {
@@ -138,10 +109,8 @@ enum Decision {
     CoveredBy(u32),
 }
 
-/// Decisions on those blobs that are asked about, each that of [`covered_by`] on all blobs.
-///
-/// A decision on a blob needs those on the stronger blobs that may cover it, and theirs in turn, but no others. So the
-/// cost grows with the number of blobs asked about and around them, not with the number of all.
+/// Decisions on those blobs that are asked about. Of equally strong blobs the first one goes first. A decision needs
+/// those on the stronger blobs that may cover it, and theirs in turn, but no others.
 pub struct Deciding<'b> {
     /// All blobs, each cell from the strongest to the weakest.
     all: Cells<'b>,
@@ -171,8 +140,8 @@ impl<'b> Deciding<'b> {
         (0..self.decisions.len()).filter(|&index| self.decisions[index] == Decision::Stays)
     }
 
-    /// Decides on the blobs `asked`, each of which is given once, and on those that their decisions need. `both_stay`
-    /// is as for [`covered_by`].
+    /// Decides on the blobs `asked`, each of which is given once, and on those that their decisions need.
+    /// `both_stay(stronger, weaker)` tells whether two that lie so near are separate structures all the same.
     ///
     /// Blobs are taken in blocks from the strongest to the weakest: a block is compared with those that stayed before
     /// it in parallel, then with its own members one after the other.
@@ -380,7 +349,10 @@ mod tests {
     }
 
     fn covered_by(blobs: &[Blob], rule: Rule, both_stay: impl Fn(usize, usize) -> bool + Sync) -> Vec<Option<usize>> {
-        super::covered_by(blobs, rule, both_stay, &Monitor::default()).expect("nobody cancels it")
+        let mut deciding = Deciding::new(blobs, rule);
+        let all: Vec<usize> = (0..blobs.len()).collect();
+        deciding.decide(&all, both_stay, &Monitor::default()).expect("nobody cancels it");
+        all.iter().map(|&index| deciding.covered_by(index)).collect()
     }
 
     /// The definition: from the strongest to the weakest, each is compared with all that stayed.

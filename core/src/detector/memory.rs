@@ -30,8 +30,7 @@ pub const OPTION: &str = "memory";
 static BUDGET: AtomicU64 = AtomicU64::new(0);
 
 /// Sets the memory that all searches of this process may take together, bytes; `None` is [`DEFAULT_PART`] of the
-/// machine's memory. Results do not depend on it: a search that would take more is done in groups of slopes, one after
-/// the other, or refused where even that takes more.
+/// machine's memory. Results do not depend on it.
 pub fn set_budget(bytes: Option<u64>) {
     BUDGET.store(bytes.map_or(0, |bytes| bytes.max(1)), Ordering::Relaxed);
 }
@@ -162,9 +161,8 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Plans a search with `params` of `frames` frames of `size` (columns, rows) within `budget` bytes, or without a
-    /// bound. Uses as many of the pool's threads as there is memory for. Where even the smallest form needs more, the
-    /// error gives its least memory, and a remedy.
+    /// Plans a search of `frames` frames of `size` (columns, rows) within `budget` bytes, or without a bound, on as many
+    /// threads as there is memory for. Where even the smallest form needs more, the error gives its least memory.
     pub(crate) fn new(
         params: &DetectorParams,
         frames: usize,

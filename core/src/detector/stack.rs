@@ -101,8 +101,7 @@ pub fn coverage(offsets: &[FrameOffset], u: usize, v: usize, size: (usize, usize
 }
 
 /// Computes the motion-stack image of `frames` (one size, in time order) at `slope`: the mean over the frames that
-/// cover a pixel of `F_t(x + (t − t0)·λ)`, with `t0 = (N − 1)/2`. Size and unit are those of the frames. Rows in
-/// parallel.
+/// cover a pixel of `F_t(x + (t − t0)·λ)`, with `t0 = (N − 1)/2`.
 ///
 /// # Panics
 /// If there is no frame or the sizes differ.

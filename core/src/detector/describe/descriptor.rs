@@ -16,6 +16,7 @@ use std::f32::consts::TAU;
 /// Side of a cell, in σ.
 const MAGNIFICATION: f32 = 3.0;
 
+/// Reused from feature to feature.
 #[derive(Debug, Default)]
 pub struct DescriptorScratch {
     along_u: Vec<f32>,
@@ -53,9 +54,8 @@ pub fn square_sums(
     sums(level, size, &square, descriptor_radius(sigma), scratch)
 }
 
-/// Computes the sums of a coarser scale of a pooled descriptor as [`square_sums`] does, from a level that reaches a
-/// pixel farther than [`coarse_radius`]. The corners beyond that radius, where all weights are small, are left out, and
-/// so are rows between which the level hardly changes.
+/// As [`square_sums`], for a coarser scale of a pooled descriptor: without the corners beyond [`coarse_radius`], where
+/// all weights are small, and without rows between which the level hardly changes.
 pub fn disc_sums(
     level: &Patch,
     size: (usize, usize),

@@ -81,23 +81,21 @@ impl SlopeAxis {
     /// # Errors
     /// The fault and its remedy.
     pub fn check(&self) -> Result<(), (String, String)> {
-        let fail = |problem: String, remedy: &str| Err((problem, remedy.to_owned()));
-        if !(self.min.is_finite() && self.max.is_finite()) {
-            return fail("the range is not finite".into(), "give two numbers of pixels per frame");
-        }
-        if self.count == 0 {
-            return fail("the count is 0".into(), "give at least 1 slope");
-        }
-        if self.min > self.max {
-            return fail(format!("{} is above {}", self.min, self.max), "give the smaller slope first");
-        }
-        if self.count > 1 && self.min == self.max {
-            return fail(format!("{} slopes on an empty range", self.count), "widen the range, or ask for 1 slope");
-        }
-        if self.count > MAX_SLOPES {
-            return fail(format!("{} slopes", self.count), "at most 4096 slopes are searched; use a coarser step");
-        }
-        Ok(())
+        let Self { min, max, count } = self;
+        let (problem, remedy) = if !(min.is_finite() && max.is_finite()) {
+            ("the range is not finite".to_owned(), "give two numbers of pixels per frame")
+        } else if *count == 0 {
+            ("the count is 0".to_owned(), "give at least 1 slope")
+        } else if min > max {
+            (format!("{min} is above {max}"), "give the smaller slope first")
+        } else if *count > 1 && min == max {
+            (format!("{count} slopes on an empty range"), "widen the range, or ask for 1 slope")
+        } else if *count > MAX_SLOPES {
+            (format!("{count} slopes"), "at most 4096 slopes are searched; use a coarser step")
+        } else {
+            return Ok(());
+        };
+        Err((problem, remedy.to_owned()))
     }
 }
 

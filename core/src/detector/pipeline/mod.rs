@@ -116,13 +116,9 @@ fn choose(
 }
 
 impl Trail {
-    /// Trail of a search of the same burst with `params`, without that search; `None` where it needs one. That is so
-    /// unless the parameters differ only in noise gate, peak threshold, edge threshold, the rule for distinct keypoints
-    /// and the number of features, and unless the first three are at least as strict as those of the search
-    /// that this trail goes back to.
-    ///
-    /// Keypoints, features and descriptors are those of the search to the bit. In the tally, samples that are no
-    /// keypoints are counted as that earlier search rejected them.
+    /// Trail of a search of the same burst with `params`, without that search; `None` where it needs one: unless they
+    /// [follow](follows). Keypoints, features and descriptors are those of the search to the bit. In the tally, samples
+    /// that are no keypoints are counted as the earlier search rejected them.
     pub fn rejudged(&self, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
         if !follows(params, &self.outcome.params) {
             return Ok(None);
@@ -142,9 +138,8 @@ impl Trail {
 }
 
 impl Search<'_> {
-    /// Localises and describes `keypoints`, which are in order of octaves. The first levels are those of the `outcome`;
-    /// where they were not kept, they are computed again for one of its groups of slopes after the other. `part` is the
-    /// part of the description's progress that this takes.
+    /// Localises and describes `keypoints`, which are in order of octaves. First levels that were not kept are computed
+    /// again, one group of slopes after the other. `part` is the part of the description's progress that this takes.
     fn describe(
         &self,
         keypoints: &[Keypoint],
@@ -185,8 +180,7 @@ impl Search<'_> {
         Ok(planes.into_iter().map(|planes| FirstLevels { first_slope: slopes.start, planes }).collect())
     }
 
-    /// Localises and describes `keypoints` with the first levels `bases`; `described` is called with the number of
-    /// further keypoints that are finished.
+    /// `described` is called with the number of further keypoints that are finished.
     fn describe_with(
         &self,
         keypoints: &[Keypoint],

@@ -4,7 +4,7 @@
 
 use crate::detector::along::Along;
 use crate::detector::coherence::{Evenness, FrameResponse, floor_pixel};
-use crate::detector::distinct::{self, Blob};
+use crate::detector::distinct::{Blob, Deciding, Rule};
 use crate::detector::feature::{Detection, Feature, Keypoint, Test};
 use crate::detector::memory::on_threads;
 use crate::detector::noise_model::NoiseModel;
@@ -222,9 +222,10 @@ impl Trail {
         let blobs: Vec<Blob> = around.iter().map(|&other| Blob::of(&keypoints[other], &self.inputs.space)).collect();
         let along = self.along();
         let are_two = |a: usize, b: usize| along.are_two(&keypoints[around[a]], &keypoints[around[b]]);
-        let rule = distinct::Rule { radius, scale_ratio };
-        let covered = distinct::covered_by(&blobs, rule, are_two, &Monitor::default()).expect("nobody cancels it");
-        around.iter().zip(covered).any(|(&other, by)| other == index && by.is_none())
+        let mut deciding = Deciding::new(&blobs, Rule { radius, scale_ratio });
+        let own = around.partition_point(|&other| other < index);
+        deciding.decide(&[own], are_two, &Monitor::default()).expect("nobody cancels it");
+        deciding.covered_by(own).is_none()
     }
 
     /// Index of the keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for
@@ -232,15 +233,17 @@ impl Trail {
     pub fn would_be_covered_by(&self, keypoint: &Keypoint) -> Option<usize> {
         let params = &self.inputs.params;
         let Distinct::Radius(radius) = params.distinct else { return None };
-        let rule = distinct::Rule { radius, scale_ratio: params.distinct_scale };
+        let rule = Rule { radius, scale_ratio: params.distinct_scale };
         let blob = Blob::of(keypoint, &self.inputs.space);
         // Reach of a stronger keypoint that covers it: its scale is larger by the ratio at most.
         let reach = radius * params.distinct_scale * blob.sigma;
         let first = self.stayed.partition_point(|(_, other)| other.v < blob.v - reach);
         let last = self.stayed.partition_point(|(_, other)| other.v <= blob.v + reach);
-        let blobs = self.stayed[first..last].iter().copied();
         let along = self.along();
-        distinct::would_cover(&blob, blobs, rule, |index| along.are_two(&self.keypoints()[index], keypoint))
+        let stronger = self.stayed[first..last].iter().filter(|(_, other)| other.rank >= blob.rank);
+        let covering = stronger
+            .filter(|(index, other)| other.covers(&blob, rule) && !along.are_two(&self.keypoints()[*index], keypoint));
+        covering.max_by(|a, b| a.1.rank.total_cmp(&b.1.rank)).map(|(index, _)| *index)
     }
 
     /// Index of the keypoint of feature `index` of the detection, or of those beyond `max_features`.
@@ -341,13 +344,11 @@ impl Trail {
     pub fn stack_part(&self, region: &Region, slope: Slope, chosen: &[usize]) -> Plane {
         let along = self.along();
         let frames = along.of(0);
-        let offsets = frames.offsets(slope);
-        let chosen_offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
-        let chosen: Vec<&Plane> = chosen.iter().map(|&index| frames.planes[index]).collect();
+        let (planes, offsets) = frames.chosen(slope, chosen);
         let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
         let pixels = |range: &Range<usize>| range.start as i64..range.end as i64;
         let (columns, rows) = (pixels(&region.columns), pixels(&region.rows));
-        let base = frames.base(&chosen, &chosen_offsets);
+        let base = frames.base(&planes, &offsets);
         base.patch(self.inputs.size_image, columns, rows.clone(), &mut scratch, &mut patch);
         let values = rows.flat_map(|v| patch.row(v).iter().copied());
         Plane::from_vec(region.columns.len(), region.rows.len(), values.collect())

@@ -168,9 +168,8 @@ const LONGEST_START: f64 = 0.7;
 /// Distance in levels from which on the quadratic fit shows that a sample is not the nearest to a peak.
 const FARTHEST_FIT: f64 = 0.8;
 
-/// Distance in levels up to which an ascent's peak is that of a sample: those to which its level is the nearest, and a
-/// little more, because not every sample nearest to a peak begins an ascent. A peak between two levels may so be found
-/// from both; the choice of distinct keypoints takes one.
+/// Distance in levels up to which an ascent's peak is that of a sample: a little more than half a level, because not
+/// every sample nearest to a peak begins an ascent. What is so found twice, the choice of distinct keypoints drops.
 const NEAREST: f64 = 0.6;
 /// Distance in place of [`NEAREST`] below the octave's first level: farther into the finer octave, so that no peak is
 /// lost between them.

@@ -9,9 +9,8 @@
 //! image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th
 //! pixel.
 //!
-//! For the first octave the pixels are made from the frames: stacked at a slope and brought to the octave's resolution.
-//! Later octaves start from planes that the octave before has written, one for each slope. Everything is made in tiles;
-//! a tile includes the pixels around it that its filters need, so each value is bitwise independent of the tiles.
+//! Everything is made in tiles; a tile includes the pixels around it that its filters need, so each value is bitwise
+//! independent of the tiles.
 
 pub(super) mod planes;
 
@@ -330,17 +329,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scales_follow_vlfeat() {
+    fn scales_follow_vlfeat_and_steps_add_up_to_them() {
         let space = ScaleSpace::new(3, -1, 4.0);
         assert!((space.sigma_octave(-1.0) - 1.6).abs() < 1e-12);
         assert!((space.sigma_octave(2.0) - 3.2).abs() < 1e-12);
         assert!((space.sigma_image(-1, 0.0) - 1.6 * 2f64.powf(1.0 / 3.0) / 2.0).abs() < 1e-12);
         assert!((space.sigma_image(1, -1.0) - space.sigma_image(0, 2.0)).abs() < 1e-12);
         assert_eq!(space.step_kernels.len(), 5);
-    }
-
-    #[test]
-    fn each_step_adds_up_to_the_level() {
         let space = ScaleSpace::new(4, 0, 4.0);
         let mut variance = SIGMA_BASE * SIGMA_BASE;
         for s in 0..6 {

@@ -76,9 +76,9 @@ impl Search<'_> {
         Ok(Searched { keypoints, evidence, bases })
     }
 
-    /// Searches all octaves for the keypoints of one group of slopes, and appends them to those `found` at the slopes
-    /// before. Returns the first levels of all octaves if it `keeps` them; otherwise each is freed as soon as it is no
-    /// longer needed. For the progress, `done` is the finished part of the detection, and `share` the group's.
+    /// Searches all octaves for the keypoints of one group of slopes, and appends them to those `found` before. Returns
+    /// the first levels of all octaves if it `keeps` them. For the progress, `done` is the finished part of the
+    /// detection, and `share` the group's.
     fn group(
         &self,
         octaves: &Range<i32>,
@@ -390,7 +390,6 @@ impl Search<'_> {
         .with_noise(sigma_d)
     }
 
-    /// See [`Inputs::place_factor`](setup::Inputs::place_factor), at one of the grid's slopes.
     pub(crate) fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
         self.inputs.place_factor(octave, &self.offsets[slope_index], (x, y))
     }

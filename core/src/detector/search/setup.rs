@@ -250,8 +250,7 @@ mod tests {
 
     #[test]
     fn what_needs_all_slopes_is_not_cut() {
-        assert_eq!(SlopeGroup::cut(7, None, 7), Some(vec![SlopeGroup::whole(7)]));
-        assert_eq!(SlopeGroup::cut(7, None, 6), None);
-        assert_eq!(SlopeGroup::cut(7, Some(1), 5).map(|groups| groups.len()), Some(3));
+        let groups = |reach, max| SlopeGroup::cut(7, reach, max).map(|groups| groups.len());
+        assert_eq!([groups(None, 7), groups(None, 6), groups(Some(1), 5)], [Some(1), None, Some(3)]);
     }
 }
