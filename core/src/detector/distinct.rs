@@ -204,8 +204,7 @@ const NONE: u32 = u32::MAX;
 /// Smallest ratio between the ends of a grid's range of scales.
 const MIN_CLASS_RATIO: f32 = 1.2;
 
-/// Blobs of one range of scales, in square cells at least as wide as the largest distance at which one of them covers
-/// another.
+/// Blobs of one range of scales, in square cells at least as wide as any of them covers another.
 #[derive(Clone)]
 struct Grid {
     /// Of a cell, input pixels.
@@ -264,8 +263,7 @@ impl<'b> Cells<'b> {
         cells
     }
 
-    /// Ratio of the largest to the smallest scale of a class: the rule's ratio, or a larger one, so that there are few
-    /// classes even where the rule's ratio is close to 1.
+    /// Ratio of the largest to the smallest scale of a class, large enough that there are few classes.
     fn class_ratio(&self) -> f32 {
         self.rule.scale_ratio.max(MIN_CLASS_RATIO)
     }
@@ -315,8 +313,7 @@ impl<'b> Cells<'b> {
         }
     }
 
-    /// Strongest blob that covers blob `index`, of those inserted at turn `from` or later whose position in the order
-    /// is below `below`.
+    /// Strongest blob that covers blob `index`, of those inserted at turn `from` or later and placed below `below`.
     fn covering(
         &self,
         index: usize,

@@ -60,8 +60,7 @@ impl Feature {
 /// orientations, L1-root normalised, ×512, clamped to 255, in UBC/COLMAP's order.
 pub type Descriptor = [u8; 128];
 
-/// Wall-clock time spent in each stage of a detection, seconds. Where threads search and describe at once, the elapsed
-/// time is divided in proportion to the threads' time on each.
+/// Wall-clock time spent in each stage of a detection, seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct StageTimes {
     /// Time for estimating the noise.
@@ -117,8 +116,7 @@ pub struct Keypoint {
     pub sigma_octave: f32,
     /// DoG level.
     pub level: i32,
-    /// The sample (column, row) that was the candidate, octave pixels. No two keypoints of one octave, level and slope
-    /// share it.
+    /// The sample (column, row), octave pixels; no other keypoint of the octave, level and slope has it.
     pub sample: [u32; 2],
     /// Index in the slope grid.
     pub slope_index: usize,

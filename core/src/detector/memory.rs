@@ -48,8 +48,7 @@ const KEPT_PART: f64 = 0.125;
 /// Maximum of that data, whatever the budget, bytes.
 const KEPT_BYTES: u64 = 512 << 20;
 
-/// Memory for data that detections keep to explain their results, bytes. A search that keeps such data has the rest of
-/// the budget.
+/// Memory for data that detections keep to explain their results, bytes; such a search has the rest.
 pub fn kept_bytes() -> u64 {
     budget().map_or(KEPT_BYTES, |budget| ((budget as f64 * KEPT_PART) as u64).min(KEPT_BYTES))
 }

@@ -76,8 +76,7 @@ pub enum Span {
 pub struct Colours {
     /// Map of colours.
     pub map: ColourMap,
-    /// Parts of the map (0 … 1) at the smallest and at the largest value. Ends too dark to be seen over a dark picture
-    /// are left out.
+    /// Parts of the map (0 … 1) at the smallest and largest value, without ends too dark for a dark picture.
     pub part: [f32; 2],
     /// Whether the colours follow the logarithm of the value.
     pub is_log: bool,

@@ -89,8 +89,7 @@ pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
     (mean(|offset| offset.part_u), mean(|offset| offset.part_v))
 }
 
-/// Computes row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one
-/// size and their [`frame_offsets`].
+/// Computes row `v`, columns `columns`, of the motion-stack image into `out`, one value a column.
 pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: Range<usize>, out: &mut [f32]) {
     RowStacker::new(frames, vec![offsets]).row(v, columns, &mut [out]);
 }

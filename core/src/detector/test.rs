@@ -284,8 +284,7 @@ fn no_peak_threshold(params: &DetectorParams) -> Option<Setting> {
     (params.peak_threshold > 0.0).then(|| (doc::PEAK_THRESHOLD, "0".to_owned()))
 }
 
-/// More levels make neighbours more alike in scale, fewer make them differ; a candidate that moves away in the
-/// refinement lies between two levels.
+/// More levels make neighbours more alike in scale, fewer make them differ.
 fn other_levels(params: &DetectorParams) -> Option<Setting> {
     Some((doc::LEVELS, if params.levels > 3 { "3" } else { "4" }.to_owned()))
 }

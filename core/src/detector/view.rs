@@ -96,8 +96,7 @@ pub fn check_level(
     Ok(octaves)
 }
 
-/// Noise by place: σ of the noise of one frame at each pixel of the image, fraction of full scale, as the search of
-/// `params` uses it at its finest octave (see [`super::noise_model`]). Uniform for white noise.
+/// σ of one frame's noise at each pixel, fraction of full scale, at the finest octave; uniform for white noise.
 ///
 /// # Errors
 /// [`DetectError::Param`] for parameters that make no sense for the burst.
@@ -164,8 +163,7 @@ fn plane_of(
     Ok(plane)
 }
 
-/// Side of the squares between whose centres a map of the noise is interpolated, pixels: the finest squares whose
-/// brightness the gate reads.
+/// Side of the squares between whose centres a map of the noise is interpolated, pixels.
 const NOISE_CELL_PX: f32 = 8.0;
 
 #[cfg(test)]

@@ -215,8 +215,7 @@ pub fn pool(scales: &[Sums]) -> Descriptor {
     in_bytes(&total)
 }
 
-/// Converts bins to the bytes of a descriptor, in UBC/COLMAP's order: within each cell the directions run the other way
-/// round than VLFeat's, the first stays.
+/// In UBC/COLMAP's order: in each cell the directions run the other way round than VLFeat's, the first stays.
 #[inline(always)]
 fn in_bytes(bins: &Sums) -> Descriptor {
     let sum = sum_of(bins, |x| x);

@@ -35,8 +35,7 @@ pub(super) struct LocateScratch {
     pixels: Patch,
 }
 
-/// Pixels of `base`, of an octave of `size`, `reach` to each side of `at` at least: a patch made for it, or the
-/// octave's first level.
+/// Pixels `reach` to each side of `at` at least: a patch made for it, or the octave's first level.
 fn pixels_around<'p>(
     base: &Base<'p>,
     size: (usize, usize),

@@ -23,8 +23,7 @@ const GAUSSIANS: usize = 6;
 /// Number of values whose sums are in registers at once.
 const LANES: usize = 32;
 
-/// Samples of Gaussians of variance `variances` at the whole pixels from `first` on, around `at`: `count` of each, then
-/// zeros up to `stride`.
+/// `count` samples of each Gaussian around `at` at the whole pixels from `first` on, then zeros up to `stride`.
 fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize, stride: usize) -> Vec<f32> {
     let mut taps = vec![0.0f32; stride * GAUSSIANS];
     for (taps, variance) in taps.chunks_exact_mut(stride).zip(variances) {

@@ -6,8 +6,7 @@ use serde::{Deserialize, Serialize};
 pub trait Word {
     /// Name on the command line and in files.
     fn word(&self) -> &'static str;
-    /// Names of all values, in the order in which they are offered: on the command line and in files, and in the
-    /// window.
+    /// Names of all values, in order: on the command line and in files, and in the window.
     fn words(&self) -> &'static [(&'static str, &'static str)];
     /// Takes the value with this name; false where there is none.
     fn set_word(&mut self, word: &str) -> bool;
@@ -63,8 +62,7 @@ pub enum Method {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SlopeExtrema {
-    /// At each slope for itself: extrema of place and scale at their own slope. The strongest keypoint of a blob
-    /// determines its slope.
+    /// At each slope for itself: extrema of place and scale at their own slope.
     #[default]
     Each,
     /// Jointly: a sample must also beat those around it at other slopes, as in the paper and in LiFF.

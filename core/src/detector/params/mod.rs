@@ -51,8 +51,7 @@ impl DetectorParams {
         }
     }
 
-    /// Rule for candidates that takes part: with one slope there is no other to compare with, so that each slope is
-    /// searched for itself.
+    /// Rule for candidates that takes part: with one slope there is no other to compare with.
     pub fn used_extrema(&self) -> SlopeExtrema {
         if self.used_slopes().len() == 1 { SlopeExtrema::Each } else { self.slope_extrema }
     }

@@ -216,8 +216,7 @@ impl SlopeGrid {
         (0..self.len()).map(|index| self.slope(index))
     }
 
-    /// Whether grid coordinates are on the rim, where a neighbouring slope is missing. An axis with one slope has no
-    /// rim.
+    /// Whether grid coordinates are on the rim, where a neighbour is missing. An axis with one slope has no rim.
     pub fn on_rim(&self, i: usize, j: usize) -> bool {
         (self.u.count > 1 && (i == 0 || i + 1 == self.u.count))
             || (self.v.count > 1 && (j == 0 || j + 1 == self.v.count))

@@ -165,8 +165,7 @@ impl Chooser<'_> {
     }
 }
 
-/// Order of features: the strongest first, then by place and sample. Features of one keypoint are equal, and so stay in
-/// the order of their orientations.
+/// Order of features: the strongest first, then by place and sample. Those of one keypoint are equal.
 fn in_order(one: &Described, other: &Described) -> std::cmp::Ordering {
     let (a, b) = (&one.feature, &other.feature);
     let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));

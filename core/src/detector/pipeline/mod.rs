@@ -33,14 +33,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Finds the features of a burst whose frames are merged already, where the method merges them; callers use
-/// [`crate::detect`].
+/// Finds the features of a burst whose frames are merged already; callers use [`crate::detect`].
 pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
     Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), false, monitor)?.detection)
 }
 
-/// Finds the features of a burst and keeps the data that explains them: the coarser octaves, if there is memory for
-/// them, and the keypoints that were removed.
+/// Finds the features of a burst and keeps the data that explains them.
 pub(crate) fn search_with_trail(
     burst: &Burst,
     params: &DetectorParams,
@@ -203,8 +201,7 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Whether features of `octave` are described at their own slopes: the octave is fine enough to show the
-    /// difference.
+    /// Whether features of `octave` are described at their own slopes: it is fine enough to show the difference.
     fn describes_own_slopes(&self, octave: i32) -> bool {
         let step = self.grid.u.step().max(self.grid.v.step()).max(0.0);
         let outermost_px = step * 0.5 * (self.inputs.times.frame_count as f32 - 1.0);

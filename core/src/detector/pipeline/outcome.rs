@@ -34,8 +34,7 @@ pub fn follows(params: &DetectorParams, searched: &DetectorParams) -> bool {
 pub(super) struct Outcome {
     /// Parameters of the search.
     pub(super) params: DetectorParams,
-    /// First levels of each octave; none for the first octave. `None` where the slopes were searched in groups: they
-    /// are computed again when needed.
+    /// First levels of each octave; none for the first octave. `None` where slopes were searched in groups.
     pub(super) bases: Option<Vec<FirstLevels>>,
     /// Groups of slopes in which first levels that were not kept are computed again.
     pub(super) groups: Vec<SlopeGroup>,

@@ -84,8 +84,7 @@ impl Trail {
         Along::with_means(&self.inputs, &self.outcome.means)
     }
 
-    /// Memory of the trail, bytes, without the frames among `others`, which are held elsewhere too. It grows as
-    /// questions are answered.
+    /// Memory of the trail, bytes, without the frames among `others`. It grows as questions are answered.
     pub fn bytes_beside(&self, others: &[Arc<Plane>]) -> usize {
         let plane = |plane: &Plane| size_of_val(plane.data());
         let is_own = |frame: &&Arc<Plane>| !others.iter().any(|other| Arc::ptr_eq(other, frame));
@@ -174,8 +173,7 @@ impl Trail {
         }
     }
 
-    /// Whether keypoint `index` is too weak for any feature of it to be among those kept. It is not compared with the
-    /// stronger keypoints on its blob.
+    /// Whether keypoint `index` is too weak for any of its features to be kept. It may not have been compared.
     pub fn is_cut(&self, index: usize) -> bool {
         self.choice.verdicts[index] == Verdict::Cut
     }
@@ -313,8 +311,7 @@ impl Trail {
         self.along().response(octave, levels, place, slope, chosen)
     }
 
-    /// The response of each frame that took part at the scale (octave, DoG level), along the motion through `place`
-    /// (input pixels, at mid-burst) at `slope`, in time order.
+    /// The response of each frame at the scale (octave, DoG level) along a motion (input pixels), in time order.
     pub fn frame_responses(
         &self,
         scale: (i32, i32),

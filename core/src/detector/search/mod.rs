@@ -33,8 +33,7 @@ pub(crate) struct Searched {
     /// In order of octaves, and within them of tiles and slopes.
     pub(crate) keypoints: Vec<Keypoint>,
     pub(crate) evidence: Vec<Evidence>,
-    /// First levels of each octave; none for the first octave, which is made from the frames. `None` where the slopes
-    /// were searched in groups, which keep none.
+    /// First levels of each octave; none for the first octave. `None` where slopes were searched in groups.
     pub(crate) bases: Option<Vec<FirstLevels>>,
 }
 
@@ -121,8 +120,7 @@ impl Search<'_> {
         (-1..=self.space.levels as i32).map(of_level).collect()
     }
 
-    /// Buffers for a thread: unused ones, or new ones. Allocating memory anew costs as much as a good part of the
-    /// search, so buffers are reused.
+    /// Unused buffers, or new ones: allocating anew costs as much as a good part of the search.
     fn take_scratch(&self) -> TileScratch {
         self.unused.lock().ok().and_then(|mut unused| unused.pop()).unwrap_or_else(|| TileScratch {
             stacked: Vec::new(),
@@ -206,8 +204,7 @@ impl Search<'_> {
 
 /// Part of the peak threshold that the first test uses: the refinement may add to a sample's value.
 pub const FIRST_PEAK_PART: f32 = 0.8;
-/// Part of the noise gate that its first test uses, on a sample; the refined value is compared with the whole. So
-/// whether a blob passes does not depend on where the samples fall on it.
+/// Part of the noise gate that a sample is compared with; the refined value is compared with the whole.
 const FIRST_GATE_PART: f32 = 0.93;
 
 /// Part of the noise gate that samples of a search with `params` are compared with. With the quadratic fit alone, as in
@@ -236,8 +233,7 @@ struct Octave<'a> {
 }
 
 impl Search<'_> {
-    /// Searches one tile over the slopes of a group. `next` holds the tile's parts of the next octave's first level,
-    /// one for each slope that is visited, or is empty.
+    /// `next` holds the tile's parts of the next octave's first level, one for each slope visited, or is empty.
     fn tile(
         &self,
         job: &Octave<'_>,

@@ -75,8 +75,7 @@ impl<'a> Search<'a> {
         SlopeStack { frames, offsets, space: self.space, size_image: self.inputs.size_image }
     }
 
-    /// Source of the first level of an octave at a slope of the grid: the frames, or that of `bases`, which are the
-    /// first levels of all octaves.
+    /// Source of the first level of an octave at a slope of the grid: the frames, or that of `bases`, by octave.
     pub(crate) fn base<'s>(&'s self, bases: &'s [FirstLevels], octave: i32, slope_index: usize) -> Base<'s> {
         match (octave - self.space.first_octave) as usize {
             0 => self.stack(slope_index).base(),

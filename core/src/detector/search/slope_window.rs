@@ -49,8 +49,7 @@ impl OtherSlopes {
         }
     }
 
-    /// Distance, in running slope indices, from a slope of `grid` to the farthest one that is held with it; `None` for
-    /// all of them.
+    /// Distance, in running indices, from a slope to the farthest one held with it; `None` for all of them.
     pub fn reach(self, grid: &SlopeGrid) -> Option<usize> {
         match self {
             Self::Unseen => Some(0),
@@ -90,8 +89,7 @@ impl SlopeWindow {
         }
     }
 
-    /// Begins another tile, at which the consecutive slopes `visited` are visited. Only slopes whose neighbours are all
-    /// among them may have candidates.
+    /// Begins another tile. Only slopes whose neighbours are all among `visited` may have candidates.
     pub fn begin(&mut self, visited: &Range<usize>) {
         self.visited = visited.clone();
     }
@@ -107,8 +105,7 @@ impl SlopeWindow {
         &self.tiles[index % self.tiles.len()]
     }
 
-    /// Slopes before slope `index` that its candidates are compared with, and their distances from it in steps along
-    /// both axes.
+    /// Slopes before slope `index` that its candidates are compared with, and their distances in steps.
     fn earlier(&self, index: usize) -> Vec<(usize, (i64, i64))> {
         let (i, j) = self.grid.coordinates(index);
         let reach = self.others.reach(&self.grid);
