@@ -307,22 +307,6 @@ impl<P> Param<P> {
         Self { in_use, ..self }
     }
 
-    /// Text of the value in `params`.
-    pub fn text(&self, params: &P) -> String
-    where
-        P: Clone,
-    {
-        (self.field)(&mut params.clone()).text()
-    }
-
-    /// Default, as typed on the command line or in words.
-    pub fn default_text(&self) -> String
-    where
-        P: Default,
-    {
-        self.default_words.map_or_else(|| (self.field)(&mut P::default()).text(), str::to_owned)
-    }
-
     /// Sets the value in `params` to what `text` says.
     ///
     /// # Errors
@@ -351,40 +335,42 @@ impl<P> Param<P> {
         };
         field.read(text).map_err(|problem| ParamError { parameter: self.doc.name, problem, remedy })
     }
+}
+
+impl<P: Clone> Param<P> {
+    /// Text of the value in `params`.
+    pub fn text(&self, params: &P) -> String {
+        (self.field)(&mut params.clone()).text()
+    }
 
     /// Checks the value in `params` by itself.
     ///
     /// # Errors
     /// Its fault, with a remedy.
-    pub fn check(&self, params: &P) -> Result<(), ParamError>
-    where
-        P: Clone,
-    {
+    pub fn check(&self, params: &P) -> Result<(), ParamError> {
         let fault = (self.field)(&mut params.clone()).fault(self.bounds.as_ref());
         fault.map_err(|(problem, remedy)| ParamError { parameter: self.doc.name, problem, remedy })
     }
+}
+
+impl<P: Default> Param<P> {
+    /// Default, as typed on the command line or in words.
+    pub fn default_text(&self) -> String {
+        self.default_words.map_or_else(|| (self.field)(&mut P::default()).text(), str::to_owned)
+    }
 
     /// Text of `-h`: the meaning and the default.
-    pub fn short_help(&self) -> String
-    where
-        P: Default,
-    {
+    pub fn short_help(&self) -> String {
         format!("{} [default: {}]", self.meaning.trim_end_matches('.'), self.default_text())
     }
 
     /// Text of `--help`: all of the description, and the default.
-    pub fn long_help(&self) -> String
-    where
-        P: Default,
-    {
+    pub fn long_help(&self) -> String {
         format!("{} [default: {}]", self.help(), self.default_text())
     }
 
     /// Row of the table in the page of reference (Markdown): option, label, values and unit, default, help.
-    pub fn reference_row(&self) -> String
-    where
-        P: Default,
-    {
+    pub fn reference_row(&self) -> String {
         let mut params = P::default();
         let values = match (self.field)(&mut params).words() {
             Some(words) => words.iter().map(|(word, _)| format!("`{word}`")).collect::<Vec<_>>().join(", "),

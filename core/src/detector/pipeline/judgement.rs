@@ -163,7 +163,12 @@ impl Trail {
         let sigma_d_min = sigma_d[level_index][slope_index];
         let sigma_d = sigma_d_min * search.place_factor(octave, slope_index, x, y);
         let others = OtherSlopes::of(search.params);
-        let is_beaten = is_beaten(search, around, slope_index, &candidate, others);
+        let is_beaten = match others {
+            OtherSlopes::Beaten(neighbours) => compared_slopes(&search.grid, slope_index, neighbours)
+                // Of two slopes with the same D the earlier one stays.
+                .any(|other| !beats_all_27(value, &around.tiles[other], x, y, level_index, other > slope_index)),
+            OtherSlopes::Unseen | OtherSlopes::Seen => false,
+        };
         let part = around.pixels.get(slope_index).filter(|_| ascends(search.params, octave));
         let first = part.map(|(plane, (u, v))| {
             search.first_level(PixelView { left: *u as i64, top: *v as i64, ..PixelView::of(plane) })
@@ -190,22 +195,6 @@ impl Trail {
         });
         Some(Judgement { value, rejected_by, sigma_d_min, sigma_d, is_beaten, fit, would_be })
     }
-}
-
-fn is_beaten(
-    search: &Search<'_>,
-    around: &Neighbourhood,
-    slope_index: usize,
-    candidate: &Candidate,
-    others: OtherSlopes,
-) -> bool {
-    let OtherSlopes::Beaten(neighbours) = others else {
-        return false;
-    };
-    let Candidate { x, y, level_index, value } = *candidate;
-    compared_slopes(&search.grid, slope_index, neighbours)
-        // Of two slopes with the same D the earlier one stays.
-        .any(|other| !beats_all_27(value, &around.tiles[other], x, y, level_index, other > slope_index))
 }
 
 /// The slopes that the joint rule compares with slope `index`.
