@@ -1,10 +1,10 @@
 //! The response along a motion: D at single places, at any slope, and the pixels around a place from which it follows.
 //!
 //! A feature lies at a slope of its own, between those of the grid, whose stacks smear it. So the frames are shifted
-//! again, for octaves above 0 frames of that octave's resolution ([`OctaveFrames`]): each pixel the mean of 2^o × 2^o of
-//! a frame's. D at a place is the mean of the shifted frames in a small patch, weighted by two Gaussians. Stacking and
-//! filtering commute, so the values are those of a search at that slope, up to interpolation (and, in coarser octaves,
-//! the way in which the frames are brought to their resolution).
+//! again, for octaves above 0 frames of that octave's resolution ([`OctaveFrames`]): each pixel the mean of 2^o × 2^o
+//! of a frame's. D at a place is the mean of the shifted frames in a small patch, weighted by two Gaussians. Stacking
+//! and filtering commute, so the values are those of a search at that slope, up to interpolation (and, in coarser
+//! octaves, the way in which the frames are brought to their resolution).
 
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::{Base, SIGMA_INPUT, octave_pixel, octave_size};

@@ -37,8 +37,8 @@ pub struct Blob {
 
 impl Blob {
     /// It is ranked by snr·|D|^¼: snr alone serves matching best, |D|·√snr finds most discs of charts, and this lies
-    /// between them (docs/MEASUREMENTS.md). The noise is that at the refined scale, scaled as 1/σ from the level's: with
-    /// the level's own, a smear one level coarser would win over the sharp blob. Without noise it is ranked by |D|.
+    /// between them (docs/MEASUREMENTS.md). The noise is that at the refined scale, scaled as 1/σ from the level's:
+    /// with the level's own, a smear one level coarser would win over the sharp blob. Without noise the rank is |D|.
     pub fn of(keypoint: &Keypoint, space: &ScaleSpace) -> Self {
         let (u, v, sigma) = keypoint.in_image();
         let magnitude = keypoint.value.abs();

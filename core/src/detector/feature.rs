@@ -1,7 +1,7 @@
 //! Keypoints that the search finds, and the results of the detector: features, their descriptors, and the errors.
 //!
-//! Features are stored in files beside a dataset and reused. Those of an older detector match new ones less well, so code
-//! that stores features writes the [`REVISION`] beside them, and reuses only those with an equal number.
+//! Features are stored in files beside a dataset and reused. Those of an older detector match new ones less well, so
+//! code that stores features writes the [`REVISION`] beside them, and reuses only those with an equal number.
 
 pub use super::test::{Tally, Test};
 

@@ -160,8 +160,8 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Plans a search of `frames` frames of `size` (columns, rows) within `budget` bytes, or without a bound, on as many
-    /// threads as there is memory for. Where even the smallest form needs more, the error gives its least memory.
+    /// Plans a search of `frames` frames of `size` (columns, rows) within `budget` bytes, or without a bound, on as
+    /// many threads as there is memory for. Where even the smallest form needs more, the error gives its least memory.
     pub(crate) fn new(
         params: &DetectorParams,
         frames: usize,

@@ -213,8 +213,8 @@ pub(super) fn dog_energy(low: f64, high: f64) -> f64 {
     product(low, low) - 2.0 * product(low, high) + product(high, high)
 }
 
-/// The gate's factor k: the one given, or the one at which white noise gives about so many false keypoints per megapixel
-/// of the input over all slopes and octaves.
+/// The gate's factor k: the one given, or the one at which white noise gives about so many false keypoints per
+/// megapixel of the input over all slopes and octaves.
 ///
 /// The number of local maxima of a smooth Gaussian field above k falls like k²·exp(−k²/2) per independent place; the
 /// places are proportional to pixels and slopes. The factor in front was measured on pure noise.
@@ -230,8 +230,8 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
         NoiseGate::Matching => 100.0,
     };
     let maxima_per_pixel = match params.used_extrema() {
-        // One for one blob. Measured on 12 to 20 Mpx of white noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for 13
-        // slopes on a line, 7×7, and the doubled image, on samples; exact maxima are a quarter more.
+        // One for one blob. Measured on 12 to 20 Mpx of white noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for
+        // 13 slopes on a line, 7×7, and the doubled image, on samples; exact maxima are a quarter more.
         SlopeExtrema::Each => 0.000_25,
         // Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 … 0.0004, for one slope, 7 and 13 on a
         // line, 7×7, and the doubled image.

@@ -2,9 +2,9 @@
 //!
 //! Place and scale: Brown and Lowe's quadratic fit as VLFeat does it: up to four moves of a pixel while the fitted
 //! offset exceeds 0.6 pixel in u or v (never in scale), accepted when every offset is below 1.5. In octaves after the
-//! first that fit only begins an [ascent] to the exact maximum. Slope: D over slope is a mean of shifted blob responses,
-//! close to a Gaussian bump, so a parabola is fitted to log |D| over the neighbouring slopes (to |D| itself where a
-//! neighbour has the other sign), which is exact for such a bump.
+//! first that fit only begins an [ascent] to the exact maximum. Slope: D over slope is a mean of shifted blob
+//! responses, close to a Gaussian bump, so a parabola is fitted to log |D| over the neighbouring slopes (to |D| itself
+//! where a neighbour has the other sign), which is exact for such a bump.
 
 pub mod ascent;
 
@@ -28,8 +28,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Applies the tests of D at an extremum and of its [`Fit::edge_quotient`], each independently, in their order; true
-    /// where it passes.
+    /// Applies the tests of D at an extremum and of its [`Fit::edge_quotient`], each independently, in their order;
+    /// true where it passes.
     pub(crate) fn tests(&self, value: f32, edge_quotient: f64) -> [(Test, bool); 3] {
         [
             (Test::NoiseGate, value.abs() >= self.gate),

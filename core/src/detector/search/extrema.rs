@@ -28,8 +28,8 @@ pub struct Thresholds {
     pub scale_ease: f32,
 }
 
-/// Factor of a sample that is compared with the adjacent levels. In an octave that [ascends](super::ascends) one that is
-/// nearly as strong goes on to the ascent, which finds the exact scale.
+/// Factor of a sample that is compared with the adjacent levels. In an octave that [ascends](super::ascends) one that
+/// is nearly as strong goes on to the ascent, which finds the exact scale.
 pub fn scale_ease(ascends: bool) -> f32 {
     if ascends { 1.03 } else { 1.0 }
 }

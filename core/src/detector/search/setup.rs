@@ -1,9 +1,9 @@
 //! Setup of a search, before its first tile: the frames that take part, the noise and the scales, checked and owned;
 //! the constants that tiles share; the groups of slopes; and the buffers that threads reuse.
 //!
-//! If memory allows, all slopes are one group; otherwise there are several ([`SlopeGroup`]). A group holds the levels of
-//! its own slopes and of the slopes around them, which its own are compared with or localised between. Every value is
-//! computed by identical operations whatever the group, so the keypoints together are those of the whole search.
+//! If memory allows, all slopes are one group; otherwise there are several ([`SlopeGroup`]). A group holds the levels
+//! of its own slopes and of the slopes around them, which its own are compared with or localised between. Every value
+//! is computed by identical operations whatever the group, so the keypoints together are those of the whole search.
 
 use crate::burst::Burst;
 use crate::detector::feature::DetectError;
