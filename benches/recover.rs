@@ -30,7 +30,7 @@ fn combining(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("combine 1600×1200");
     group.sample_size(20);
     for combine in Combine::ALL {
-        group.bench_function(combine.name(), |bencher| {
+        group.bench_function(format!("{combine:?}"), |bencher| {
             bencher.iter(|| {
                 let stack = combined_stack(&frames, slope, Interpolation::Linear, combine, &Monitor::default());
                 black_box(stack.expect("not cancelled"))

@@ -1,14 +1,10 @@
-//! Advice on a detection with few or no features: the reason, and a setting to change. (Whether the slopes fit is
-//! judged in `inspect::spectrum`.)
-//!
-//! The tally counts what each test rejected, but a good detection rejects nearly everything too: most samples are
-//! noise, and of every hundred above it most belong to the flank of some blob. So each test's share of rejected
-//! candidates is compared with its usual one; the test that exceeds it most is to blame.
+//! Advice on a detection with few or no features: the reason, and a setting to change. A good detection rejects nearly
+//! every sample too, so each test's share of rejected candidates is compared with its usual one; the test that exceeds
+//! it most is to blame. (Whether the slopes fit is judged in `inspect::spectrum`.)
 
 use super::feature::{Detection, Tally, Test};
 use super::params::{DetectorParams, Method, Param, Word, doc};
 use super::test::{LOWEST_GATE, wider_axis};
-use crate::detector::params::slope_grid::SlopeAxis;
 
 /// Reason for a poor detection, and a setting to change.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,12 +58,6 @@ pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usi
     little(&what, wanted as u64, &detection.tally, params, detection.noise_gate_factor)
 }
 
-/// Widens the axis by half its width below its smallest slope, above its largest, or both, in whole steps.
-fn widened(axis: SlopeAxis, below: bool, above: bool) -> SlopeAxis {
-    let more = axis.count.saturating_sub(1).div_ceil(2).max(1);
-    axis.with_more(more * usize::from(below), more * usize::from(above))
-}
-
 /// Advice where there are few or no features.
 fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate: f32) -> Option<Advice> {
     let advice =
@@ -94,15 +84,16 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
         }
         let problem = format!("{} of {gate:.2} σ", took(Test::NoiseGate, above_peak));
         return match params.method {
-            Method::Sift => advice(problem, doc::METHOD, Method::Buff.word().to_owned()),
             Method::Buff | Method::Merge if gate > LOWEST_GATE => {
                 advice(problem, doc::NOISE_GATE, LOWEST_GATE.to_string())
             }
             Method::Buff => {
+                // Twice as wide.
                 let (parameter, axis) = wider_axis(&params.slopes);
-                advice(problem, parameter, widened(axis, true, true).to_string())
+                let more = axis.count.saturating_sub(1).div_ceil(2).max(1);
+                advice(problem, parameter, axis.with_more(more, more).to_string())
             }
-            Method::Merge => advice(problem, doc::METHOD, Method::Buff.word().to_owned()),
+            Method::Sift | Method::Merge => advice(problem, doc::METHOD, Method::Buff.word().to_owned()),
         };
     }
     let (test, reached) = to_blame(tally)?;
@@ -211,27 +202,26 @@ mod tests {
 
     #[test]
     fn made_bursts_are_explained() {
-        // A dark scene under the former peak threshold.
-        let dark = ChartParams { width: 240, height: 180, discs: 6, snr: 0.3, ..ChartParams::default() };
-        let (burst, _) = synth_chart(&dark, &Monitor::default()).expect("a chart");
         let found = |burst: &Burst, params: &DetectorParams| {
             let detection = search(burst, params, &Monitor::default()).expect("a detection");
             explain(&detection, params, burst.size())
         };
+        let made = |snr, discs, radius| {
+            let chart = ChartParams { width: 240, height: 180, discs, snr, radius, ..ChartParams::default() };
+            synth_chart(&chart, &Monitor::default()).expect("a chart").0
+        };
+        let usual = ChartParams::default().radius;
+        // A dark scene under the former peak threshold.
         let peak = DetectorParams { peak_threshold: 0.003, ..DetectorParams::default() };
-        assert_eq!(found(&burst, &peak).expect("advice").parameter, doc::PEAK_THRESHOLD);
+        assert_eq!(found(&made(0.3, 6, usual.clone()), &peak).expect("advice").parameter, doc::PEAK_THRESHOLD);
         // Noise alone.
-        let chart = ChartParams { width: 240, height: 180, discs: 0, snr: 0.3, ..ChartParams::default() };
-        let (noise, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
-        let open =
-            DetectorParams { peak_threshold: 0.0, noise_gate: NoiseGate::Factor(5.5), ..DetectorParams::default() };
-        assert_eq!(found(&noise, &open).expect("advice").parameter, doc::NOISE_GATE);
+        let open = DetectorParams { noise_gate: NoiseGate::Factor(5.5), ..DetectorParams::default() };
+        assert_eq!(found(&made(0.3, 0, usual), &open).expect("advice").parameter, doc::NOISE_GATE);
         // An even picture has no remedy, and nothing breaks.
         let even = Burst::from_planes("even", vec![Plane::zeros(64, 48); 4]);
         assert!(found(&even, &DetectorParams::default()).is_none_or(|advice| !advice.problem.is_empty()));
         // A search that finds enough, or asks for few, needs no advice.
-        let clear = ChartParams { snr: 8.0, discs: 10, radius: 3.6..=9.0, ..dark };
-        let (clear, _) = synth_chart(&clear, &Monitor::default()).expect("a chart");
+        let clear = made(8.0, 10, 3.6..=9.0);
         assert_eq!(found(&clear, &DetectorParams::default()), None);
         assert_eq!(found(&clear, &DetectorParams { max_features: 2, ..DetectorParams::default() }), None);
     }

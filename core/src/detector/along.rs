@@ -1,16 +1,10 @@
-//! The response along a motion: D at single places, at any slope, from the frames at the resolution of each octave, and
-//! the pixels around a place from which it follows.
+//! The response along a motion: D at single places, at any slope, and the pixels around a place from which it follows.
 //!
-//! A feature lies at a slope of its own, between those of the grid. Neighbouring slopes of a grid misalign the
-//! outermost frames by their step times (N − 1)/2 pixels, so a feature half-way between two of them is smeared in both,
-//! and a descriptor computed there matches less. The grid's stacks are no help: the frames have to be shifted again.
-//! For octaves above 0 that is done on frames of that octave's resolution ([`OctaveFrames`]): each pixel the mean of
-//! 2^o × 2^o of a frame's. Averaging before shifting equals averaging after it, except for detail finer than the
-//! averages, which no level of that octave shows.
-//!
-//! D at a place is a weighted patch: the frames are shifted by any slope and averaged in a small patch, and the patch
-//! is weighted by two Gaussians. Stacking and filtering commute, so the values are those of a search at that slope, up
-//! to interpolation (and, in coarser octaves, the way in which the frames are brought to their resolution).
+//! A feature lies at a slope of its own, between those of the grid, whose stacks smear it. So the frames are shifted
+//! again, for octaves above 0 frames of that octave's resolution ([`OctaveFrames`]): each pixel the mean of 2^o × 2^o
+//! of a frame's. D at a place is the mean of the shifted frames in a small patch, weighted by two Gaussians. Stacking
+//! and filtering commute, so the values are those of a search at that slope, up to interpolation (and, in coarser
+//! octaves, the way in which the frames are brought to their resolution).
 
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::{Base, SIGMA_INPUT, octave_pixel, octave_size};
@@ -129,8 +123,7 @@ impl<'a> Along<'a> {
     }
 
     /// D of the mean of the `chosen` frames (indices among those that take part) at each of the DoG `levels` of
-    /// `octave`, on the path through `place` (input pixels, at mid-burst) at `slope`. The octave's pixel nearest to the
-    /// place is taken.
+    /// `octave`, on the path through `place` (input pixels, at mid-burst) at `slope`, at the octave's nearest pixel.
     pub fn response(
         &self,
         octave: i32,
@@ -140,9 +133,7 @@ impl<'a> Along<'a> {
         chosen: &[usize],
     ) -> Vec<f32> {
         let frames = self.of(octave);
-        let offsets = frames.offsets(slope);
-        let planes: Vec<&Plane> = chosen.iter().map(|&index| frames.planes[index]).collect();
-        let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
+        let (planes, offsets) = frames.chosen(slope, chosen);
         frames.response(&planes, &offsets, levels, place)
     }
 }
@@ -164,6 +155,12 @@ impl OctaveFrames<'_> {
         let in_octave = (f64::from(slope.u) / pixel, f64::from(slope.v) / pixel);
         let Inputs { times, params, .. } = self.inputs;
         times.of(shifted_offsets(times.frame_count, in_octave, shift_px, params.rules.interpolation))
+    }
+
+    /// The `chosen` frames, and their offsets at `slope`.
+    pub fn chosen(&self, slope: Slope, chosen: &[usize]) -> (Vec<&Plane>, Vec<FrameOffset>) {
+        let offsets = self.offsets(slope);
+        chosen.iter().map(|&index| (self.planes[index], offsets[index])).unzip()
     }
 
     /// Source of the octave's pixels: `planes` read at `offsets`.
@@ -275,18 +272,15 @@ mod tests {
             let (columns, rows) = (at(40.0)..at(100.0), at(20.0)..at(80.0));
             base.patch(size, columns.clone(), rows.clone(), &mut scratch, &mut patch);
             let middle = patch.row((rows.start + rows.end) / 2)[columns.clone().count() / 2];
+            // Averages and interpolation increase σ².
+            let source = of_octave.sigma_octave(&offsets).powi(2) as f32 * pixel * pixel;
+            let variance = 36.0 + source - (SIGMA_INPUT as f32).powi(2);
+            let truth = |du: f32, dv: f32| 36.0 / variance * (-(du * du + dv * dv) / (2.0 * variance)).exp();
+            let offset = |range: &Range<i64>, at: f32| ((range.start + range.end) / 2) as f32 * pixel - at;
+            let centre = truth(offset(&columns, 70.0), offset(&rows, 50.0));
             for y in rows {
                 for (x, value) in columns.clone().zip(patch.row(y)) {
                     let (du, dv) = (x as f32 * pixel - 70.0, y as f32 * pixel - 50.0);
-                    // Increase of σ² by averages and interpolation.
-                    let added = (of_octave.sigma_octave(&offsets).powi(2) as f32
-                        - (SIGMA_INPUT as f32 / pixel).powi(2))
-                        * pixel
-                        * pixel;
-                    let variance = 36.0 + added;
-                    let truth = |du: f32, dv: f32| 36.0 / variance * (-(du * du + dv * dv) / (2.0 * variance)).exp();
-                    let (cu, cv) = ((columns.start + columns.end) / 2, (at(20.0) + at(80.0)) / 2);
-                    let centre = truth(cu as f32 * pixel - 70.0, cv as f32 * pixel - 50.0);
                     let expected = truth(du, dv) - centre + middle;
                     assert!((value - expected).abs() < 8e-3, "octave {octave} ({x}, {y}): {value} {expected}");
                 }

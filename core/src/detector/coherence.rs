@@ -2,14 +2,11 @@
 //!
 //! A true feature is in every frame: the responses are level. A ghost (a blob of another motion that shows in the stack
 //! of a wrong slope) responds only in the frames in which the true blob crosses its path, so its responses form a bump.
-//! Features are judged as they are reported, at their refined place and slope: at the grid's slope the outermost frames
-//! of a true feature would miss it.
 
 use crate::detector::along::Along;
 use crate::detector::feature::Feature;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::search::setup::Inputs;
-use crate::detector::stack::coverage;
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 
@@ -73,27 +70,9 @@ impl Along<'_> {
 }
 
 /// Pixel in whose columns and rows `place` lies, inside an image of `size`.
-fn floor_pixel(place: (f32, f32), size: (usize, usize)) -> (usize, usize) {
+pub(super) fn floor_pixel(place: (f32, f32), size: (usize, usize)) -> (usize, usize) {
     let pixel = |x: f32, n: usize| (x.max(0.0) as usize).min(n - 1);
     (pixel(place.0, size.0), pixel(place.1, size.1))
-}
-
-impl Inputs {
-    /// See [`crate::detector::Trail::sigma_d_at`].
-    pub(super) fn sigma_d_at(
-        &self,
-        (octave, level): (i32, i32),
-        (place, slope): ((f32, f32), Slope),
-        chosen: &[usize],
-    ) -> f32 {
-        let (all, size) = (self.offsets(slope), self.size_image);
-        let offsets: Vec<_> = chosen.iter().map(|&index| all[index]).collect();
-        let at = floor_pixel(place, size);
-        let min = self.sigma_d(octave, level, slope, &offsets);
-        // The place factor samples all frames that took part.
-        let covering = coverage(&offsets, at.0, at.1, size).max(1);
-        min * (offsets.len() as f32 / covering as f32).sqrt() * self.noise.place_factor(octave, &all, at, size)
-    }
 }
 
 /// Unevenness, in standard deviations, above which the responses differ.

@@ -46,19 +46,6 @@ impl Combine {
     pub const ALL: [Self; 7] =
         [Self::Mean, Self::Median, Self::ClippedMean, Self::Max, Self::Min, Self::Deviation, Self::MeanMinusMedian];
 
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Mean => "mean",
-            Self::Median => "median",
-            Self::ClippedMean => "clipped-mean",
-            Self::Max => "max",
-            Self::Min => "min",
-            Self::Deviation => "deviation",
-            Self::MeanMinusMedian => "mean-minus-median",
-        }
-    }
-
     /// The combination of sorted values; at least one.
     fn of_sorted(self, sorted: &[f32]) -> f32 {
         let n = sorted.len();
@@ -86,9 +73,6 @@ impl Combine {
 
 /// Combines `frames` (one size, in time order) at `slope`: of each pixel x the values F_t(x + (t − t0)·λ) of the frames
 /// that cover it, as [`motion_stack`] takes their mean. Size and unit are those of the frames. Rows in parallel.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn combined_stack(
     frames: &[&Plane],
     slope: Slope,

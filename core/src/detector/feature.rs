@@ -1,7 +1,6 @@
 //! Keypoints that the search finds, and the results of the detector: features, their descriptors, and the errors.
 //!
-//! Features are stored in files beside a dataset and reused. Those of an older detector are a little displaced, or have
-//! other descriptors, and match new ones less well; mixed, they would degrade a reconstruction without a message. So
+//! Features are stored in files beside a dataset and reused. Those of an older detector match new ones less well, so
 //! code that stores features writes the [`REVISION`] beside them, and reuses only those with an equal number.
 
 pub use super::test::{Tally, Test};
@@ -61,8 +60,7 @@ impl Feature {
 /// orientations, L1-root normalised, ×512, clamped to 255, in UBC/COLMAP's order.
 pub type Descriptor = [u8; 128];
 
-/// Wall-clock time spent in each stage of a detection, seconds. Where threads search and describe at once, the elapsed
-/// time is divided in proportion to the threads' time on each.
+/// Wall-clock time spent in each stage of a detection, seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct StageTimes {
     /// Time for estimating the noise.
@@ -118,8 +116,7 @@ pub struct Keypoint {
     pub sigma_octave: f32,
     /// DoG level.
     pub level: i32,
-    /// The sample (column, row) that was the candidate, octave pixels. No two keypoints of one octave, level and slope
-    /// share it.
+    /// The sample (column, row), octave pixels; no other keypoint of the octave, level and slope has it.
     pub sample: [u32; 2],
     /// Index in the slope grid.
     pub slope_index: usize,
@@ -151,9 +148,8 @@ impl Keypoint {
 
 /// Strength of a response for ranking: |response|·√snr, or |response| where the burst has no noise.
 ///
-/// Response alone puts noise at fine scales above large faint blobs; signal-to-noise alone puts the weak hollows
-/// between large blobs above everything. Their product found most discs of the charts among 10 % of false features,
-/// over powers 0, ½, 1 and 2 of the snr.
+/// Response alone puts noise at fine scales above large faint blobs; signal-to-noise alone the weak hollows between
+/// large blobs. Their product found most discs of the charts, over powers 0, ½, 1 and 2 of the snr.
 pub fn strength(response: f32, snr: f32) -> f32 {
     response.abs() * if snr.is_finite() { snr.sqrt() } else { 1.0 }
 }
@@ -176,7 +172,6 @@ pub const REVISION: u32 = 10;
 
 #[cfg(test)]
 mod tests {
-    use super::super::SlopeGrid;
     use super::super::pipeline::search;
     use super::*;
     use crate::monitor::Monitor;
@@ -191,15 +186,13 @@ mod tests {
     fn other_features_come_with_another_revision() {
         let chart =
             ChartParams { width: 200, height: 150, discs: 10, radius: 3.6..=9.0, snr: 2.0, ..ChartParams::default() };
-        let (burst, _) =
-            synth_chart(&ChartParams { motion: Motion::TwoD, max_slope: 1.0, ..chart }, &Monitor::default())
-                .expect("a chart");
+        let chart = ChartParams { motion: Motion::TwoD, max_slope: 1.0, ..chart };
+        let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
         let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
-        let detection = search(&burst, &DetectorParams { slopes, ..DetectorParams::default() }, &Monitor::default())
-            .expect("a detection");
-        let sum = |value: fn(&super::super::Feature) -> f32| {
-            detection.features.iter().map(|f| f64::from(value(f).abs())).sum::<f64>()
-        };
+        let params = DetectorParams { slopes, ..DetectorParams::default() };
+        let detection = search(&burst, &params, &Monitor::default()).expect("a detection");
+        let sum =
+            |value: fn(&Feature) -> f32| detection.features.iter().map(|f| f64::from(value(f).abs())).sum::<f64>();
         let elements = detection.descriptors.iter().flatten();
         let mean = elements.map(|&x| f64::from(x)).sum::<f64>() / (128.0 * detection.descriptors.len().max(1) as f64);
         let sums = [sum(|f| f.u), sum(|f| f.v), sum(|f| f.sigma), sum(|f| f.slope.u), 1e3 * sum(|f| f.response), mean];

@@ -1,15 +1,12 @@
 //! Features at the limit of the searched slopes: those whose own response says that their motion lies beyond.
 //!
-//! The slopes at the end of a range do not only hold what moves faster. They hold their share of the noise, of edges
-//! (which respond alike at many slopes), of ghosts, and of blobs that move just so. On a plane most slopes are on the
-//! rim, so most features are too, whatever range is searched. So a place on the rim alone is no evidence. The response
-//! is: over slope, |D| of a blob is one bump around its own slope. If a step beyond the rim it is larger than on the
-//! rim, the middle of the bump lies more than half a step beyond.
+//! A place on the rim of the slopes alone is no evidence: noise, edges and ghosts lie there too. The response is: over
+//! slope, |D| of a blob is one bump around its own slope. If a step beyond the rim it is larger than on the rim, the
+//! middle of the bump lies more than half a step beyond.
 //!
 //! Noise moves that comparison. D at two slopes has the correlation 1 − loss between them, where *loss* is the part of
 //! its response that a blob of this scale loses over that difference ([`response_loss`]), so their difference has the
-//! standard deviation σ_D·√(2·loss). A feature is at the limit if the rise exceeds `RISE_SIGMAS` of these. A feature
-//! of noise alone, chosen because it is strong at its slope, is weaker beyond: it does not rise so far by chance.
+//! standard deviation σ_D·√(2·loss). A feature is at the limit if the rise exceeds `RISE_SIGMAS` of these.
 
 use crate::detector::along::Along;
 use crate::detector::feature::Feature;
@@ -35,8 +32,7 @@ pub(super) struct Rise {
 impl Rise {
     /// Whether the rise is none of noise's, for a feature of signal-to-noise ratio `snr`.
     pub(super) fn exceeds_noise(self, snr: f32) -> bool {
-        let sigma_d = self.noise / snr;
-        self.difference > RISE_SIGMAS * sigma_d * self.spread
+        self.difference > RISE_SIGMAS * (self.noise / snr) * self.spread
     }
 }
 

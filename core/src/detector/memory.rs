@@ -1,13 +1,12 @@
 //! Memory limit of a search: its need is estimated before it starts, and a search that would take more is done in
 //! groups of slopes, or refused where even that takes too much.
 //!
-//! The part that grows with the search is held for every slope: the first level of each octave after the first, from
-//! which the next one is made and keypoints are described. Besides, there are the frames, cleaned by the noise model
-//! and at each octave's resolution, and the threads' windows of slopes, which have a bound of their own.
+//! For every slope the first level of each octave after the first is held. Besides, there are the frames, cleaned by
+//! the noise model and at each octave's resolution, and the threads' windows of slopes.
 //!
-//! All searches of the process share one budget: a search plans with the memory that the running ones have left. A
-//! search that does not fit beside others is done in its smallest form (one thread, the smallest groups of slopes)
-//! rather than made to wait: another search may be waiting for the thread that started it.
+//! All searches of the process share one budget: a search plans with the memory that the running ones have left. One
+//! that does not fit is done in its smallest form (one thread, the smallest groups of slopes) rather than made to wait:
+//! another search may be waiting for the thread that started it.
 
 pub use crate::plane::memory::machine_bytes;
 
@@ -31,8 +30,7 @@ pub const OPTION: &str = "memory";
 static BUDGET: AtomicU64 = AtomicU64::new(0);
 
 /// Sets the memory that all searches of this process may take together, bytes; `None` is [`DEFAULT_PART`] of the
-/// machine's memory. Results do not depend on it: a search that would take more is done in groups of slopes, one after
-/// the other, or refused where even that takes more.
+/// machine's memory. Results do not depend on it.
 pub fn set_budget(bytes: Option<u64>) {
     BUDGET.store(bytes.map_or(0, |bytes| bytes.max(1)), Ordering::Relaxed);
 }
@@ -50,8 +48,7 @@ const KEPT_PART: f64 = 0.125;
 /// Maximum of that data, whatever the budget, bytes.
 const KEPT_BYTES: u64 = 512 << 20;
 
-/// Memory for data that detections keep to explain their results, bytes. A search that keeps such data has the rest of
-/// the budget.
+/// Memory for data that detections keep to explain their results, bytes; such a search has the rest.
 pub fn kept_bytes() -> u64 {
     budget().map_or(KEPT_BYTES, |budget| ((budget as f64 * KEPT_PART) as u64).min(KEPT_BYTES))
 }
@@ -100,7 +97,7 @@ fn plane_bytes((width, height): (usize, usize)) -> u64 {
 }
 
 /// Memory taken by searches that share a budget, bytes.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Account {
     taken: Mutex<u64>,
 }
@@ -163,9 +160,8 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Plans a search with `params` of `frames` frames of `size` (columns, rows) within `budget` bytes, or without a
-    /// bound. Uses as many of the pool's threads as there is memory for. Where even the smallest form needs more, the
-    /// error gives its least memory, and a remedy.
+    /// Plans a search of `frames` frames of `size` (columns, rows) within `budget` bytes, or without a bound, on as
+    /// many threads as there is memory for. Where even the smallest form needs more, the error gives its least memory.
     pub(crate) fn new(
         params: &DetectorParams,
         frames: usize,
@@ -287,13 +283,22 @@ mod tests {
     use super::*;
     use crate::detector::{Rules, SlopeExtrema, SlopeGrid};
 
+    const SIZE: (usize, usize) = (1600, 1200);
+
+    fn plane(side: usize) -> DetectorParams {
+        let slopes = SlopeGrid::plane(-3.0..=3.0, side, -3.0..=3.0, side);
+        DetectorParams { slopes, ..DetectorParams::default() }
+    }
+
+    fn plan(params: &DetectorParams, budget: Option<u64>) -> Result<Plan, ParamError> {
+        Plan::new(params, 10, SIZE, budget)
+    }
+
     #[test]
     fn the_estimate_grows_with_slopes_and_the_first_octave() {
-        let size = (1600, 1200);
-        let plane =
-            DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 64, -3.0..=3.0, 64), ..DetectorParams::default() };
+        let plane = plane(64);
         let fine = DetectorParams { first_octave: -1, ..plane.clone() };
-        let of = |params: &DetectorParams| estimate(params, 10, size) as f64 / 1e9;
+        let of = |params: &DetectorParams| estimate(params, 10, SIZE) as f64 / 1e9;
         assert!((8.0..13.0).contains(&of(&plane)) && (32.0..45.0).contains(&of(&fine)));
         assert!(of(&DetectorParams::default()) < 0.5);
         assert!(estimate(&plane, usize::MAX >> 8, (1 << 30, 1 << 30)) > 1 << 60, "huge, and no overflow");
@@ -301,17 +306,15 @@ mod tests {
 
     #[test]
     fn a_search_plans_with_what_others_leave() {
-        let params =
-            DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 20, -3.0..=3.0, 20), ..DetectorParams::default() };
-        let account = Account::new();
-        let plan = |budget| account.plan(&params, 10, (1600, 1200), Some(budget));
+        let (params, account) = (plane(20), Account::new());
+        let plan = |budget| account.plan(&params, 10, SIZE, Some(budget));
         let (alone, share) = plan(1 << 50).expect("it fits");
         assert_eq!((alone.search.len(), share.bytes), (1, alone.bytes));
         let budget = alone.bytes + alone.bytes / 2;
         let (beside, second) = plan(budget).expect("in groups");
         assert!(beside.search.len() > 1 && beside.bytes < alone.bytes, "{beside:?}");
         let (third, _) = plan(budget).expect("in its smallest form");
-        assert_eq!(third, Plan::smallest(&params, 10, (1600, 1200), Some(budget)).expect("it fits"));
+        assert_eq!(third, Plan::smallest(&params, 10, SIZE, Some(budget)).expect("it fits"));
         assert_eq!(third.threads, 1);
         drop((share, second));
         let (again, _) = plan(budget).expect("the others gave back what they had");
@@ -319,24 +322,16 @@ mod tests {
         assert!(plan(1000).is_err(), "a search that never fits is refused");
     }
 
-    fn plane() -> DetectorParams {
-        DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 49, -3.0..=3.0, 49), ..DetectorParams::default() }
-    }
-
-    fn plan(params: &DetectorParams, budget: Option<u64>) -> Result<Plan, ParamError> {
-        Plan::new(params, 10, (1600, 1200), budget)
-    }
-
     #[test]
     fn what_fits_is_one_group_and_what_does_not_is_several_that_fit() {
         for budget in [None, Some(1 << 40)] {
-            let plan = plan(&plane(), budget).expect("it fits");
+            let plan = plan(&plane(49), budget).expect("it fits");
             assert_eq!((plan.search.len(), plan.describe.len()), (1, 1));
         }
-        let of_slope = bytes_of_slope(&plane(), (1600, 1200));
-        let beside = bytes_beside_slopes(rayon::current_num_threads(), 10, (1600, 1200));
+        let of_slope = bytes_of_slope(&plane(49), SIZE);
+        let beside = bytes_beside_slopes(rayon::current_num_threads(), 10, SIZE);
         let budget = 2_000_000_000;
-        let Plan { search, describe, .. } = plan(&plane(), Some(budget)).expect("in groups");
+        let Plan { search, describe, .. } = plan(&plane(49), Some(budget)).expect("in groups");
         assert!(search.len() > 2 && describe.len() >= search.len());
         for group in search.iter().chain(&describe) {
             assert!(beside + of_slope * group.visited.len() as u64 <= budget, "{group:?}");
@@ -348,32 +343,32 @@ mod tests {
 
     #[test]
     fn a_small_budget_takes_fewer_threads_before_it_refuses() {
-        let of = |threads, budget| Plan::on(threads, &plane(), 10, (480, 360), Some(budget));
+        let of = |threads, budget| Plan::on(threads, &plane(49), 10, (480, 360), Some(budget));
         let one = (1..).map(|step| step * 1_000_000).find(|budget| of(1, *budget).is_ok()).expect("one is enough");
         let many = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("a pool");
         let threads =
-            |budget| many.install(|| Plan::new(&plane(), 10, (480, 360), Some(budget))).map(|plan| plan.threads);
+            |budget| many.install(|| Plan::new(&plane(49), 10, (480, 360), Some(budget))).map(|plan| plan.threads);
         assert!(of(8, one).is_err(), "one thread needs less than eight");
         assert_eq!(threads(one), Ok(1));
         assert!(threads(one + 20_000_000).is_ok_and(|threads| (2..8).contains(&threads)));
         assert_eq!(threads(1 << 40), Ok(8));
-        let plan = many.install(|| Plan::new(&plane(), 10, (480, 360), Some(one))).expect("it fits");
+        let plan = many.install(|| Plan::new(&plane(49), 10, (480, 360), Some(one))).expect("it fits");
         assert_eq!(many.install(|| plan.run(rayon::current_num_threads)), 1);
     }
 
     #[test]
     fn what_does_not_fit_even_so_is_refused_with_the_number_and_the_way_out() {
         let refused = |params: &DetectorParams, budget| plan(params, Some(budget)).expect_err("too much").to_string();
-        let all = DetectorParams { slope_extrema: SlopeExtrema::Joint, rules: Rules::BUFF, ..plane() };
+        let all = DetectorParams { slope_extrema: SlopeExtrema::Joint, rules: Rules::BUFF, ..plane(49) };
         let error = refused(&all, 1_000_000_000);
         assert!(error.contains("memory: ") && error.contains("2401 slopes at once"), "{error}");
         assert!(error.contains("1.0 GB") && error.contains("other rules than buff"), "{error}");
-        let error = refused(&plane(), 300_000_000);
+        let error = refused(&plane(49), 300_000_000);
         assert!(error.contains("101 slopes at once") && error.contains("rows of fewer slopes"), "{error}");
-        let error = refused(&plane(), 1000);
+        let error = refused(&plane(49), 1000);
         assert!(error.contains("larger first octave") && error.contains("0 MB may be used"), "{error}");
         // Without coarser octaves nothing is held for a slope: the frames alone are too much.
-        let one_octave = DetectorParams { octaves: 1, ..plane() };
+        let one_octave = DetectorParams { octaves: 1, ..plane(49) };
         assert!(plan(&one_octave, Some(1000)).is_err());
     }
 }

@@ -5,14 +5,11 @@
 //! −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes over
 //! 0.6745 is the standard deviation, which a minority of edges hardly changes. Texture can only add, so the smaller of
 //! the two estimates is taken. The filter runs on short pieces of rows spread evenly over the image, the same in every
-//! frame: they are read in order of memory, and since the filter is linear the filtered difference of two frames is the
-//! difference of the filtered frames. Pixels at the ends of the file's range are excluded: in the black parts of a dark
-//! frame the noise is cut off at zero, and half an image of zeros would make any median zero.
+//! frame. Pixels at the ends of the file's range are excluded: there the noise is cut off.
 //!
-//! Gate. A threshold on |D| alone lets fine-scale noise through and loses large faint blobs, because the noise in D
-//! falls with scale while a blob's response does not. So the noise of one frame, σ_F ([`frame_noise`]), is carried
-//! through the mean over frames, the interpolation and the DoG filter; the gate requires |D| ≥ k·σ_D at each octave and
-//! level.
+//! Gate. The noise in D falls with scale while a blob's response does not. So the noise of one frame, σ_F
+//! ([`frame_noise`]), is carried through the mean over frames, the interpolation and the DoG filter; the gate requires
+//! |D| ≥ k·σ_D at each octave and level.
 //!
 //! Propagation. For white noise the variance in D is σ_F² times the energy of the whole filter. All its parts are close
 //! to Gaussians, whose inner products are known: ∫ g(A)·g(B) = 1/√(2π(A+B)) in one dimension, for variances A and B.
@@ -41,9 +38,6 @@ const PIECE: usize = 32;
 
 /// Standard deviation of one frame's noise, fraction of full scale, from the frames `used` of a burst. At least the
 /// rounding error of the files' numbers (step/√12). 0 for noiseless float frames or for float images under 3×3 pixels.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<f32, Cancelled> {
     let step = burst.quantisation_step;
     let min = step / 12f32.sqrt();
@@ -67,11 +61,9 @@ pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
         .par_windows(2)
         .map(|pair| Ok(deviation(&pair[1].less(&pair[0]))? / 2f32.sqrt()))
         .collect::<Result<_, Cancelled>>()?;
-    let mut sigma = median(of_frames);
-    if !of_pairs.is_empty() {
-        sigma = sigma.min(median(of_pairs));
-    }
-    Ok(sigma.max(min))
+    let medians = [of_frames, of_pairs].into_iter().filter(|values| !values.is_empty());
+    let sigma = medians.map(|mut values| median_on_lattice(&mut values, 0.0)).reduce(f32::min);
+    Ok(sigma.map_or(min, |sigma| sigma.max(min)))
 }
 
 /// A piece of a row: the row, and the columns of the filter's centres in it.
@@ -188,12 +180,6 @@ fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
     start + length * (values.len() as f32 * 0.5 - below) / equal
 }
 
-fn median(mut values: Vec<f32>) -> f32 {
-    let middle = values.len() / 2;
-    values.select_nth_unstable_by(middle, f32::total_cmp);
-    values[middle]
-}
-
 /// Variance of D of the mean over the frames at `offsets`, at `octave` and `level` (−1 … S), for white noise of
 /// variance 1 in each frame, where all frames cover the pixel.
 pub fn dog_noise_variance(space: &ScaleSpace, octave: i32, level: f64, offsets: &[FrameOffset]) -> f64 {
@@ -227,27 +213,34 @@ pub(super) fn dog_energy(low: f64, high: f64) -> f64 {
     product(low, low) - 2.0 * product(low, high) + product(high, high)
 }
 
-/// The gate's factor k: the one given, or the one at which white noise gives about [`STRICT_FALSE_PER_MEGAPIXEL`],
-/// [`AUTO_FALSE_PER_MEGAPIXEL`] or [`MATCHING_FALSE_PER_MEGAPIXEL`] false keypoints per megapixel of the input over all
-/// slopes and octaves.
+/// The gate's factor k: the one given, or the one at which white noise gives about so many false keypoints per
+/// megapixel of the input over all slopes and octaves.
 ///
 /// The number of local maxima of a smooth Gaussian field above k falls like k²·exp(−k²/2) per independent place; the
-/// places are proportional to pixels and slopes. The factor in front, [`MAXIMA_PER_PIXEL`], was measured on pure noise.
+/// places are proportional to pixels and slopes. The factor in front was measured on pure noise.
 pub fn gate_factor(params: &DetectorParams) -> f32 {
     let allowed = match params.noise_gate {
         NoiseGate::Factor(k) => return k,
-        NoiseGate::Strict => STRICT_FALSE_PER_MEGAPIXEL,
-        NoiseGate::Auto => AUTO_FALSE_PER_MEGAPIXEL,
-        NoiseGate::Matching => MATCHING_FALSE_PER_MEGAPIXEL,
+        // At most one false feature is promised; with two orientations a keypoint is up to two.
+        NoiseGate::Strict => 0.5,
+        // They find no match, while the faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
+        NoiseGate::Auto => 5.0,
+        // Below the gates for which the factors were measured: 300 to 360 features come through. They cost time and
+        // give few wrong matches (docs/MEASUREMENTS.md).
+        NoiseGate::Matching => 100.0,
     };
-    let maxima = match params.used_extrema() {
-        SlopeExtrema::Each => MAXIMA_PER_PIXEL,
-        SlopeExtrema::Joint => JOINT_MAXIMA_PER_PIXEL,
+    let maxima_per_pixel = match params.used_extrema() {
+        // One for one blob. Measured on 12 to 20 Mpx of white noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for
+        // 13 slopes on a line, 7×7, and the doubled image, on samples; exact maxima are a quarter more.
+        SlopeExtrema::Each => 0.000_25,
+        // Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 … 0.0004, for one slope, 7 and 13 on a
+        // line, 7×7, and the doubled image.
+        SlopeExtrema::Joint => 0.000_35,
     };
     let slopes = params.used_slopes().len() as f64;
     // Octave 0 and the coarser ones have 4/3 of its places; the doubled image has four times as many.
     let places = 1e6 * 4f64.powi(-params.first_octave) * slopes;
-    let expected = |k: f64| maxima * places * k * k * (-0.5 * k * k).exp();
+    let expected = |k: f64| maxima_per_pixel * places * k * k * (-0.5 * k * k).exp();
     let (mut low, mut high) = (2.0, 12.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -260,29 +253,11 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
     high as f32
 }
 
-/// Target of the strict gate: false keypoints per megapixel of pure noise. With two orientations a keypoint is up to
-/// two features, and at most one false feature a megapixel is promised.
-pub const STRICT_FALSE_PER_MEGAPIXEL: f64 = 0.5;
-/// Target of the automatic gate: false keypoints per megapixel of pure noise. They are few beside true ones and find no
-/// match, while the faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
-pub const AUTO_FALSE_PER_MEGAPIXEL: f64 = 5.0;
-/// Target of the gate for matching: false keypoints per megapixel of pure noise. They cost time and give few wrong
-/// matches (docs/MEASUREMENTS.md). So low a gate lies below those for which [`MAXIMA_PER_PIXEL`] was measured: 300 to
-/// 360 features come through.
-pub const MATCHING_FALSE_PER_MEGAPIXEL: f64 = 100.0;
-/// Factor of `gate_factor` for extrema at each slope for itself, one for one blob. Measured on 12 to 20 Mpx of white
-/// noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for 13 slopes on a line, 7×7, and the doubled image, where the
-/// gate compared samples; exact maxima, which it compares now, are a quarter more. See [`gate_factor`].
-pub const MAXIMA_PER_PIXEL: f64 = 0.000_25;
-/// Factor of `gate_factor` for joint extrema. Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 …
-/// 0.0004, for one slope, 7 and 13 on a line, 7×7, and the doubled image.
-pub const JOINT_MAXIMA_PER_PIXEL: f64 = 0.000_35;
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::detector::params::Interpolation;
-    use crate::detector::params::slope_grid::Slope;
+    use crate::detector::params::slope_grid::{Slope, SlopeGrid};
     use crate::detector::stack::frame_offsets;
     use crate::synth::random::Stream;
 
@@ -301,12 +276,15 @@ mod tests {
         burst
     }
 
+    fn estimate(burst: &Burst) -> f32 {
+        frame_noise(burst, 0..burst.len(), &Monitor::default()).expect("not cancelled")
+    }
+
     #[test]
     fn the_estimate_is_within_three_percent_on_noise_with_edges() {
         for sigma in [0.002f32, 0.01, 0.1] {
             let burst = noisy_burst(sigma, 4, |u, v| if (u / 40 + v / 50) % 2 == 0 { 0.2 } else { 0.6 }, 0.0);
-            let estimate = frame_noise(&burst, 0..4, &Monitor::default()).expect("not cancelled");
-            assert!((estimate / sigma - 1.0).abs() < 0.03, "{sigma}: {estimate}");
+            assert!((estimate(&burst) / sigma - 1.0).abs() < 0.03, "{sigma}: {}", estimate(&burst));
         }
     }
 
@@ -317,8 +295,7 @@ mod tests {
             let step = 1.0 / 255.0;
             let burst = noisy_burst(grey_values * step, 3, |u, _| 0.3 + u as f32 * 1e-4, step);
             let expected = (grey_values * grey_values + 1.0 / 12.0).sqrt() * step;
-            let estimate = frame_noise(&burst, 0..3, &Monitor::default()).expect("not cancelled");
-            assert!((estimate / expected - 1.0).abs() < 0.05, "{grey_values}: {} of {expected}", estimate);
+            assert!((estimate(&burst) / expected - 1.0).abs() < 0.05, "{grey_values}: {}", estimate(&burst));
         }
     }
 
@@ -331,8 +308,7 @@ mod tests {
             let cut = Plane::from_vec(300, 200, frame.data().iter().map(|x| x.max(0.0)).collect());
             *frame = std::sync::Arc::new(cut);
         }
-        let estimate = frame_noise(&burst, 0..3, &Monitor::default()).expect("not cancelled");
-        assert!((estimate / sigma - 1.0).abs() < 0.06, "{}", estimate / sigma);
+        assert!((estimate(&burst) / sigma - 1.0).abs() < 0.06, "{}", estimate(&burst) / sigma);
     }
 
     #[test]
@@ -352,16 +328,14 @@ mod tests {
 
         let mut noise = Stream::new(11, 0);
         let frames = (0..3).map(|_| Plane::from_fn(width, height, |_, _| 0.3 + 0.01 * noise.normal() as f32)).collect();
-        let estimate = frame_noise(&Burst::from_planes("noise", frames), 0..3, &Monitor::default());
-        let estimate = estimate.expect("not cancelled");
+        let estimate = estimate(&Burst::from_planes("noise", frames));
         assert!((estimate / 0.01 - 1.0).abs() < 0.02, "{estimate}");
     }
 
     #[test]
     fn tiny_images_and_single_frames_have_an_answer() {
         let flat = |n: usize, size: usize| {
-            let frames = (0..n).map(|_| Plane::from_fn(size, size, |_, _| 0.3)).collect();
-            frame_noise(&Burst::from_planes("flat", frames), 0..n, &Monitor::default()).expect("not cancelled")
+            estimate(&Burst::from_planes("flat", (0..n).map(|_| Plane::from_fn(size, size, |_, _| 0.3)).collect()))
         };
         assert_eq!((flat(3, 2), flat(1, 3), flat(2, 9)), (0.0, 0.0, 0.0));
     }
@@ -400,17 +374,14 @@ mod tests {
 
     #[test]
     fn larger_searches_have_higher_gates() {
-        let one =
-            DetectorParams { slopes: crate::detector::SlopeGrid::line(-3.0..=3.0, 7), ..DetectorParams::default() };
-        let two =
-            DetectorParams { slopes: crate::detector::SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7), ..one.clone() };
-        assert!(gate_factor(&two) > gate_factor(&one) + 0.2);
-        let strict = DetectorParams { noise_gate: NoiseGate::Strict, ..one.clone() };
+        let line = SlopeGrid::line(-3.0..=3.0, 7);
+        let gate =
+            |slopes, noise_gate| gate_factor(&DetectorParams { slopes, noise_gate, ..DetectorParams::default() });
+        let one = gate(line, NoiseGate::Auto);
+        assert!(gate(SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7), NoiseGate::Auto) > one + 0.2);
         // A tenth of the false alarms is about ln 10 / k more.
-        assert!((gate_factor(&strict) - gate_factor(&one) - 10f32.ln() / gate_factor(&one)).abs() < 0.1);
-        let matching = DetectorParams { noise_gate: NoiseGate::Matching, ..one.clone() };
-        assert!((0.8..1.1).contains(&(gate_factor(&one) - gate_factor(&matching))));
-        let fixed = DetectorParams { noise_gate: NoiseGate::Factor(4.5), ..one };
-        assert_eq!(gate_factor(&fixed), 4.5);
+        assert!((gate(line, NoiseGate::Strict) - one - 10f32.ln() / one).abs() < 0.1);
+        assert!((0.8..1.1).contains(&(one - gate(line, NoiseGate::Matching))));
+        assert_eq!(gate(line, NoiseGate::Factor(4.5)), 4.5);
     }
 }

@@ -8,37 +8,23 @@ use serde::{Deserialize, Serialize};
 /// A quantity of a feature. The last three are found after the detection; [`Feature`] does not hold them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[allow(missing_docs)] // each is described by the help of its record
 pub enum Quantity {
-    /// Rank by strength, from 1.
     #[default]
     Rank,
-    /// Column at mid-burst.
     U,
-    /// Row at mid-burst.
     V,
-    /// Scale σ.
     Sigma,
-    /// Apparent motion to the right.
     SlopeU,
-    /// Apparent motion down.
     SlopeV,
-    /// Depth that the slope means by a set-up of camera and scene.
     Depth,
-    /// Signal-to-noise ratio.
     Snr,
-    /// Evenness of the frames' responses.
     Coherence,
-    /// Likely nature.
     Verdict,
-    /// Interpolated DoG value.
     Response,
-    /// Orientation.
     Orientation,
-    /// Octave in which it was found.
     Octave,
-    /// Level in the octave.
     Level,
-    /// Whether the motion lies beyond the searched slopes.
     AtSlopeLimit,
 }
 
@@ -90,8 +76,7 @@ pub enum Span {
 pub struct Colours {
     /// Map of colours.
     pub map: ColourMap,
-    /// Parts of the map (0 … 1) at the smallest and at the largest value. Ends too dark to be seen over a dark picture
-    /// are left out.
+    /// Parts of the map (0 … 1) at the smallest and largest value, without ends too dark for a dark picture.
     pub part: [f32; 2],
     /// Whether the colours follow the logarithm of the value.
     pub is_log: bool,

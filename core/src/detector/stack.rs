@@ -1,11 +1,9 @@
 //! Motion stack: frames shifted by a slope and averaged (the paper's shift-sum filter H_M).
 //!
-//! Numerics. Frame `t` is sampled at `x + (t − t0)·λ`. The offset is constant over the image, so it is split once into
-//! whole pixels and a fraction, and a row of the result is a weighted sum of at most two rows of each frame, read at
-//! whole-pixel distances: contiguous loads, no gather, and sums that stay in registers. A frame covers a pixel when the
-//! sampling point lies between the centres of its first and last pixel; the sum is divided by the number of frames that
-//! do, which keeps borders from darkening. Where no frame covers a pixel (a corner, with diagonal slopes and an even
-//! number of frames) the frames' nearest pixels are averaged instead.
+//! Frame `t` is sampled at `x + (t − t0)·λ`. The offset is constant over the image, so it is split once into whole
+//! pixels and a fraction. A frame covers a pixel when the sampling point lies between the centres of its first and last
+//! pixel; the sum is divided by the number of frames that do. Where none does (a corner, with diagonal slopes and an
+//! even number of frames) the frames' nearest pixels are averaged.
 
 use crate::detector::params::Interpolation;
 use crate::detector::params::slope_grid::Slope;
@@ -25,11 +23,6 @@ pub struct FrameTimes {
 }
 
 impl FrameTimes {
-    /// Times at which all of `frame_count` frames take part.
-    pub fn all(frame_count: usize) -> Self {
-        Self { frame_count, kept: (0..frame_count).collect() }
-    }
-
     /// Times of the frames that take part, from mid-burst, frames.
     pub fn from_middle(&self) -> Vec<f32> {
         let middle = 0.5 * (self.frame_count as f32 - 1.0);
@@ -96,8 +89,7 @@ pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
     (mean(|offset| offset.part_u), mean(|offset| offset.part_v))
 }
 
-/// Computes row `v`, columns `columns`, of the motion-stack image into `out` (one value a column), for `frames` of one
-/// size and their [`frame_offsets`].
+/// Computes row `v`, columns `columns`, of the motion-stack image into `out`, one value a column.
 pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: Range<usize>, out: &mut [f32]) {
     RowStacker::new(frames, vec![offsets]).row(v, columns, &mut [out]);
 }
@@ -108,8 +100,7 @@ pub fn coverage(offsets: &[FrameOffset], u: usize, v: usize, size: (usize, usize
 }
 
 /// Computes the motion-stack image of `frames` (one size, in time order) at `slope`: the mean over the frames that
-/// cover a pixel of `F_t(x + (t − t0)·λ)`, with `t0 = (N − 1)/2`. Size and unit are those of the frames. Rows in
-/// parallel.
+/// cover a pixel of `F_t(x + (t − t0)·λ)`, with `t0 = (N − 1)/2`.
 ///
 /// # Panics
 /// If there is no frame or the sizes differ.

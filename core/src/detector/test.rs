@@ -1,8 +1,7 @@
 //! Tests that a sample of D goes through until it is a feature, in order: one record each.
 //!
 //! The search decides ([`super::search`], then [`super::refine`], then [`super::distinct`]). Whatever else the program
-//! knows of a test it reads here: its names, its sentences, the parameter that sets its limit, and how many candidates
-//! usually pass it. The value and the limit of one candidate come from [`crate::inspect::telling`].
+//! knows of a test it reads here; the value and the limit of one candidate come from [`crate::inspect::telling`].
 //!
 //! Words in braces stand for numbers of the candidate: `crate::inspect::fate::TestReport::word` has those of all
 //! sentences, `crate::inspect::remedy` those of verdicts and remedies.
@@ -285,8 +284,7 @@ fn no_peak_threshold(params: &DetectorParams) -> Option<Setting> {
     (params.peak_threshold > 0.0).then(|| (doc::PEAK_THRESHOLD, "0".to_owned()))
 }
 
-/// More levels make neighbours more alike in scale, fewer make them differ; a candidate that moves away in the
-/// refinement lies between two levels.
+/// More levels make neighbours more alike in scale, fewer make them differ.
 fn other_levels(params: &DetectorParams) -> Option<Setting> {
     Some((doc::LEVELS, if params.levels > 3 { "3" } else { "4" }.to_owned()))
 }

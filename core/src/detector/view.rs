@@ -18,17 +18,11 @@ use std::ops::Range;
 
 /// Motion-stack image at any `slope` (px/frame, on the grid or between) of the frames that `params` use. Input-pixel
 /// size, [0, 1] unit.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane, Cancelled> {
     motion_stack(&used_frames(burst, params), slope, params.rules.interpolation, monitor)
 }
 
 /// Combination of the shifted frames at any `slope`, as [`stack_view`] shows their mean.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn combined_view(
     burst: &Burst,
     params: &DetectorParams,
@@ -41,13 +35,11 @@ pub fn combined_view(
 
 /// DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel (i,
 /// j) lies at (i·2^octave, j·2^octave) of the input image. Levels −1 … levels exist; features come from 0 … levels−1.
-/// Unit: fraction of full scale. Where `slope` is on the grid the values are bitwise those that the search compares,
-/// unless it searched cleaned frames (the local noise model leaves frames out and removes stripes, hot pixels and
-/// flicker): the picture is of the frames as they are.
+/// Unit: fraction of full scale. The picture is of the frames as they are: where `slope` is on the grid the values are
+/// bitwise those that the search compares, unless the local noise model cleaned the frames.
 ///
 /// # Errors
-/// [`DetectError::Param`] for an octave or level that the parameters do not have, [`DetectError::Cancelled`] once
-/// `monitor` was cancelled.
+/// [`DetectError::Param`] for an octave or level that the parameters do not have.
 pub fn dog_view(
     burst: &Burst,
     params: &DetectorParams,
@@ -104,12 +96,10 @@ pub fn check_level(
     Ok(octaves)
 }
 
-/// Noise by place: σ of the noise of one frame at each pixel of the image, fraction of full scale, as the search of
-/// `params` uses it at its finest octave (see [`super::noise_model`]). Uniform for white noise.
+/// σ of one frame's noise at each pixel, fraction of full scale, at the finest octave; uniform for white noise.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
-/// was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense for the burst.
 pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Plane, DetectError> {
     params.validate_for(burst.len(), burst.size())?;
     let noise = known_noise(burst, params, &ScaleSpace::of(params), monitor)?.model;
@@ -124,8 +114,7 @@ pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> R
 /// times this. On the pixels of `octave`, as [`dog_view`]; fraction of full scale.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst and for an octave or level that they do not
-/// have, [`DetectError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense for the burst, or do not have the octave or level.
 pub fn gate_noise_map(
     burst: &Burst,
     params: &DetectorParams,
@@ -146,8 +135,7 @@ pub fn gate_noise_map(
 /// the grid or between). Where fewer do, the mean over them is noisier.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
-/// was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense for the burst.
 pub fn coverage_view(
     burst: &Burst,
     params: &DetectorParams,
@@ -175,8 +163,7 @@ fn plane_of(
     Ok(plane)
 }
 
-/// Side of the squares between whose centres a map of the noise is interpolated, pixels: the finest squares whose
-/// brightness the gate reads.
+/// Side of the squares between whose centres a map of the noise is interpolated, pixels.
 const NOISE_CELL_PX: f32 = 8.0;
 
 #[cfg(test)]

@@ -134,20 +134,17 @@ impl MatchParams {
 /// Records of the parameters of matching.
 pub mod doc {
     use super::{Geometry, MAX_ITERATION_COUNT, MatchParams};
-    use crate::detector::params::{Field, Param, ParamDoc, Stage, param};
+    use crate::detector::params::{Field, Param, ParamDoc, Stage, params};
     use std::ops::Bound::{Excluded, Included, Unbounded};
 
     fn verified(p: &MatchParams) -> bool {
         !matches!(p.geometry, Geometry::None)
     }
 
-    param!(
-        RATIO,
-        MatchParams,
-        "ratio",
-        "Ratio test",
-        "",
-        "ratio-test",
+    params! {
+        MatchParams;
+
+        RATIO: "ratio", "Ratio test", "", "ratio-test";
         "Max ratio of the distances to the nearest and the second nearest descriptor; 1 switches the test off.",
         "Raise it to keep more matches, of which more are wrong.",
         Param::<MatchParams>::new("R", Stage::Matching, |p| Field::F32(&mut p.ratio))
@@ -155,123 +152,65 @@ pub mod doc {
                 (Excluded(0.0), Included(1.0)),
                 "give more than 0 and at most 1 (0.8 is usual, 1 switches the test off)"
             )
-            .dragged(0.002, 3)
-    );
-    param!(
-        MUTUAL,
-        MatchParams,
-        "mutual",
-        "Mutual check",
-        "",
-        "match",
+            .dragged(0.002, 3);
+
+        MUTUAL: "mutual", "Mutual check", "", "match";
         "Whether two features must be nearest to each other, and pass the ratio test both ways: true or false.",
         "Switch it off to let several features of A match one of B.",
-        Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.mutual))
-    );
-    param!(
-        GEOMETRY,
-        MatchParams,
-        "geometry",
-        "Geometry",
-        "",
-        "geometry",
+        Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.mutual));
+
+        GEOMETRY: "geometry", "Geometry", "", "geometry";
         "What the matches are verified against: none, fundamental (any scene), essential (any scene, known camera) or homography (a plane, or a camera that only turns).",
         "The more a geometry demands, the fewer wrong matches fit it by chance; a homography rejects what is not on one plane.",
-        Param::<MatchParams>::new("WHICH", Stage::Matching, |p| Field::Word(&mut p.geometry))
-    );
-    param!(
-        GUIDED,
-        MatchParams,
-        "guided",
-        "Guided",
-        "",
-        "match",
+        Param::<MatchParams>::new("WHICH", Stage::Matching, |p| Field::Word(&mut p.geometry));
+
+        GUIDED: "guided", "Guided", "", "match";
         "Whether matching is repeated along the geometry that the sure matches agree on, with a ratio of 0.9 among the features within half the max error: true or false.",
         "Switch it on for about twice the right matches in the dark, where poses do not count: wrong geometries of pairs gain matches too, and can ruin the poses of a reconstruction.",
-        Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.guided)).used_if(verified)
-    );
-    param!(
-        MAX_ERROR_PX,
-        MatchParams,
-        "max-error-px",
-        "Max error",
-        "px",
-        "inlier",
+        Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.guided)).used_if(verified);
+
+        MAX_ERROR_PX: "max-error-px", "Max error", "px", "inlier";
         "Max error of an inlier, of a guided one half of it: the Sampson distance from epipolar geometry, or a homography's symmetric transfer error.",
         "Raise it to keep less exact matches, and more wrong ones that fit by chance.",
         Param::<MatchParams>::new("PX", Stage::Matching, |p| Field::F32(&mut p.max_error_px))
             .within((Excluded(0.0), Unbounded), "give more than 0 pixels (4 is usual)")
             .dragged(0.02, 2)
-            .used_if(verified)
-    );
-    param!(
-        MIN_INLIERS,
-        MatchParams,
-        "min-inliers",
-        "Min inliers",
-        "matches",
-        "inlier",
+            .used_if(verified);
+
+        MIN_INLIERS: "min-inliers", "Min inliers", "matches", "inlier";
         "Min number of inliers of a geometry; with fewer there is none, and no match is an inlier.",
         "Raise it to trust only pairs with much in common: seven wrong matches always agree on some fundamental matrix, and others fit by chance.",
         Param::<MatchParams>::new("N", Stage::Matching, |p| Field::Usize(&mut p.min_inliers))
             .dragged(0.1, 0)
-            .used_if(verified)
-    );
-    param!(
-        CONFIDENCE,
-        MatchParams,
-        "confidence",
-        "Confidence",
-        "",
-        "consensus",
+            .used_if(verified);
+
+        CONFIDENCE: "confidence", "Confidence", "", "consensus";
         "The probability that no better geometry was missed, at which the search for it stops.",
         "Raise it towards 1 to search longer.",
         Param::<MatchParams>::new("P", Stage::Matching, |p| Field::F32(&mut p.confidence))
             .within((Excluded(0.0), Excluded(1.0)), "give a probability between 0 and 1, such as 0.999")
             .dragged(0.0005, 6)
-            .used_if(verified)
-    );
-    param!(
-        MAX_ITERATIONS,
-        MatchParams,
-        "max-iterations",
-        "Max iterations",
-        "samples",
-        "consensus",
+            .used_if(verified);
+
+        MAX_ITERATIONS: "max-iterations", "Max iterations", "samples", "consensus";
         "Max number of samples of matches that are tried.",
         "Raise it where most matches are wrong, for more time.",
         Param::<MatchParams>::new("N", Stage::Matching, |p| Field::Usize(&mut p.max_iterations))
             .within((Included(1.0), Included(MAX_ITERATION_COUNT)), "give 1 to 10000000 samples")
             .dragged(50.0, 0)
-            .used_if(verified)
-    );
-    param!(
-        SEED,
-        MatchParams,
-        "seed",
-        "Seed",
-        "",
-        "consensus",
+            .used_if(verified);
+
+        SEED: "seed", "Seed", "", "consensus";
         "Seed of the samples of matches.",
         "The same seed gives the same inliers; another one shows how much they depend on chance.",
-        Param::<MatchParams>::new("N", Stage::Matching, |p| Field::U64(&mut p.seed)).used_if(verified)
-    );
-    param!(
-        CAMERA,
-        MatchParams,
-        "camera",
-        "Camera",
-        "",
-        "geometry",
+        Param::<MatchParams>::new("N", Stage::Matching, |p| Field::U64(&mut p.seed)).used_if(verified);
+
+        CAMERA: "camera", "Camera", "", "geometry";
         "Intrinsics of the camera of both images: a model of COLMAP's with width, height and parameters, such as PINHOLE,640,480,500,500,320,240. Models: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, OPENCV.",
         "Needed for the essential matrix; the centre of the first pixel is at (0.5, 0.5) in it, as in COLMAP.",
         Param::<MatchParams>::new("CAMERA", Stage::Matching, |p| Field::Text(&mut p.camera))
-            .used_if(|p| matches!(p.geometry, Geometry::Essential))
-    );
-
-    /// Records of all parameters, in the order in which they are shown.
-    pub const ALL: [Param<MatchParams>; 10] =
-        [RATIO, MUTUAL, GEOMETRY, GUIDED, MAX_ERROR_PX, MIN_INLIERS, CONFIDENCE, MAX_ITERATIONS, SEED, CAMERA];
+            .used_if(|p| matches!(p.geometry, Geometry::Essential));
+    }
 }
 
 #[cfg(test)]

@@ -5,18 +5,13 @@
 //! ("RootSIFT"), multiplied by 512 and cut at 255.
 //!
 //! Pooled over scales, after Dong and Soatto ("Domain-Size Pooling in Local Descriptors: DSP-SIFT", CVPR 2015): the
-//! sums of each scale are normalised and added before the root. They are not cut: the root alone limits the large ones,
-//! and in the dark the cut costs matches.
-//!
-//! Of each row only the pixels inside the turned square are visited. Their weights and directions are computed in
-//! vector lanes; then each pixel adds its eight directions, most of them zero, to four cells, a vector each.
+//! sums of each scale are normalised and added before the root, and not cut, which in the dark costs matches.
 
 use crate::detector::feature::Descriptor;
 use crate::kernel::gradient::{GradientRow, Lane, max, min, reach, vector_of, whole, window};
 use crate::kernel::patch::{LANES, Patch};
 use multiversion::multiversion;
 use std::f32::consts::TAU;
-use std::ops::Range;
 
 /// Side of a cell, in σ.
 const MAGNIFICATION: f32 = 3.0;
@@ -50,33 +45,28 @@ pub type Sums = [f32; BINS];
 pub fn square_sums(
     level: &Patch,
     size: (usize, usize),
-    (x, y): (f32, f32),
+    place: (f32, f32),
     sigma: f32,
     orientation: f32,
     scratch: &mut DescriptorScratch,
 ) -> Sums {
-    let square = Square::new((x, y), MAGNIFICATION * sigma + f32::EPSILON, orientation);
-    let radius = descriptor_radius(sigma) as i64;
-    let (columns, rows) = (reach(x, radius, size.0), reach(y, radius, size.1));
-    sums(level, &square, &columns, &rows, scratch)
+    let square = Square::new(place, MAGNIFICATION * sigma + f32::EPSILON, orientation);
+    sums(level, size, &square, descriptor_radius(sigma), scratch)
 }
 
-/// Computes the sums of a coarser scale of a pooled descriptor as [`square_sums`] does, from a level that reaches a
-/// pixel farther than [`coarse_radius`]. The corners beyond that radius, where all weights are small, are left out, and
-/// so are rows between which the level hardly changes.
+/// As [`square_sums`], for a coarser scale of a pooled descriptor: without the corners beyond [`coarse_radius`], where
+/// all weights are small, and without rows between which the level hardly changes.
 pub fn disc_sums(
     level: &Patch,
     size: (usize, usize),
-    (x, y): (f32, f32),
+    place: (f32, f32),
     sigma: f32,
     orientation: f32,
     scratch: &mut DescriptorScratch,
 ) -> Sums {
     let cell = MAGNIFICATION * sigma;
-    let square = Square { radius: HALF * cell, row_step: sigma as usize, ..Square::new((x, y), cell, orientation) };
-    let radius = coarse_radius(sigma) as i64;
-    let (columns, rows) = (reach(x, radius, size.0), reach(y, radius, size.1));
-    sums(level, &square, &columns, &rows, scratch)
+    let square = Square { radius: HALF * cell, row_step: sigma as usize, ..Square::new(place, cell, orientation) };
+    sums(level, size, &square, coarse_radius(sigma), scratch)
 }
 
 /// Half the side of the square that counts, in cells: nothing is added beyond it.
@@ -121,16 +111,11 @@ impl Square {
     }
 }
 
-/// The 128 sums, cells row by row, from the level's `columns` and `rows`.
+/// The 128 sums, cells row by row, from the pixels of the level within `radius` of the square's centre.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn sums(
-    level: &Patch,
-    square: &Square,
-    columns: &Range<i64>,
-    rows: &Range<i64>,
-    scratch: &mut DescriptorScratch,
-) -> Sums {
+fn sums(level: &Patch, size: (usize, usize), square: &Square, radius: usize, scratch: &mut DescriptorScratch) -> Sums {
     let &Square { place: (x, y), cos, sin, orientation, row_step, .. } = square;
+    let (columns, rows) = (reach(x, radius as i64, size.0), reach(y, radius as i64, size.1));
     // A Gaussian of half the descriptor's width, which is two cells.
     let spread = 2.0 / (cos * cos + sin * sin).sqrt();
     let DescriptorScratch { along_u, along_v, samples } = scratch;
@@ -202,7 +187,6 @@ fn sum_of(bins: &[f32; BINS], f: impl Fn(f32) -> f32) -> f32 {
     sums.iter().sum()
 }
 
-/// Scales the bins to a Euclidean length of 1, unless all are 0.
 #[inline(always)]
 fn normalise(bins: &mut [f32; BINS]) {
     let norm = sum_of(bins, |x| x * x).sqrt();
@@ -231,8 +215,7 @@ pub fn pool(scales: &[Sums]) -> Descriptor {
     in_bytes(&total)
 }
 
-/// Converts bins to the bytes of a descriptor, in UBC/COLMAP's order: within each cell the directions run the other way
-/// round than VLFeat's, the first stays.
+/// In UBC/COLMAP's order: in each cell the directions run the other way round than VLFeat's, the first stays.
 #[inline(always)]
 fn in_bytes(bins: &Sums) -> Descriptor {
     let sum = sum_of(bins, |x| x);
@@ -282,7 +265,6 @@ struct Samples {
     lower: Vec<f32>,
 }
 
-/// [`Samples`] of one vector, to be written.
 struct SampleVector<'a> {
     cell: &'a mut [u32; LANES],
     direction: &'a mut [u32; LANES],
@@ -411,10 +393,6 @@ mod tests {
         level
     }
 
-    fn described(level: &Patch, place: (f32, f32), sigma: f32, orientation: f32) -> Descriptor {
-        quantise(square_sums(level, SIZE, place, sigma, orientation, &mut DescriptorScratch::default()))
-    }
-
     /// The definition of the sums, pixel by pixel.
     fn by_definition(level: &Patch, (x, y): (f32, f32), sigma: f32, orientation: f32) -> [f64; BINS] {
         let mut bins = [0.0; BINS];
@@ -449,9 +427,7 @@ mod tests {
             let (place, sigma) = ((50.3 + 3.1 * i as f32, 49.6 - 4.2 * i as f32), 2.0 + 0.3 * i as f32);
             let expected = by_definition(&level, place, sigma, orientation);
             let square = Square::new(place, MAGNIFICATION * sigma, orientation);
-            let radius = descriptor_radius(sigma) as i64;
-            let (columns, rows) = (reach(place.0, radius, SIZE.0), reach(place.1, radius, SIZE.1));
-            let found = sums(&level, &square, &columns, &rows, &mut DescriptorScratch::default());
+            let found = sums(&level, SIZE, &square, descriptor_radius(sigma), &mut DescriptorScratch::default());
             let largest = expected.iter().copied().fold(0.0, f64::max);
             for (found, expected) in found.iter().zip(expected) {
                 assert!((f64::from(*found) - expected).abs() < 1e-4 * largest, "{orientation}: {found} {expected}");
@@ -493,14 +469,10 @@ mod tests {
     #[test]
     fn descriptors_are_root_normalised() {
         let level = level_of(|u, v| (0.3 * u).sin() + (0.2 * v + 0.1 * u).cos());
-        let descriptor = described(&level, (50.2, 49.7), 3.0, 1.0);
+        let descriptor = quantise(square_sums(&level, SIZE, (50.2, 49.7), 3.0, 1.0, &mut DescriptorScratch::default()));
         let energy: f32 = descriptor.iter().map(|&x| (f32::from(x) / 512.0).powi(2)).sum();
         assert!((energy - 1.0).abs() < 0.02, "{energy}");
         assert_eq!(to_vlfeat_order(&to_vlfeat_order(&descriptor)), descriptor);
-    }
-
-    #[test]
-    fn nothing_to_see_gives_zeros() {
-        assert_eq!(described(&level_of(|_, _| 0.4), (50.0, 50.0), 2.0, 0.0), [0; 128]);
+        assert_eq!(quantise([0.0; BINS]), [0; BINS]);
     }
 }

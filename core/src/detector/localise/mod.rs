@@ -1,8 +1,7 @@
 //! Localisation: a feature's exact place, slope and scale, from the pixels of its own and neighbouring slopes.
 //!
-//! The quadratic fit of [`crate::detector::refine`] uses 27 samples of D one octave pixel apart. That leaves errors of
-//! a tenth of an input pixel even without noise, and the long tails of D's Gaussians let neighbours pull. So, starting
-//! from the fit:
+//! The quadratic fit of [`crate::detector::refine`] leaves errors of a tenth of an input pixel even without noise, and
+//! the long tails of D's Gaussians let neighbours pull. So, starting from the fit:
 //!
 //! - **Place**: the extremum of a kernel (`crate::kernel::compact_kernel`) whose zero lies where D's own scale puts a
 //!   blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel for blobs with a rim and the
@@ -36,8 +35,7 @@ pub(super) struct LocateScratch {
     pixels: Patch,
 }
 
-/// Pixels of `base`, of an octave of `size`, `reach` to each side of `at` at least: a patch made for it, or the
-/// octave's first level.
+/// Pixels `reach` to each side of `at` at least: a patch made for it, or the octave's first level.
 fn pixels_around<'p>(
     base: &Base<'p>,
     size: (usize, usize),
@@ -227,9 +225,8 @@ fn sharpened(answer: &KernelResponse, blur: (f64, f64)) -> f32 {
 fn slope_steps(middle: f32, mut value: impl FnMut(isize, isize) -> Option<f32>) -> (f32, f32) {
     let along_i = (value(-1, 0), value(1, 0));
     let along_j = (value(0, -1), value(0, 1));
-    let peak = |neighbours: (Option<f32>, Option<f32>)| match neighbours {
-        (Some(before), Some(after)) => peak_offset(before, middle, after),
-        _ => 0.0,
+    let peak = |(before, after): (Option<f32>, Option<f32>)| {
+        before.zip(after).map_or(0.0, |(before, after)| peak_offset(before, middle, after))
     };
     match (along_i, along_j) {
         ((Some(left), Some(right)), (Some(above), Some(below))) => {

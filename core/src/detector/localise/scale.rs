@@ -1,9 +1,8 @@
 //! Scale of a blob: that at which |D| at its place is largest, over all scales, not only those of the pyramid.
 //!
-//! D at one place needs no picture: it is the difference of two sums of pixels under Gaussians, which are separable and
-//! may have any width. So D is evaluated at three close scales around the pyramid's scale, and again around the peak of
-//! the parabola through the logarithms until that converges. The scales are the pyramid's: VLFeat's convention, in
-//! which the pixels already have a σ of their own.
+//! D at one place is the difference of two sums of pixels under Gaussians, which may have any width. So D is evaluated
+//! at three close scales around the pyramid's scale, and again around the peak of the parabola through the logarithms
+//! until that converges. The scales are in VLFeat's convention, in which the pixels already have a σ of their own.
 
 use crate::detector::localise::rim_radius;
 use crate::kernel::compact_kernel::{PixelView, RIM};
@@ -24,8 +23,7 @@ const GAUSSIANS: usize = 6;
 /// Number of values whose sums are in registers at once.
 const LANES: usize = 32;
 
-/// Samples of Gaussians of variance `variances` at the whole pixels from `first` on, around `at`: `count` of each, then
-/// zeros up to `stride`.
+/// `count` samples of each Gaussian around `at` at the whole pixels from `first` on, then zeros up to `stride`.
 fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize, stride: usize) -> Vec<f32> {
     let mut taps = vec![0.0f32; stride * GAUSSIANS];
     for (taps, variance) in taps.chunks_exact_mut(stride).zip(variances) {
@@ -140,11 +138,8 @@ mod tests {
                 (0.3 - 0.2 * (-((u as f64 - 60.3).powi(2) + (v as f64 - 54.8).powi(2)) / (2.0 * b * b)).exp()) as f32
             });
             let k = 2f64.powf(1.0 / levels as f64);
-            // With pixels of σ 1.6 the blob itself is narrower and D's Gaussians are wider than those applied: the sum
-            // is unchanged.
             for from in [0.0, 0.5, 1.6] {
-                let blob = (b * b - from * from).sqrt();
-                let expected = blob / k.sqrt();
+                let expected = (b * b - from * from).sqrt() / k.sqrt();
                 for start in [0.96, 1.0, 1.05] {
                     let found = scale_peak(&PixelView::of(&plane), (60.3, 54.8), start * expected, levels, from);
                     if expected.powi(2) > from * from + MIN_VARIANCE * 1.3 {
@@ -161,10 +156,7 @@ mod tests {
         for radius in [3.6, 5.0, 8.3] {
             let mut plane = Plane::from_fn(140, 130, |_, _| 0.1);
             draw_disc(&mut plane, 70.4, 64.7, radius, 0.12);
-            // See `evaluate::accuracy`: the scale at which the difference of Gaussians responds most strongly to a
-            // disc.
-            let k2 = 2f64.sqrt();
-            let expected = radius / (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt();
+            let expected = radius / rim_radius(1.0, 4);
             let found = scale_peak(&PixelView::of(&plane), (70.4, 64.7), 1.04 * expected, 4, 0.5).expect("a disc");
             assert!((found / expected - 1.0).abs() < 2e-3, "{radius}: {found} {expected}");
         }

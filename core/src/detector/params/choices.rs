@@ -6,8 +6,7 @@ use serde::{Deserialize, Serialize};
 pub trait Word {
     /// Name on the command line and in files.
     fn word(&self) -> &'static str;
-    /// Names of all values, in the order in which they are offered: on the command line and in files, and in the
-    /// window.
+    /// Names of all values, in order: on the command line and in files, and in the window.
     fn words(&self) -> &'static [(&'static str, &'static str)];
     /// Takes the value with this name; false where there is none.
     fn set_word(&mut self, word: &str) -> bool;
@@ -59,17 +58,11 @@ pub enum Method {
     Merge,
 }
 
-impl Method {
-    /// All methods, in the order in which they are listed.
-    pub const ALL: [Self; 3] = [Self::Buff, Self::Sift, Self::Merge];
-}
-
 /// Rule for candidates: extrema of place and scale at their own slope, or jointly over slopes too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SlopeExtrema {
-    /// At each slope for itself: extrema of place and scale at their own slope. The strongest keypoint of a blob
-    /// determines its slope.
+    /// At each slope for itself: extrema of place and scale at their own slope.
     #[default]
     Each,
     /// Jointly: a sample must also beat those around it at other slopes, as in the paper and in LiFF.
@@ -189,14 +182,11 @@ pub enum Localisation {
 /// The noise gate: how many standard deviations of the noise in D a response must reach.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum NoiseGate {
-    /// For looking and matching: the factor is derived from the size of the search so that pure noise gives about
-    /// [`AUTO_FALSE_PER_MEGAPIXEL`](crate::detector::noise::AUTO_FALSE_PER_MEGAPIXEL) false keypoints a
-    /// megapixel, which matching rejects.
+    /// For looking and matching: the factor is derived from the size of the search so that pure noise gives about 5
+    /// false keypoints a megapixel, which matching rejects.
     #[default]
     Auto,
-    /// For matching alone: as [`Self::Auto`], with about
-    /// [`MATCHING_FALSE_PER_MEGAPIXEL`](crate::detector::noise::MATCHING_FALSE_PER_MEGAPIXEL), among which are
-    /// faint true ones that matching finds.
+    /// For matching alone: as [`Self::Auto`], with about 100, among which are faint true ones that matching finds.
     Matching,
     /// The factor is derived so that pure noise gives at most one false feature a megapixel over the whole search.
     Strict,

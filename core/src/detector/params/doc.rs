@@ -1,9 +1,9 @@
 //! The parameters of the detector: their fields, their defaults, and the record of each.
 //!
-//! A new parameter is a field of [`DetectorParams`], its default, its record, and the record's place in [`ALL`]; tests
-//! fail for a field without a record. Options, files, the window, checks and documents follow from these.
+//! A new parameter is a field of [`DetectorParams`], its default and its record; tests fail for a field without a
+//! record. Options, files, the window, checks and documents follow from these.
 
-use super::record::{Field, Param, ParamDoc, Stage, param};
+use super::record::{Field, Param, ParamDoc, Stage, params};
 use super::slope_grid::SlopeGrid;
 use super::{Distinct, Flicker, FrameRange, Method, NoiseGate, NoiseModelKind, Rules, SlopeExtrema};
 use serde::{Deserialize, Serialize};
@@ -12,43 +12,26 @@ use std::ops::Bound::{Excluded, Included, Unbounded};
 /// Parameters of the detector. The same burst and the same parameters give bitwise equal results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[allow(missing_docs)] // each is described by the record of its name
 pub struct DetectorParams {
-    /// See [`METHOD`].
     pub method: Method,
-    /// See [`FRAMES`]; `None` uses all frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<FrameRange>,
-    /// See [`OCTAVES`].
     pub octaves: u32,
-    /// See [`LEVELS`].
     pub levels: u32,
-    /// See [`FIRST_OCTAVE`].
     pub first_octave: i32,
-    /// See [`PEAK_THRESHOLD`].
     pub peak_threshold: f32,
-    /// See [`NOISE_GATE`].
     pub noise_gate: NoiseGate,
-    /// See [`NOISE_MODEL`].
     pub noise_model: NoiseModelKind,
-    /// See [`FLICKER`].
     pub flicker: Flicker,
-    /// See [`EDGE_THRESHOLD`].
     pub edge_threshold: f32,
-    /// See [`SLOPE_EXTREMA`].
     pub slope_extrema: SlopeExtrema,
-    /// See [`DISTINCT`].
     pub distinct: Distinct,
-    /// See [`DISTINCT_SCALE`].
     pub distinct_scale: f32,
-    /// See [`RULES`].
     pub rules: Rules,
-    /// See [`MAX_FEATURES`]; 0 keeps all.
     pub max_features: usize,
-    /// See [`MAX_ORIENTATIONS`].
     pub max_orientations: usize,
-    /// See [`DESCRIBE_SCALES`].
     pub describe_scales: u32,
-    /// See [`SLOPES_U`], [`SLOPES_V`] and [`SLOPE_DIRECTION`].
     pub slopes: SlopeGrid,
 }
 
@@ -82,50 +65,36 @@ impl Default for DetectorParams {
     }
 }
 
-param!(
-    METHOD,
-    DetectorParams,
-    "method",
-    "Method",
-    "",
-    "method",
+params! {
+    DetectorParams;
+
+    METHOD: "method", "Method", "", "method";
     "The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame; merge aligns the frames to the middle one, averages them robustly and searches that image.",
     "Sift and merge are the baselines that the burst search has to beat.",
-    Param::<DetectorParams>::new("METHOD", Stage::Frames, |p| Field::Word(&mut p.method))
-);
-param!(
-    SLOPES_U,
-    DetectorParams,
-    "slopes-u",
-    "Slopes u",
-    "px/frame",
-    "slope-grid",
+    Param::<DetectorParams>::new("METHOD", Stage::Frames, |p| Field::Word(&mut p.method));
+
+    SLOPES: "slopes", "Slopes", "", "auto-slopes";
+    "auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a direction, on the line in it.",
+    "Give ranges instead to search what you know, or to search the same slopes in every burst.",
+    Param::<DetectorParams>::new("auto", Stage::Search, |_| Field::Elsewhere)
+        .by_default("auto, unless ranges are given")
+        .used_if(|p| p.method == Method::Buff);
+
+    SLOPES_U: "slopes-u", "Slopes u", "px/frame", "slope-grid";
     "The slopes searched along the first axis, to the right unless the direction turns it, as MIN:MAX:COUNT.",
     "A wider range finds faster motion; a step much above 2σ/(N−1) misses features between slopes, a finer one only costs time.",
     Param::<DetectorParams>::new("MIN:MAX:COUNT", Stage::Search, |p| Field::Axis(&mut p.slopes.u))
         .by_default("found; 0 if only the other one is given")
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
-    SLOPES_V,
-    DetectorParams,
-    "slopes-v",
-    "Slopes v",
-    "px/frame",
-    "slope-grid",
+        .used_if(|p| p.method == Method::Buff);
+
+    SLOPES_V: "slopes-v", "Slopes v", "px/frame", "slope-grid";
     "The slopes searched along the second axis, down unless the direction turns it, as MIN:MAX:COUNT.",
     "More than one makes the search two-dimensional (BuFF 2D) and multiplies its time.",
     Param::<DetectorParams>::new("MIN:MAX:COUNT", Stage::Search, |p| Field::Axis(&mut p.slopes.v))
         .by_default("found; 0 if only the other one is given")
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
-    SLOPE_DIRECTION,
-    DetectorParams,
-    "slope-direction",
-    "Direction",
-    "degrees",
-    "direction",
+        .used_if(|p| p.method == Method::Buff);
+
+    SLOPE_DIRECTION: "slope-direction", "Direction", "degrees", "direction";
     "Turns the slope grid from +u towards +v (clockwise on screen), so that a line of slopes can point anywhere.",
     "Set it to the direction in which the camera moves; 90 searches vertical motion.",
     Param::<DetectorParams>::new("DEGREES", Stage::Search, |p| Field::F32(&mut p.slopes.direction_deg))
@@ -133,243 +102,109 @@ param!(
         .dragged(0.5, 1)
         .followed_by("°")
         .by_default("found; 0 if ranges are given")
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
-    SLOPES,
-    DetectorParams,
-    "slopes",
-    "Slopes",
-    "",
-    "auto-slopes",
-    "auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a direction, on the line in it.",
-    "Give ranges instead to search what you know, or to search the same slopes in every burst.",
-    Param::<DetectorParams>::new("auto", Stage::Search, |_| Field::Elsewhere)
-        .by_default("auto, unless ranges are given")
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
-    FRAMES,
-    DetectorParams,
-    "frames",
-    "Frames used",
-    "frames",
-    "frame",
+        .used_if(|p| p.method == Method::Buff);
+
+    FRAMES: "frames", "Frames used", "frames", "frame";
     "The frames A … B−1 that are searched; all of them if absent.",
     "More frames lower the noise, as long as the motion stays straight; features are reported at the middle of those used.",
-    Param::<DetectorParams>::new("A..B", Stage::Frames, |p| Field::Frames(&mut p.frames))
-);
-param!(
-    OCTAVES,
-    DetectorParams,
-    "octaves",
-    "Octaves",
-    "",
-    "octave",
+    Param::<DetectorParams>::new("A..B", Stage::Frames, |p| Field::Frames(&mut p.frames));
+
+    OCTAVES: "octaves", "Octaves", "", "octave";
     "How many octaves of scale are searched, each twice as coarse as the one before; fewer where the image gets too small.",
     "More octaves find larger blobs, at little cost.",
     Param::<DetectorParams>::new("N", Stage::Search, |p| Field::U32(&mut p.octaves))
-        .within((Included(1.0), Included(16.0)), "give 1 to 16")
-);
-param!(
-    LEVELS,
-    DetectorParams,
-    "levels",
-    "Levels",
-    "per octave",
-    "level",
+        .within((Included(1.0), Included(16.0)), "give 1 to 16");
+
+    LEVELS: "levels", "Levels", "per octave", "level";
     "Scales per octave.",
     "More levels sample scale more finely and cost time in proportion.",
     Param::<DetectorParams>::new("N", Stage::Response, |p| Field::U32(&mut p.levels))
-        .within((Included(1.0), Included(10.0)), "give 1 to 10")
-);
-param!(
-    FIRST_OCTAVE,
-    DetectorParams,
-    "first-octave",
-    "First octave",
-    "",
-    "octave",
+        .within((Included(1.0), Included(10.0)), "give 1 to 10");
+
+    FIRST_OCTAVE: "first-octave", "First octave", "", "octave";
     "The finest octave: 0 starts at the image's own resolution, −1 at the doubled image.",
     "−1 finds smaller features, of which noise has many, for about four times the time; 1 and above skip fine scales.",
     Param::<DetectorParams>::new("O", Stage::Response, |p| Field::I32(&mut p.first_octave))
-        .within((Included(-1.0), Included(8.0)), "give -1 to 8")
-);
-param!(
-    PEAK_THRESHOLD,
-    DetectorParams,
-    "peak-threshold",
-    "Peak threshold",
-    "of full scale",
-    "peak-threshold",
+        .within((Included(-1.0), Included(8.0)), "give -1 to 8");
+
+    PEAK_THRESHOLD: "peak-threshold", "Peak threshold", "of full scale", "peak-threshold";
     "Min |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate.",
     "Raise it to keep only features of higher contrast; it knows nothing of the noise and removes everything in the dark.",
     Param::<DetectorParams>::new("T", Stage::Search, |p| Field::F32(&mut p.peak_threshold))
         .within((Included(0.0), Unbounded), "give 0 or more, as a fraction of full scale")
-        .dragged(0.0001, 5)
-);
-param!(
-    NOISE_GATE,
-    DetectorParams,
-    "noise-gate",
-    "Noise gate",
-    "σ of the noise in D",
-    "noise-gate",
+        .dragged(0.0001, 5);
+
+    NOISE_GATE: "noise-gate", "Noise gate", "σ of the noise in D", "noise-gate";
     "Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; auto, matching and strict derive it from the size of the search, 0 switches it off.",
     "Raise it to eliminate more noise; lower it to see fainter features among more false ones. On noise alone strict gives at most one false feature a megapixel, auto about eight and matching, for COLMAP, about three hundred.",
     Param::<DetectorParams>::new("K", Stage::Search, |p| Field::Gate(&mut p.noise_gate))
         .within((Included(0.0), Unbounded), "give auto, matching, strict, or 0 or more standard deviations")
         .dragged(0.02, 2)
-        .followed_by(" σ")
-);
-param!(
-    NOISE_MODEL,
-    DetectorParams,
-    "noise-model",
-    "Noise model",
-    "",
-    "noise",
+        .followed_by(" σ");
+
+    NOISE_MODEL: "noise-model", "Noise model", "", "noise";
     "What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and leaves out repeated, black, noisy and blurred frames, hot pixels and stripes; white is one standard deviation for all.",
     "Local keeps the gate's promise for noise as cameras and files make it; white searches the frames as they are, for comparison.",
-    Param::<DetectorParams>::new("MODEL", Stage::Search, |p| Field::Word(&mut p.noise_model))
-);
-param!(
-    FLICKER,
-    DetectorParams,
-    "flicker",
-    "Flicker",
-    "",
-    "flicker",
+    Param::<DetectorParams>::new("MODEL", Stage::Search, |p| Field::Word(&mut p.noise_model));
+
+    FLICKER: "flicker", "Flicker", "", "flicker";
     "Exposures that differ from frame to frame: auto brings the frames to the same brightness where the noise model local finds that they flicker; off takes them as they are.",
     "Switch it off where the light itself changes and should stay in the pictures.",
-    Param::<DetectorParams>::new("WHAT", Stage::Search, |p| Field::Word(&mut p.flicker))
-);
-param!(
-    EDGE_THRESHOLD,
-    DetectorParams,
-    "edge-threshold",
-    "Edge threshold",
-    "",
-    "edge-threshold",
+    Param::<DetectorParams>::new("WHAT", Stage::Search, |p| Field::Word(&mut p.flicker));
+
+    EDGE_THRESHOLD: "edge-threshold", "Edge threshold", "", "edge-threshold";
     "Max ratio of the principal curvatures of D.",
     "Raise it to keep more features on edges, which are poorly localised along the edge.",
     Param::<DetectorParams>::new("R", Stage::Search, |p| Field::F32(&mut p.edge_threshold))
         .within((Included(1.0), Unbounded), "give 1 or more (10 is usual)")
-        .dragged(0.1, 2)
-);
-param!(
-    SLOPE_EXTREMA,
-    DetectorParams,
-    "slope-extrema",
-    "Slope extrema",
-    "",
-    "joint-extremum",
+        .dragged(0.1, 2);
+
+    SLOPE_EXTREMA: "slope-extrema", "Slope extrema", "", "joint-extremum";
     "Which samples are candidates: those that stand out in place and scale at each slope for itself, or jointly over the neighbouring slopes too.",
     "Each finds more in noise and leaves it to distinct keypoints to choose the slope; joint is the rule of the paper and of LiFF.",
     Param::<DetectorParams>::new("WHICH", Stage::Search, |p| Field::Word(&mut p.slope_extrema))
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
-    DISTINCT,
-    DetectorParams,
-    "distinct",
-    "Distinct",
-    "σ",
-    "distinct",
+        .used_if(|p| p.method == Method::Buff);
+
+    DISTINCT: "distinct", "Distinct", "σ", "distinct";
     "One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the stronger one stays; off keeps all.",
     "Raise it to thin out keypoints that share a blob, which make matches ambiguous; lower it to keep neighbours in fine texture.",
     Param::<DetectorParams>::new("RADIUS", Stage::Search, |p| Field::Distinct(&mut p.distinct))
         .within((Excluded(0.0), Included(10.0)), "give off, or a radius above 0 and up to 10 σ")
         .dragged(0.01, 2)
         .followed_by(" σ")
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
-    DISTINCT_SCALE,
-    DetectorParams,
-    "distinct-scale",
-    "Distinct scale",
-    "",
-    "distinct",
+        .used_if(|p| p.method == Method::Buff);
+
+    DISTINCT_SCALE: "distinct-scale", "Distinct scale", "", "distinct";
     "Max ratio of the scales of two keypoints that count as the same blob.",
     "Raise it to let a keypoint remove others of more different sizes at its place.",
     Param::<DetectorParams>::new("RATIO", Stage::Search, |p| Field::F32(&mut p.distinct_scale))
         .within((Excluded(1.0), Included(8.0)), "give more than 1 and up to 8")
         .dragged(0.01, 2)
-        .used_if(|p| p.method == Method::Buff)
-);
-param!(
-    DESCRIBE_SCALES,
-    DetectorParams,
-    "describe-scales",
-    "Describe scales",
-    "",
-    "descriptor",
-    "How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75.",
-    "Pooled descriptors match more in the dark; 1 is what SIFT and the published codes do.",
-    Param::<DetectorParams>::new("N", Stage::Description, |p| Field::U32(&mut p.describe_scales))
-        .within((Included(1.0), Included(4.0)), "give 1 to 4")
-        .dragged(0.02, 0)
-);
-param!(
-    RULES,
-    DetectorParams,
-    "rules",
-    "Rules",
-    "",
-    "rules",
+        .used_if(|p| p.method == Method::Buff);
+
+    RULES: "rules", "Rules", "", "rules";
     "Details in which published codes differ: how frames are shifted between pixels, where kernels end, how places are found between samples, the slopes that a joint extremum must beat, and the slope of descriptors.",
     "Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF and VLFeat, with its levels, thresholds and extrema set beside them.",
-    Param::<DetectorParams>::new("RULES", Stage::Stack, |p| Field::Word(&mut p.rules))
-);
-param!(
-    MAX_FEATURES,
-    DetectorParams,
-    "max-features",
-    "Max features",
-    "features",
-    "feature",
+    Param::<DetectorParams>::new("RULES", Stage::Stack, |p| Field::Word(&mut p.rules));
+
+    MAX_FEATURES: "max-features", "Max features", "features", "feature";
     "Keep only this many features, the strongest by response times the square root of the signal-to-noise ratio; 0 keeps all.",
     "Lower it to keep only the most reliable.",
     Param::<DetectorParams>::new("N", Stage::Description, |p| Field::Usize(&mut p.max_features))
         .dragged(5.0, 0)
-        .zero_is("all")
-);
-param!(
-    MAX_ORIENTATIONS,
-    DetectorParams,
-    "max-orientations",
-    "Max orientations",
-    "per keypoint",
-    "orientation",
+        .zero_is("all");
+
+    MAX_ORIENTATIONS: "max-orientations", "Max orientations", "per keypoint", "orientation";
     "How many orientations a keypoint may have, 1 to 4; each becomes a feature of its own.",
     "Raise it to match ambiguous places under rotation (VLFeat and LiFF use 4), for more features at one place.",
     Param::<DetectorParams>::new("N", Stage::Description, |p| Field::Usize(&mut p.max_orientations))
         .within((Included(1.0), Included(4.0)), "give 1 to 4")
-        .dragged(0.02, 0)
-);
+        .dragged(0.02, 0);
 
-/// Records of all parameters, in the order in which they are shown.
-pub const ALL: [Param<DetectorParams>; 21] = [
-    METHOD,
-    SLOPES,
-    SLOPES_U,
-    SLOPES_V,
-    SLOPE_DIRECTION,
-    FRAMES,
-    OCTAVES,
-    LEVELS,
-    FIRST_OCTAVE,
-    PEAK_THRESHOLD,
-    NOISE_GATE,
-    NOISE_MODEL,
-    FLICKER,
-    EDGE_THRESHOLD,
-    SLOPE_EXTREMA,
-    DISTINCT,
-    DISTINCT_SCALE,
-    RULES,
-    MAX_FEATURES,
-    MAX_ORIENTATIONS,
-    DESCRIBE_SCALES,
-];
+    DESCRIBE_SCALES: "describe-scales", "Describe scales", "", "descriptor";
+    "How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75.",
+    "Pooled descriptors match more in the dark; 1 is what SIFT and the published codes do.",
+    Param::<DetectorParams>::new("N", Stage::Description, |p| Field::U32(&mut p.describe_scales))
+        .within((Included(1.0), Included(4.0)), "give 1 to 4")
+        .dragged(0.02, 0);
+}

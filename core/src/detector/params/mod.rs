@@ -20,14 +20,14 @@ pub use choices::{
     SlopeExtrema, SlopeNeighbours, Word,
 };
 pub use doc::DetectorParams;
-pub(crate) use record::param;
+pub(crate) use record::params;
 pub use record::{Bounds, Drag, Field, Param, ParamDoc, Stage, TextValue};
 pub use rules::Rules;
 pub use searched::{AUTO, SearchParams, SlopeChoice};
 pub use slope_grid::MAX_SLOPES;
 pub use validate::ParamError;
 
-use crate::detector::params::slope_grid::SlopeGrid;
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 
 impl DetectorParams {
     /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame
@@ -47,12 +47,11 @@ impl DetectorParams {
     pub fn used_slopes(&self) -> SlopeGrid {
         match self.method {
             Method::Buff => self.slopes,
-            Method::Sift | Method::Merge => SlopeGrid::single(crate::detector::params::slope_grid::Slope::default()),
+            Method::Sift | Method::Merge => SlopeGrid::single(Slope::default()),
         }
     }
 
-    /// Rule for candidates that takes part: with one slope there is no other to compare with, so that each slope is
-    /// searched for itself.
+    /// Rule for candidates that takes part: with one slope there is no other to compare with.
     pub fn used_extrema(&self) -> SlopeExtrema {
         if self.used_slopes().len() == 1 { SlopeExtrema::Each } else { self.slope_extrema }
     }
@@ -99,16 +98,6 @@ pub const MIN_OCTAVE_SIDE: usize = 16;
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_defaults_are_valid_and_survive_a_file() {
-        let params = DetectorParams::default();
-        assert_eq!(params.validate(), Ok(()));
-        assert_eq!(DetectorParams::from_toml(&params.to_toml()), Ok(params));
-        assert_eq!(DetectorParams::from_toml(""), Ok(DetectorParams::default()));
-        let error = DetectorParams::from_toml("peak_treshold = 1.0").expect_err("misspelt");
-        assert!(error.contains("peak_treshold"), "{error}");
-    }
 
     #[test]
     fn a_file_may_fix_the_gate_and_the_frames() {

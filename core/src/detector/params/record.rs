@@ -1,9 +1,7 @@
 //! Record of one parameter: all that the program knows about it, in one place.
 //!
 //! The option of the commands, the row in the window, the changes that advice suggests, the checks, the help texts and
-//! the page of reference are made from a [`Param`]. Its [`Field`] reads, writes and edits the value; its [`Stage`] says
-//! what it decides. The records of the detector are in [`super::doc`], those of matching in
-//! [`crate::matching::params::doc`].
+//! the page of reference are made from a [`Param`].
 
 use super::{Distinct, FrameRange, NoiseGate, ParamError, Word};
 use crate::detector::params::slope_grid::SlopeAxis;
@@ -56,28 +54,19 @@ pub enum Stage {
 }
 
 /// Value of a parameter, in place.
+#[allow(missing_docs)] // each is described by the type of its value
 pub enum Field<'a> {
-    /// Real number.
     F32(&'a mut f32),
-    /// Count.
     U32(&'a mut u32),
-    /// Integer, which may be negative.
     I32(&'a mut i32),
-    /// Count.
     Usize(&'a mut usize),
-    /// Count or seed.
     U64(&'a mut u64),
-    /// Yes or no.
     Flag(&'a mut bool),
     /// One of a few named values.
     Word(&'a mut dyn Word),
-    /// Axis of slopes, MIN:MAX:COUNT.
     Axis(&'a mut SlopeAxis),
-    /// Frames A..B, or all.
     Frames(&'a mut Option<FrameRange>),
-    /// Noise gate: a rule's name or a number.
     Gate(&'a mut NoiseGate),
-    /// Distinct keypoints: off or a radius.
     Distinct(&'a mut Distinct),
     /// Value with a syntax of its own.
     Text(&'a mut dyn TextValue),
@@ -176,10 +165,7 @@ impl Field<'_> {
 
     /// Names of the values among which it is chosen: those of the command line, and those of the window.
     pub fn words(&self) -> Option<&'static [(&'static str, &'static str)]> {
-        match self {
-            Self::Word(word) => Some(word.words()),
-            _ => None,
-        }
+        if let Self::Word(word) = self { Some(word.words()) } else { None }
     }
 }
 
@@ -291,11 +277,6 @@ impl<P> Param<P> {
         }
     }
 
-    /// Record with a description.
-    pub const fn described(self, doc: ParamDoc) -> Self {
-        Self { doc, ..self }
-    }
-
     /// Record of a parameter whose number is in `range`; `remedy` is given for others.
     pub const fn within(self, range: (Bound<f64>, Bound<f64>), remedy: &'static str) -> Self {
         Self { bounds: Some(Bounds::new(range, remedy)), ..self }
@@ -326,26 +307,10 @@ impl<P> Param<P> {
         Self { in_use, ..self }
     }
 
-    /// Text of the value in `params`.
-    pub fn text(&self, params: &P) -> String
-    where
-        P: Clone,
-    {
-        (self.field)(&mut params.clone()).text()
-    }
-
-    /// Default, as typed on the command line or in words.
-    pub fn default_text(&self) -> String
-    where
-        P: Default,
-    {
-        self.default_words.map_or_else(|| (self.field)(&mut P::default()).text(), str::to_owned)
-    }
-
     /// Sets the value in `params` to what `text` says.
     ///
     /// # Errors
-    /// The fault in `text`. The value is checked only for whether it can be read.
+    /// The fault in `text`; the value is not checked otherwise.
     pub fn read(&self, params: &mut P, text: &str) -> Result<(), String> {
         (self.field)(params).read(text)
     }
@@ -370,40 +335,42 @@ impl<P> Param<P> {
         };
         field.read(text).map_err(|problem| ParamError { parameter: self.doc.name, problem, remedy })
     }
+}
+
+impl<P: Clone> Param<P> {
+    /// Text of the value in `params`.
+    pub fn text(&self, params: &P) -> String {
+        (self.field)(&mut params.clone()).text()
+    }
 
     /// Checks the value in `params` by itself.
     ///
     /// # Errors
     /// Its fault, with a remedy.
-    pub fn check(&self, params: &P) -> Result<(), ParamError>
-    where
-        P: Clone,
-    {
+    pub fn check(&self, params: &P) -> Result<(), ParamError> {
         let fault = (self.field)(&mut params.clone()).fault(self.bounds.as_ref());
         fault.map_err(|(problem, remedy)| ParamError { parameter: self.doc.name, problem, remedy })
     }
+}
+
+impl<P: Default> Param<P> {
+    /// Default, as typed on the command line or in words.
+    pub fn default_text(&self) -> String {
+        self.default_words.map_or_else(|| (self.field)(&mut P::default()).text(), str::to_owned)
+    }
 
     /// Text of `-h`: the meaning and the default.
-    pub fn short_help(&self) -> String
-    where
-        P: Default,
-    {
+    pub fn short_help(&self) -> String {
         format!("{} [default: {}]", self.meaning.trim_end_matches('.'), self.default_text())
     }
 
     /// Text of `--help`: all of the description, and the default.
-    pub fn long_help(&self) -> String
-    where
-        P: Default,
-    {
+    pub fn long_help(&self) -> String {
         format!("{} [default: {}]", self.help(), self.default_text())
     }
 
     /// Row of the table in the page of reference (Markdown): option, label, values and unit, default, help.
-    pub fn reference_row(&self) -> String
-    where
-        P: Default,
-    {
+    pub fn reference_row(&self) -> String {
         let mut params = P::default();
         let values = match (self.field)(&mut params).words() {
             Some(words) => words.iter().map(|(word, _)| format!("`{word}`")).collect::<Vec<_>>().join(", "),
@@ -450,18 +417,27 @@ impl<P> Deref for Param<P> {
     }
 }
 
-/// Declares the constant `$id`, the [`Param`] with these fields of its [`ParamDoc`].
-macro_rules! param {
-    ($id:ident, $params:ty, $name:literal, $label:literal, $unit:literal, $term:literal, $meaning:literal, $effect:literal, $rest:expr) => {
-        #[doc = concat!($meaning, " ", $effect)]
-        pub const $id: Param<$params> = $rest.described(ParamDoc {
-            name: $name,
-            label: $label,
-            unit: $unit,
-            term: $term,
-            meaning: $meaning,
-            effect: $effect,
-        });
+/// Declares the [`Param`] of each parameter, with these fields of its [`ParamDoc`], and the list of all.
+macro_rules! params {
+    ($params:ty; $($id:ident: $name:literal, $label:literal, $unit:literal, $term:literal;
+        $meaning:literal, $effect:literal, $record:expr;)+) => {
+        $(
+            #[doc = concat!($meaning, " ", $effect)]
+            pub const $id: Param<$params> = Param {
+                doc: ParamDoc {
+                    name: $name,
+                    label: $label,
+                    unit: $unit,
+                    term: $term,
+                    meaning: $meaning,
+                    effect: $effect,
+                },
+                ..$record
+            };
+        )+
+
+        /// Records of all parameters, in the order in which they are shown.
+        pub const ALL: [Param<$params>; [$($name),+].len()] = [$($id),+];
     };
 }
-pub(crate) use param;
+pub(crate) use params;

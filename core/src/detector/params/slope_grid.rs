@@ -81,23 +81,21 @@ impl SlopeAxis {
     /// # Errors
     /// The fault and its remedy.
     pub fn check(&self) -> Result<(), (String, String)> {
-        let fail = |problem: String, remedy: &str| Err((problem, remedy.to_owned()));
-        if !(self.min.is_finite() && self.max.is_finite()) {
-            return fail("the range is not finite".into(), "give two numbers of pixels per frame");
-        }
-        if self.count == 0 {
-            return fail("the count is 0".into(), "give at least 1 slope");
-        }
-        if self.min > self.max {
-            return fail(format!("{} is above {}", self.min, self.max), "give the smaller slope first");
-        }
-        if self.count > 1 && self.min == self.max {
-            return fail(format!("{} slopes on an empty range", self.count), "widen the range, or ask for 1 slope");
-        }
-        if self.count > MAX_SLOPES {
-            return fail(format!("{} slopes", self.count), "at most 4096 slopes are searched; use a coarser step");
-        }
-        Ok(())
+        let Self { min, max, count } = self;
+        let (problem, remedy) = if !(min.is_finite() && max.is_finite()) {
+            ("the range is not finite".to_owned(), "give two numbers of pixels per frame")
+        } else if *count == 0 {
+            ("the count is 0".to_owned(), "give at least 1 slope")
+        } else if min > max {
+            (format!("{min} is above {max}"), "give the smaller slope first")
+        } else if *count > 1 && min == max {
+            (format!("{count} slopes on an empty range"), "widen the range, or ask for 1 slope")
+        } else if *count > MAX_SLOPES {
+            (format!("{count} slopes"), "at most 4096 slopes are searched; use a coarser step")
+        } else {
+            return Ok(());
+        };
+        Err((problem, remedy.to_owned()))
     }
 }
 
@@ -218,8 +216,7 @@ impl SlopeGrid {
         (0..self.len()).map(|index| self.slope(index))
     }
 
-    /// Whether grid coordinates are on the rim, where a neighbouring slope is missing. An axis with one slope has no
-    /// rim.
+    /// Whether grid coordinates are on the rim, where a neighbour is missing. An axis with one slope has no rim.
     pub fn on_rim(&self, i: usize, j: usize) -> bool {
         (self.u.count > 1 && (i == 0 || i + 1 == self.u.count))
             || (self.v.count > 1 && (j == 0 || j + 1 == self.v.count))
@@ -254,14 +251,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_is_horizontal_and_runs_from_min_to_max() {
+    fn a_line_is_horizontal_and_runs_from_min_to_max_and_a_plane_its_first_axis_fastest() {
         let grid = SlopeGrid::line(-3.0..=3.0, 7);
-        let slopes: Vec<_> = grid.slopes().collect();
-        assert_eq!(slopes.len(), 7);
-        assert_eq!(slopes[0], Slope::new(-3.0, 0.0));
-        assert_eq!(slopes[4], Slope::new(1.0, 0.0));
+        assert!(grid.slopes().eq((-3..=3).map(|u| Slope::new(u as f32, 0.0))));
         assert!(grid.on_rim(0, 0) && grid.on_rim(6, 0) && !grid.on_rim(3, 0));
         assert_eq!(SlopeGrid::line_along(90.0, -1.0..=1.0, 3).slope(2), Slope::new(0.0, 1.0));
+        let plane = SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=2.0, 2);
+        assert!(plane.is_plane() && plane.coordinates(4) == (1, 1));
+        assert_eq!((plane.slope(0), plane.slope(5)), (Slope::new(-1.0, 0.0), Slope::new(1.0, 2.0)));
     }
 
     #[test]
@@ -282,15 +279,6 @@ mod tests {
             assert_eq!(line.nearest_on_rim(Slope::new(slope_u, 0.0)), on_rim, "{slope_u}");
         }
         assert!(!SlopeGrid::single(Slope::new(1.0, 0.0)).nearest_on_rim(Slope::new(1.0, 0.0)));
-    }
-
-    #[test]
-    fn a_plane_counts_its_first_axis_fastest() {
-        let grid = SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=2.0, 2);
-        assert!(grid.is_plane());
-        assert_eq!(grid.slope(0), Slope::new(-1.0, 0.0));
-        assert_eq!(grid.slope(5), Slope::new(1.0, 2.0));
-        assert_eq!(grid.coordinates(4), (1, 1));
     }
 
     #[test]

@@ -1,9 +1,8 @@
 //! Choice of features among keypoints: of the keypoints on one blob the strongest, and of their features the strongest.
 //!
-//! Only what can be kept is computed. Where the number of features is limited, keypoints are taken from the strongest
-//! to the weakest, as many at a time as features are missing: each is compared with the others on its blob, localised
-//! and described, until there are enough features and the next keypoint is weaker than all of them. A feature has the
-//! strength of its keypoint, so the result is that of describing all keypoints and keeping the strongest features.
+//! Only what can be kept is computed: where the number of features is limited, keypoints are taken from the strongest
+//! to the weakest, as many at a time as features are missing, until the next is weaker than all features. A feature has
+//! the strength of its keypoint, so the result is that of describing all and keeping the strongest.
 
 use crate::detector::along::Along;
 use crate::detector::describe::Described;
@@ -28,7 +27,6 @@ pub(super) enum Verdict {
     Cut,
 }
 
-/// Fates of the keypoints.
 #[derive(Debug)]
 pub(super) struct Choice {
     pub(super) verdicts: Vec<Verdict>,
@@ -55,7 +53,6 @@ impl Choice {
 /// Smallest number of keypoints that are compared at a time.
 const FEWEST: usize = 256;
 
-/// Inputs of a choice.
 pub(super) struct Chooser<'a> {
     pub(super) search: &'a Search<'a>,
     pub(super) outcome: &'a Outcome,
@@ -88,7 +85,7 @@ impl Chooser<'_> {
         let mut done = 0.0;
         loop {
             // Keypoints as strong as the weakest feature may come before it by their place.
-            let weakest = found.get(max.saturating_sub(1)).map(Described::strength);
+            let weakest = found.get(max.saturating_sub(1)).map(|one| one.feature.strength());
             let missing = match weakest {
                 None => max - found.len(),
                 Some(weakest) => left.partition_point(|index| strength(index) >= weakest),
@@ -120,7 +117,7 @@ impl Chooser<'_> {
             found.par_sort_by(in_order);
             found.truncate(max);
         }
-        if let Some(weakest) = found.get(max.saturating_sub(1)).map(Described::strength) {
+        if let Some(weakest) = found.get(max.saturating_sub(1)).map(|one| one.feature.strength()) {
             // Of what was examined beyond, nothing is told: how far that went depends on the turns.
             let weaker = verdicts.iter_mut().zip(keypoints).filter(|(_, keypoint)| keypoint.strength() < weakest);
             weaker.for_each(|(verdict, _)| *verdict = Verdict::Cut);
@@ -168,19 +165,11 @@ impl Chooser<'_> {
     }
 }
 
-/// Order of features: the strongest first, then by place and sample. Features of one keypoint are equal, and so stay in
-/// the order of their orientations.
+/// Order of features: the strongest first, then by place and sample. Those of one keypoint are equal.
 fn in_order(one: &Described, other: &Described) -> std::cmp::Ordering {
     let (a, b) = (&one.feature, &other.feature);
     let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));
     let by_sample = || (a.octave, a.level, a.slope_index).cmp(&(b.octave, b.level, b.slope_index));
     let by_keypoint = || one.keypoint.cmp(&other.keypoint);
     b.strength().total_cmp(&a.strength()).then_with(by_place).then_with(by_sample).then_with(by_keypoint)
-}
-
-impl Described {
-    /// Strength of the feature: that of its keypoint.
-    fn strength(&self) -> f32 {
-        self.feature.strength()
-    }
 }

@@ -1,14 +1,13 @@
 //! Judgement of single samples from a trail: D around them, every test of the search, and the keypoint that they make.
 //!
-//! The order of the search's tests and the neighbouring slopes are those of `slope_window`, which works on a whole
-//! tile, slope after slope; here they apply to one sample. A test in tests/detection/inspect checks that both agree,
-//! sample by sample.
+//! The order of the tests and the neighbouring slopes are those of `slope_window`, which works on a whole tile; a test
+//! in tests/detection/inspect checks that both agree, sample by sample.
 
 use super::trail::Trail;
 use crate::detector::feature::{Keypoint, Test};
 use crate::detector::params::SlopeNeighbours;
 use crate::detector::params::slope_grid::SlopeGrid;
-use crate::detector::refine::{Fit, Limits, Refined, fit, refine};
+use crate::detector::refine::{Fit, Limits, fit, refine};
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
@@ -58,22 +57,12 @@ pub struct Neighbourhood {
     pixels: Vec<PartOfLevel>,
 }
 
-#[derive(Debug)]
-struct PartOfLevel {
-    plane: Plane,
-    first: (usize, usize),
-}
+/// Pixels of a level, and the first of them.
+type PartOfLevel = (Plane, (usize, usize));
 
-impl PartOfLevel {
-    fn of(level: &Plane, region: &Region) -> Self {
-        let (u, v) = (region.columns.start, region.rows.start);
-        let plane = Plane::from_fn(region.columns.len(), region.rows.len(), |x, y| level.at(u + x, v + y));
-        Self { plane, first: (u, v) }
-    }
-
-    fn view(&self) -> PixelView<'_> {
-        PixelView { left: self.first.0 as i64, top: self.first.1 as i64, ..PixelView::of(&self.plane) }
-    }
+fn part_of(level: &Plane, region: &Region) -> PartOfLevel {
+    let (u, v) = (region.columns.start, region.rows.start);
+    (Plane::from_fn(region.columns.len(), region.rows.len(), |x, y| level.at(u + x, v + y)), (u, v))
 }
 
 /// Results of the search's tests of one sample.
@@ -117,7 +106,7 @@ impl Trail {
                 dog_tile(&filters, pixels, &held, scratch, &mut dog, None, &mut |_, _| ());
                 let part = match pixels {
                     Pixels::Stacked(_) => None,
-                    Pixels::Level(level) => Some(PartOfLevel::of(level, &inputs)),
+                    Pixels::Level(level) => Some(part_of(level, &inputs)),
                 };
                 (dog, part)
             };
@@ -174,9 +163,16 @@ impl Trail {
         let sigma_d_min = sigma_d[level_index][slope_index];
         let sigma_d = sigma_d_min * search.place_factor(octave, slope_index, x, y);
         let others = OtherSlopes::of(search.params);
-        let is_beaten = is_beaten(search, around, slope_index, &candidate, others);
+        let is_beaten = match others {
+            OtherSlopes::Beaten(neighbours) => compared_slopes(&search.grid, slope_index, neighbours)
+                // Of two slopes with the same D the earlier one stays.
+                .any(|other| !beats_all_27(value, &around.tiles[other], x, y, level_index, other > slope_index)),
+            OtherSlopes::Unseen | OtherSlopes::Seen => false,
+        };
         let part = around.pixels.get(slope_index).filter(|_| ascends(search.params, octave));
-        let first = part.map(|part| search.first_level(part.view()));
+        let first = part.map(|(plane, (u, v))| {
+            search.first_level(PixelView { left: *u as i64, top: *v as i64, ..PixelView::of(plane) })
+        });
         let samples = (own, first.as_ref());
         let refined = refine(samples, (x, y), level_index, around.size, search.limits(sigma_d)).map(|_| ());
         let rejected_by = match at_own {
@@ -193,29 +189,12 @@ impl Trail {
             tests.iter().all(|(test, passes)| *passes || matches!(test, Test::Edge | Test::InterpolatedContrast))
         });
         let would_be = settled.map(|fit| {
-            let refined = Refined::from(fit);
-            let d_around = d_around(search, around, slope_index, level_index, &refined);
+            let d_around = d_around(search, around, slope_index, level_index, &fit);
             let slope = refined_slope(&search.grid, others, slope_index, &d_around);
-            search.keypoint(octave, &candidate, &refined, (slope_index, slope), sigma_d)
+            search.keypoint(octave, &candidate, &fit, (slope_index, slope), sigma_d)
         });
         Some(Judgement { value, rejected_by, sigma_d_min, sigma_d, is_beaten, fit, would_be })
     }
-}
-
-fn is_beaten(
-    search: &Search<'_>,
-    around: &Neighbourhood,
-    slope_index: usize,
-    candidate: &Candidate,
-    others: OtherSlopes,
-) -> bool {
-    let OtherSlopes::Beaten(neighbours) = others else {
-        return false;
-    };
-    let Candidate { x, y, level_index, value } = *candidate;
-    compared_slopes(&search.grid, slope_index, neighbours)
-        // Of two slopes with the same D the earlier one stays.
-        .any(|other| !beats_all_27(value, &around.tiles[other], x, y, level_index, other > slope_index))
 }
 
 /// The slopes that the joint rule compares with slope `index`.
@@ -229,19 +208,13 @@ pub fn compared_slopes(grid: &SlopeGrid, index: usize, neighbours: SlopeNeighbou
 }
 
 /// D of the refined sample at the slopes around slope `index`, 0 beyond the grid.
-fn d_around(
-    search: &Search<'_>,
-    around: &Neighbourhood,
-    index: usize,
-    level_index: usize,
-    refined: &Refined,
-) -> [[f32; 3]; 3] {
+fn d_around(search: &Search<'_>, around: &Neighbourhood, index: usize, level_index: usize, fit: &Fit) -> [[f32; 3]; 3] {
     let (i, j) = search.grid.coordinates(index);
     std::array::from_fn(|dj| {
         std::array::from_fn(|di| {
             let at = |at: usize, step: usize, count: usize| (at + step).checked_sub(1).filter(|&at| at < count);
             match (at(i, di, search.grid.u.count), at(j, dj, search.grid.v.count)) {
-                (Some(i), Some(j)) => around.tiles[j * search.grid.u.count + i].at(level_index, refined.x, refined.y),
+                (Some(i), Some(j)) => around.tiles[j * search.grid.u.count + i].at(level_index, fit.x, fit.y),
                 _ => 0.0,
             }
         })

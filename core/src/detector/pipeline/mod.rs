@@ -1,10 +1,8 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
-//! The inputs give the frames that take part and their noise; the [search](crate::detector::search) goes through
-//! octaves, tiles and slopes and finds keypoints. Then features are chosen: of the keypoints on one blob the
-//! strongest stays; those that stay are localised and described, tested for their
-//! [coherence](crate::detector::coherence) if requested, and ranked. The data for explaining the detection is gathered
-//! in a [`Trail`], which judges single samples ([`Judgement`]).
+//! The inputs give the frames that take part and their noise; the [search](crate::detector::search) finds keypoints.
+//! Of those on one blob the strongest stays; those that stay are localised, described and ranked. The data for
+//! explaining the detection is gathered in a [`Trail`], which judges single samples ([`Judgement`]).
 
 mod choice;
 mod judgement;
@@ -19,7 +17,7 @@ pub use outcome::follows;
 pub use trail::Trail;
 
 use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally};
-use super::memory::{self, Account, OF_PROCESS, Plan};
+use super::memory::{self, Account, OF_PROCESS};
 use super::params::{DescribeSlope, DetectorParams};
 use crate::burst::Burst;
 use crate::detector::along::Along;
@@ -35,14 +33,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Finds the features of a burst whose frames are merged already, where the method merges them; callers use
-/// [`crate::detect`].
+/// Finds the features of a burst whose frames are merged already; callers use [`crate::detect`].
 pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
     Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), false, monitor)?.detection)
 }
 
-/// Finds the features of a burst and keeps the data that explains them: the coarser octaves, if there is memory for
-/// them, and the keypoints that were removed.
+/// Finds the features of a burst and keeps the data that explains them.
 pub(crate) fn search_with_trail(
     burst: &Burst,
     params: &DetectorParams,
@@ -67,31 +63,20 @@ fn search_all(
     params.validate_for(burst.len(), burst.size())?;
     let frames = params.used_frames(burst.len()).len();
     let (plan, _share) = account.plan(params, frames, burst.size(), budget)?;
-    plan.run(|| search_as_planned(burst, params, &plan, keeps, started, monitor))
-}
-
-/// Detects by `plan`, with parameters that are valid for the burst; `started` is the time of the start.
-fn search_as_planned(
-    burst: &Burst,
-    params: &DetectorParams,
-    plan: &Plan,
-    keeps: bool,
-    started: Instant,
-    monitor: &Monitor,
-) -> Result<Trail, DetectError> {
-    let inputs = Inputs::new(burst, params, monitor)?;
-    let mut times = StageTimes { noise_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
-
-    let search = Search::new(&inputs, monitor);
-    let mut tally = Tally::default();
-    let started = Instant::now();
-    let searched = search.octaves(&inputs.octaves(), &plan.search, &mut tally)?;
-    times.search_secs = started.elapsed().as_secs_f32();
-    let outcome = Outcome::new(&search, searched, &plan.describe, tally, keeps);
-    let passing = outcome.all();
-    let (choice, detection) = choose(&search, &outcome, &passing, &Along::new(&inputs), times)?;
-    drop(search);
-    Ok(Trail::new(inputs, Arc::new(outcome), passing, choice, detection))
+    plan.run(|| {
+        let inputs = Inputs::new(burst, params, monitor)?;
+        let mut times = StageTimes { noise_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
+        let search = Search::new(&inputs, monitor);
+        let mut tally = Tally::default();
+        let started = Instant::now();
+        let searched = search.octaves(&inputs.octaves(), &plan.search, &mut tally)?;
+        times.search_secs = started.elapsed().as_secs_f32();
+        let outcome = Outcome::new(&search, searched, &plan.describe, tally, keeps);
+        let passing = outcome.all();
+        let (choice, detection) = choose(&search, &outcome, &passing, &Along::new(&inputs), times)?;
+        drop(search);
+        Ok(Trail::new(inputs, Arc::new(outcome), passing, choice, detection))
+    })
 }
 
 /// Chooses the features among the `passing` keypoints of a search. `times` are those of the steps before.
@@ -129,16 +114,9 @@ fn choose(
 }
 
 impl Trail {
-    /// Trail of a search of the same burst with `params`, without that search; `None` where it needs one. That is so
-    /// unless the parameters differ only in noise gate, peak threshold, edge threshold, the rule for distinct keypoints
-    /// and the number of features, and unless the first three are at least as strict as those of the search
-    /// that this trail goes back to.
-    ///
-    /// Keypoints, features and descriptors are those of the search to the bit. In the tally, samples that are no
-    /// keypoints are counted as that earlier search rejected them.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
+    /// Trail of a search of the same burst with `params`, without that search; `None` where it needs one: unless they
+    /// [follow](follows). Keypoints, features and descriptors are those of the search to the bit. In the tally, samples
+    /// that are no keypoints are counted as the earlier search rejected them.
     pub fn rejudged(&self, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
         if !follows(params, &self.outcome.params) {
             return Ok(None);
@@ -158,9 +136,8 @@ impl Trail {
 }
 
 impl Search<'_> {
-    /// Localises and describes `keypoints`, which are in order of octaves. The first levels are those of the `outcome`;
-    /// where they were not kept, they are computed again for one of its groups of slopes after the other. `part` is the
-    /// part of the description's progress that this takes.
+    /// Localises and describes `keypoints`, which are in order of octaves. First levels that were not kept are computed
+    /// again, one group of slopes after the other. `part` is the part of the description's progress that this takes.
     fn describe(
         &self,
         keypoints: &[Keypoint],
@@ -201,8 +178,7 @@ impl Search<'_> {
         Ok(planes.into_iter().map(|planes| FirstLevels { first_slope: slopes.start, planes }).collect())
     }
 
-    /// Localises and describes `keypoints` with the first levels `bases`; `described` is called with the number of
-    /// further keypoints that are finished.
+    /// `described` is called with the number of further keypoints that are finished.
     fn describe_with(
         &self,
         keypoints: &[Keypoint],
@@ -225,8 +201,7 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Whether features of `octave` are described at their own slopes: the octave is fine enough to show the
-    /// difference.
+    /// Whether features of `octave` are described at their own slopes: it is fine enough to show the difference.
     fn describes_own_slopes(&self, octave: i32) -> bool {
         let step = self.grid.u.step().max(self.grid.v.step()).max(0.0);
         let outermost_px = step * 0.5 * (self.inputs.times.frame_count as f32 - 1.0);

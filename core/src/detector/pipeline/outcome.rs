@@ -1,9 +1,8 @@
 //! Outcome of a search, for later judgements: its keypoints with the values that its thresholds compared, and the
 //! features of those that have been described since.
 //!
-//! A change of a threshold, of the rule for distinct keypoints or of the number of features changes no stack and no
-//! sample of D. So its result follows from the keypoints of a search whose thresholds were not higher: those that fail
-//! the new ones are left out, and the features are chosen again. Only keypoints that were never described cost much.
+//! The result of a stricter threshold, another rule for distinct keypoints or another number of features follows from
+//! the keypoints: those that fail are left out, and the features are chosen again.
 
 use crate::detector::along::{Along, Means};
 use crate::detector::describe::Described;
@@ -35,8 +34,7 @@ pub fn follows(params: &DetectorParams, searched: &DetectorParams) -> bool {
 pub(super) struct Outcome {
     /// Parameters of the search.
     pub(super) params: DetectorParams,
-    /// First levels of each octave; none for the first octave. `None` where the slopes were searched in groups: they
-    /// are computed again when needed.
+    /// First levels of each octave; none for the first octave. `None` where slopes were searched in groups.
     pub(super) bases: Option<Vec<FirstLevels>>,
     /// Groups of slopes in which first levels that were not kept are computed again.
     pub(super) groups: Vec<SlopeGroup>,

@@ -1,7 +1,7 @@
 //! A search in groups of slopes gives bitwise the same results as the whole search, and so does one that is cut first.
 
 use super::*;
-use crate::detector::memory::estimate;
+use crate::detector::memory::{Plan, estimate};
 use crate::detector::params::{Distinct, Localisation, Method, NoiseGate, Rules, SlopeExtrema, SlopeNeighbours};
 use crate::detector::{Slope, SlopeGrid, Test};
 use crate::plane::tile::Region;
@@ -47,12 +47,15 @@ fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
         assert_eq!(covered(&found), covered(&whole));
         let without_times = |detection: &Detection| Detection { times: StageTimes::default(), ..detection.clone() };
         assert!(without_times(found.detection()) == without_times(whole.detection()), "{plan:?}");
-        for index in 0..whole.detection().features.len() {
-            assert_eq!(found.keypoint_of_feature(index), whole.keypoint_of_feature(index));
-        }
+        let count = whole.detection().features.len();
+        assert_eq!(of_features(&found, count), of_features(&whole, count));
         assert_same_answers(&found, &whole);
     }
     counts
+}
+
+fn of_features(trail: &Trail, count: usize) -> Vec<usize> {
+    (0..count).map(|index| trail.keypoint_of_feature(index)).collect()
 }
 
 /// Checks that later questions to both trails have equal answers.
@@ -127,10 +130,7 @@ fn assert_cut_first_is_cut_afterwards(burst: &Burst, params: &DetectorParams, ma
     let count = max_features.min(expected.features.len());
     assert_eq!(found.features, expected.features[..count], "{params:?}");
     assert!(found.descriptors == expected.descriptors[..count], "{params:?}");
-    let of_feature =
-        |trail: &Trail| (0..expected.features.len()).map(|k| trail.keypoint_of_feature(k)).collect::<Vec<_>>();
-    assert_eq!(of_feature(&cut), of_feature(&all));
-    assert_eq!(cut.ranked(), expected.features.len());
+    assert_eq!(of_features(&cut, cut.ranked()), of_features(&all, expected.features.len()));
     for index in 0..all.keypoints().len() {
         if cut.is_cut(index) {
             assert!(cut.rank_uncut(index) >= count);
@@ -186,20 +186,13 @@ proptest! {
 }
 
 #[test]
-fn the_strongest_are_the_same_where_thousands_are_cut() {
+fn where_thousands_are_cut_the_strongest_are_the_same_and_the_rest_is_not_compared() {
     let burst = scene(5, (400, 300));
     let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
     let params = DetectorParams { slopes, noise_gate: NoiseGate::Factor(2.5), ..DetectorParams::default() };
     for max_features in [20, 300, 1000] {
         assert_cut_first_is_cut_afterwards(&burst, &params, max_features);
     }
-}
-
-#[test]
-fn what_is_cut_is_not_compared_with_the_others_on_its_blob() {
-    let burst = scene(5, (400, 300));
-    let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
-    let params = DetectorParams { slopes, noise_gate: NoiseGate::Factor(2.5), ..DetectorParams::default() };
     let tally = |max_features| {
         search_within(&burst, &DetectorParams { max_features, ..params.clone() }, None).expect("fits").detection.tally
     };

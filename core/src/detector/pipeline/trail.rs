@@ -1,14 +1,10 @@
-//! Data that a detection keeps to explain its result: the frames as they were searched, the first levels of the coarser
-//! octaves if there is memory for them, all keypoints with the ones that removed them, and the keypoint of each
-//! feature.
-//!
-//! Nothing here changes the result. To explain a detection, the search's own functions are run again on the few samples
-//! in question (see [`Trail::neighbourhood`]); the values are bitwise equal, because those of a tile do not depend on
-//! the tile.
+//! Data that a detection keeps to explain its result. Nothing here changes the result: the search's own functions are
+//! run again on the few samples in question (see [`Trail::neighbourhood`]); the values are bitwise equal, because those
+//! of a tile do not depend on the tile.
 
 use crate::detector::along::Along;
-use crate::detector::coherence::{Evenness, FrameResponse};
-use crate::detector::distinct::{self, Blob};
+use crate::detector::coherence::{Evenness, FrameResponse, floor_pixel};
+use crate::detector::distinct::{Blob, Deciding, Rule};
 use crate::detector::feature::{Detection, Feature, Keypoint, Test};
 use crate::detector::memory::on_threads;
 use crate::detector::noise_model::NoiseModel;
@@ -18,6 +14,7 @@ use crate::detector::pipeline::choice::{Choice, Chooser, Verdict};
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, SigmaD, sigma_d};
 use crate::detector::scale_space::{ScaleSpace, octave_size};
 use crate::detector::search::setup::{Inputs, Search};
+use crate::detector::stack::coverage;
 use crate::kernel::patch::{Patch, PatchScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -52,7 +49,6 @@ pub struct Trail {
     /// σ_D at the place of least noise, by octave, DoG level index and slope.
     pub(super) sigma_d: SigmaD,
     pub(super) detection: Detection,
-    /// See [`Self::search_secs`].
     pub(super) search_secs: f32,
 }
 
@@ -76,8 +72,7 @@ impl Trail {
         let blob = |&index: &usize| (index, Blob::of(&self.keypoints()[index], &self.inputs.space));
         self.stayed = self.choice.distinct.iter().map(blob).collect();
         self.stayed.sort_by(|a, b| a.1.v.total_cmp(&b.1.v));
-        let monitor = Monitor::default();
-        self.sigma_d = self.with_search(&monitor, sigma_d);
+        self.sigma_d = self.with_search(&Monitor::default(), sigma_d);
         self
     }
 
@@ -89,8 +84,7 @@ impl Trail {
         Along::with_means(&self.inputs, &self.outcome.means)
     }
 
-    /// Memory of the trail, bytes, without the frames among `others`, which are held elsewhere too. It grows as
-    /// questions are answered.
+    /// Memory of the trail, bytes, without the frames among `others`. It grows as questions are answered.
     pub fn bytes_beside(&self, others: &[Arc<Plane>]) -> usize {
         let plane = |plane: &Plane| size_of_val(plane.data());
         let is_own = |frame: &&Arc<Plane>| !others.iter().any(|other| Arc::ptr_eq(other, frame));
@@ -179,14 +173,12 @@ impl Trail {
         }
     }
 
-    /// Whether keypoint `index` is too weak for any feature of it to be among those kept. It is not compared with the
-    /// stronger keypoints on its blob.
+    /// Whether keypoint `index` is too weak for any of its features to be kept. It may not have been compared.
     pub fn is_cut(&self, index: usize) -> bool {
         self.choice.verdicts[index] == Verdict::Cut
     }
 
-    /// First test that a keypoint that [is cut](Trail::is_cut) would fail if all features were kept. The first call
-    /// takes as long as describing all keypoints.
+    /// First test that a keypoint that [is cut](Trail::is_cut) would fail if all features were kept.
     pub fn fails_uncut(&self, index: usize) -> Option<Test> {
         match self.uncut().verdicts[index] {
             Verdict::Kept | Verdict::Cut => None,
@@ -194,7 +186,7 @@ impl Trail {
         }
     }
 
-    /// The choice without a maximum number of features.
+    /// The choice without a maximum number of features. The first call takes as long as describing all keypoints.
     fn uncut(&self) -> &Choice {
         if self.inputs.params.max_features == 0 {
             return &self.choice;
@@ -228,27 +220,28 @@ impl Trail {
         let blobs: Vec<Blob> = around.iter().map(|&other| Blob::of(&keypoints[other], &self.inputs.space)).collect();
         let along = self.along();
         let are_two = |a: usize, b: usize| along.are_two(&keypoints[around[a]], &keypoints[around[b]]);
-        let rule = distinct::Rule { radius, scale_ratio };
-        let covered = distinct::covered_by(&blobs, rule, are_two, &Monitor::default()).expect("nobody cancels it");
-        around.iter().zip(covered).any(|(&other, by)| other == index && by.is_none())
+        let mut deciding = Deciding::new(&blobs, Rule { radius, scale_ratio });
+        let own = around.partition_point(|&other| other < index);
+        deciding.decide(&[own], are_two, &Monitor::default()).expect("nobody cancels it");
+        deciding.covered_by(own).is_none()
     }
 
     /// Index of the keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for
     /// distinct keypoints. Keypoints that [are cut](Trail::is_cut) may not be compared.
     pub fn would_be_covered_by(&self, keypoint: &Keypoint) -> Option<usize> {
         let params = &self.inputs.params;
-        let Distinct::Radius(radius) = params.distinct else {
-            return None;
-        };
-        let rule = distinct::Rule { radius, scale_ratio: params.distinct_scale };
+        let Distinct::Radius(radius) = params.distinct else { return None };
+        let rule = Rule { radius, scale_ratio: params.distinct_scale };
         let blob = Blob::of(keypoint, &self.inputs.space);
         // Reach of a stronger keypoint that covers it: its scale is larger by the ratio at most.
         let reach = radius * params.distinct_scale * blob.sigma;
         let first = self.stayed.partition_point(|(_, other)| other.v < blob.v - reach);
         let last = self.stayed.partition_point(|(_, other)| other.v <= blob.v + reach);
-        let blobs = self.stayed[first..last].iter().copied();
         let along = self.along();
-        distinct::would_cover(&blob, blobs, rule, |index| along.are_two(&self.keypoints()[index], keypoint))
+        let stronger = self.stayed[first..last].iter().filter(|(_, other)| other.rank >= blob.rank);
+        let covering = stronger
+            .filter(|(index, other)| other.covers(&blob, rule) && !along.are_two(&self.keypoints()[*index], keypoint));
+        covering.max_by(|a, b| a.1.rank.total_cmp(&b.1.rank)).map(|(index, _)| *index)
     }
 
     /// Index of the keypoint of feature `index` of the detection, or of those beyond `max_features`.
@@ -256,14 +249,12 @@ impl Trail {
         self.choice.ranked.get(index).copied().unwrap_or_else(|| self.uncut().ranked[index])
     }
 
-    /// Number of features including those beyond `max_features`. The first call takes as long as describing all
-    /// keypoints.
+    /// Number of features including those beyond `max_features`.
     pub fn ranked(&self) -> usize {
         self.uncut().ranked.len()
     }
 
-    /// Rank by strength that a keypoint that [is cut](Trail::is_cut) has, or would have if it stayed, among all
-    /// features. The first call takes as long as describing all keypoints.
+    /// Rank by strength that a keypoint that [is cut](Trail::is_cut) has, or would have, among all features.
     pub fn rank_uncut(&self, keypoint: usize) -> usize {
         let ranked = &self.uncut().ranked;
         let strength = |index: usize| self.keypoints()[index].strength();
@@ -299,7 +290,13 @@ impl Trail {
         (place, slope): ((f32, f32), Slope),
         chosen: &[usize],
     ) -> f32 {
-        self.inputs.sigma_d_at((octave, level), (place, slope), chosen)
+        let (all, size) = (self.inputs.offsets(slope), self.inputs.size_image);
+        let offsets: Vec<_> = chosen.iter().map(|&index| all[index]).collect();
+        let at = floor_pixel(place, size);
+        let min = self.inputs.sigma_d(octave, level, slope, &offsets);
+        // The place factor samples all frames that took part.
+        let covering = coverage(&offsets, at.0, at.1, size).max(1);
+        min * (offsets.len() as f32 / covering as f32).sqrt() * self.inputs.noise.place_factor(octave, &all, at, size)
     }
 
     /// D of the mean of the `chosen` frames (indices among those that took part) at each of the DoG `levels` of
@@ -314,11 +311,7 @@ impl Trail {
         self.along().response(octave, levels, place, slope, chosen)
     }
 
-    /// The response of each frame that took part at the scale (octave, DoG level), along the motion through `place`
-    /// (input pixels, at mid-burst) at `slope`, in time order.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
+    /// The response of each frame at the scale (octave, DoG level) along a motion (input pixels), in time order.
     pub fn frame_responses(
         &self,
         scale: (i32, i32),
@@ -330,9 +323,6 @@ impl Trail {
     }
 
     /// Evenness of the frames' responses along the motion of each of `features`, in their order.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn evenness_of(&self, features: &[Feature], monitor: &Monitor) -> Result<Vec<Evenness>, Cancelled> {
         let done = AtomicUsize::new(0);
         monitor.report(Stage::Frames, 0.0);
@@ -351,13 +341,11 @@ impl Trail {
     pub fn stack_part(&self, region: &Region, slope: Slope, chosen: &[usize]) -> Plane {
         let along = self.along();
         let frames = along.of(0);
-        let offsets = frames.offsets(slope);
-        let chosen_offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
-        let chosen: Vec<&Plane> = chosen.iter().map(|&index| frames.planes[index]).collect();
+        let (planes, offsets) = frames.chosen(slope, chosen);
         let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
         let pixels = |range: &Range<usize>| range.start as i64..range.end as i64;
         let (columns, rows) = (pixels(&region.columns), pixels(&region.rows));
-        let base = frames.base(&chosen, &chosen_offsets);
+        let base = frames.base(&planes, &offsets);
         base.patch(self.inputs.size_image, columns, rows.clone(), &mut scratch, &mut patch);
         let values = rows.flat_map(|v| patch.row(v).iter().copied());
         Plane::from_vec(region.columns.len(), region.rows.len(), values.collect())

@@ -1,14 +1,10 @@
 //! Ascent: the exact maximum of |D| over place and scale, from the pixels of an octave's first level.
 //!
 //! The samples of a coarse octave lie 2^o input pixels apart, and a fit to them depends on where they fall on a blob: a
-//! burst that is cropped by a pixel would keep other keypoints, with other values, and so another choice among those on
-//! one blob. So in octaves after the first the fit is only the start of an ascent. D at any place and scale is the
-//! difference of two sums of pixels under Gaussians; their jets (`crate::kernel::gaussian_jet`) give its gradient and
-//! its second derivatives, over place and, since ∂G/∂σ = σ∇²G, over ln σ. Newton's steps lead to the maximum, which one
-//! or two evaluations reach. The first level is smooth enough that its pixels hold all of it.
-//!
-//! Most samples that begin an ascent lie on no peak of their own: the first step tells, since it leads to another
-//! level, or D is not peaked where it begins.
+//! burst that is cropped by a pixel would keep other keypoints. So in octaves after the first the fit is only the start
+//! of an ascent. D at any place and scale is the difference of two sums of pixels under Gaussians; their jets
+//! (`crate::kernel::gaussian_jet`) give its gradient and its second derivatives, over place and, since ∂G/∂σ = σ∇²G,
+//! over ln σ. Newton's steps lead to the maximum, which one or two evaluations reach.
 
 use crate::detector::scale_space::ScaleSpace;
 use crate::kernel::compact_kernel::{PixelView, RIM};
@@ -62,70 +58,61 @@ impl FirstLevel<'_> {
     /// where D is not peaked on the way, where a step leads out of the level indices `within`, or where it does not
     /// converge nearby.
     pub fn ascend(&self, start: (f64, f64), level: f64, within: Range<f64>, sign: f64) -> Option<Peak> {
-        PIXELS.with_borrow_mut(|pixels| self.ascend_with(start, level, &within, sign, pixels))
-    }
-
-    fn ascend_with(
-        &self,
-        start: (f64, f64),
-        level: f64,
-        within: &Range<f64>,
-        sign: f64,
-        pixels: &mut JetPixels,
-    ) -> Option<Peak> {
-        let levels = self.space.levels as f64;
-        let k2 = 4f64.powf(1.0 / levels);
-        let own = self.sigma * self.sigma;
-        let log_sigma = |level: f64| self.space.sigma_octave(level - 1.0).ln();
-        let finest = 0.5 * (own + MIN_VARIANCE).ln();
-        let begin = log_sigma(level).max(finest);
-        let unit = begin.exp();
-        let radius = (CUT * (k2 * unit * unit - own).sqrt()).ceil() as usize + 1;
-        // The grey level around the place is subtracted, so that cutting the Gaussians off changes nothing.
-        let local_mean = self.pixels.local_mean(RIM.on_rim(std::f64::consts::SQRT_2 * unit), start);
-        pixels.read(&self.pixels, (start.0.round() as i64, start.1.round() as i64), radius, local_mean);
-        let (mut x, mut y, mut log) = (start.0, start.1, begin);
-        for _ in 0..MAX_STEPS {
-            let sigma2 = (2.0 * log).exp();
-            let variances = [sigma2 - own, k2 * sigma2 - own];
-            let [fine, coarse] = pixels.jets((x, y), variances);
-            let d = Derivatives::of(&fine, sigma2, &coarse, k2 * sigma2);
-            if sign * d.value <= 0.0 {
-                return None;
+        PIXELS.with_borrow_mut(|pixels| {
+            let levels = self.space.levels as f64;
+            let k2 = 4f64.powf(1.0 / levels);
+            let own = self.sigma * self.sigma;
+            let log_sigma = |level: f64| self.space.sigma_octave(level - 1.0).ln();
+            let finest = 0.5 * (own + MIN_VARIANCE).ln();
+            let begin = log_sigma(level).max(finest);
+            let unit = begin.exp();
+            let radius = (CUT * (k2 * unit * unit - own).sqrt()).ceil() as usize + 1;
+            // The grey level around the place is subtracted, so that cutting the Gaussians off changes nothing.
+            let local_mean = self.pixels.local_mean(RIM.on_rim(std::f64::consts::SQRT_2 * unit), start);
+            pixels.read(&self.pixels, (start.0.round() as i64, start.1.round() as i64), radius, local_mean);
+            let (mut x, mut y, mut log) = (start.0, start.1, begin);
+            for _ in 0..MAX_STEPS {
+                let sigma2 = (2.0 * log).exp();
+                let variances = [sigma2 - own, k2 * sigma2 - own];
+                let [fine, coarse] = pixels.jets((x, y), variances);
+                let d = Derivatives::of(&fine, sigma2, &coarse, k2 * sigma2);
+                if sign * d.value <= 0.0 {
+                    return None;
+                }
+                // Lengths along ln σ in units of σ, so that all three axes are alike.
+                let gradient = Vector3::new(d.x, d.y, d.log / unit) * sign;
+                let bend = -sign
+                    * Matrix3::new(
+                        d.xx,
+                        d.xy,
+                        d.x_log / unit,
+                        d.xy,
+                        d.yy,
+                        d.y_log / unit,
+                        d.x_log / unit,
+                        d.y_log / unit,
+                        d.log_log / (unit * unit),
+                    );
+                let step = Cholesky::new(bend)?.solve(&gradient);
+                let level = 1.0 + levels * ((log + step.z / unit).exp() / self.space.sigma_octave(0.0)).log2();
+                if !within.contains(&level) {
+                    return None;
+                }
+                let length = step.norm();
+                // Beyond the finest scale that the pixels show the parabola's peak is taken as it is.
+                let ends_there = log <= finest && step.z < 0.0 && step.xy().norm() < SHORT_PX;
+                if length < SHORT_PX || ends_there {
+                    let value = d.value + 0.5 * sign * gradient.dot(&step);
+                    return Some(Peak { x: x + step.x, y: y + step.y, level, value, curvature: [d.xx, d.xy, d.yy] });
+                }
+                let step = step * (LONGEST_PX / length).min(1.0);
+                (x, y, log) = (x + step.x, y + step.y, (log + step.z / unit).max(finest));
+                if (x - start.0).hypot(y - start.1) > FARTHEST_PX {
+                    return None;
+                }
             }
-            // Lengths along ln σ in units of σ, so that all three axes are alike.
-            let gradient = Vector3::new(d.x, d.y, d.log / unit) * sign;
-            let bend = -sign
-                * Matrix3::new(
-                    d.xx,
-                    d.xy,
-                    d.x_log / unit,
-                    d.xy,
-                    d.yy,
-                    d.y_log / unit,
-                    d.x_log / unit,
-                    d.y_log / unit,
-                    d.log_log / (unit * unit),
-                );
-            let step = Cholesky::new(bend)?.solve(&gradient);
-            let level = 1.0 + levels * ((log + step.z / unit).exp() / self.space.sigma_octave(0.0)).log2();
-            if !within.contains(&level) {
-                return None;
-            }
-            let length = step.norm();
-            // Beyond the finest scale that the pixels show the parabola's peak is taken as it is.
-            let ends_there = log <= finest && step.z < 0.0 && step.xy().norm() < SHORT_PX;
-            if length < SHORT_PX || ends_there {
-                let value = d.value + 0.5 * sign * gradient.dot(&step);
-                return Some(Peak { x: x + step.x, y: y + step.y, level, value, curvature: [d.xx, d.xy, d.yy] });
-            }
-            let step = step * (LONGEST_PX / length).min(1.0);
-            (x, y, log) = (x + step.x, y + step.y, (log + step.z / unit).max(finest));
-            if (x - start.0).hypot(y - start.1) > FARTHEST_PX {
-                return None;
-            }
-        }
-        None
+            None
+        })
     }
 }
 

@@ -2,11 +2,9 @@
 //!
 //! Place and scale: Brown and Lowe's quadratic fit as VLFeat does it: up to four moves of a pixel while the fitted
 //! offset exceeds 0.6 pixel in u or v (never in scale), accepted when every offset is below 1.5. In octaves after the
-//! first that fit only begins an [ascent] to the exact maximum, whose place, scale and value do not depend on where the
-//! octave's samples fall. Slope: no published
-//! implementation refines it. Around its peak D over slope is a mean of shifted blob responses, which is close to a
-//! Gaussian bump, so a parabola is fitted to log |D| over the neighbouring slopes (to |D| itself where a neighbour has
-//! the other sign): exact for a Gaussian bump, and the misfit of a plain parabola at coarse slope steps goes away.
+//! first that fit only begins an [ascent] to the exact maximum. Slope: D over slope is a mean of shifted blob
+//! responses, close to a Gaussian bump, so a parabola is fitted to log |D| over the neighbouring slopes (to |D| itself
+//! where a neighbour has the other sign), which is exact for such a bump.
 
 pub mod ascent;
 
@@ -14,23 +12,7 @@ use self::ascent::{FirstLevel, Peak};
 use super::feature::Test;
 use crate::detector::scale_space::DogTile;
 
-/// A refined extremum, in octave pixels and DoG level indices.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Refined {
-    /// Of the sample after the moves.
-    pub x: usize,
-    pub y: usize,
-    pub x_refined: f64,
-    pub y_refined: f64,
-    /// DoG level index of the extremum (1 is level 0).
-    pub level_refined: f64,
-    /// Interpolated D.
-    pub value: f32,
-    /// Squared trace over determinant of the second derivatives in the image, which the edge test limits.
-    pub edge_quotient: f64,
-}
-
-/// Upper limit of [`Refined::edge_quotient`] for an upper limit of the ratio of principal curvatures.
+/// Upper limit of [`Fit::edge_quotient`] for an upper limit of the ratio of principal curvatures.
 pub fn edge_limit(edge_threshold: f32) -> f64 {
     let edge = f64::from(edge_threshold);
     (edge + 1.0).powi(2) / edge
@@ -46,7 +28,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Applies the tests of D at an extremum and of its [`Refined::edge_quotient`], each independently, in their order;
+    /// Applies the tests of D at an extremum and of its [`Fit::edge_quotient`], each independently, in their order;
     /// true where it passes.
     pub(crate) fn tests(&self, value: f32, edge_quotient: f64) -> [(Test, bool); 3] {
         [
@@ -87,7 +69,7 @@ fn solve(mut a: [[f64; 3]; 3], g: [f64; 3]) -> Option<[f64; 3]> {
     Some(x)
 }
 
-/// The quadratic fit around an extremum, before any test of it.
+/// A fitted extremum, in octave pixels and DoG level indices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
     /// Of the sample after the moves.
@@ -95,10 +77,11 @@ pub struct Fit {
     pub y: usize,
     /// Offset from that sample to the extremum: octave pixels along u and v, and DoG levels.
     pub offset: [f64; 3],
-    /// DoG level index of the extremum.
+    /// DoG level index of the extremum (1 is level 0).
     pub level_refined: f64,
     /// Upper limit of an accepted offset in levels.
     pub level_reach: f64,
+    /// Interpolated D.
     pub value: f64,
     /// Second derivatives of D in the image: uu, uv, vv.
     pub curvature: [f64; 3],
@@ -116,31 +99,34 @@ impl Fit {
         offsets.iter().map(|d| if d.is_nan() { f64::INFINITY } else { d.abs() }).fold(0.0, f64::max)
     }
 
-    /// Squared trace and determinant of the second derivatives in the image. The edge test compares their ratio.
-    fn trace_and_determinant(&self) -> (f64, f64) {
+    fn determinant(&self) -> f64 {
         let [xx, xy, yy] = self.curvature;
-        let (trace, determinant) = (xx + yy, xx * yy - xy * xy);
-        (trace * trace, determinant)
+        xx * yy - xy * xy
+    }
+
+    /// Squared trace over determinant of the second derivatives in the image, which the edge test limits.
+    pub fn edge_quotient(&self) -> f64 {
+        let trace = self.curvature[0] + self.curvature[2];
+        trace * trace / self.determinant()
     }
 
     /// Ratio of the principal curvatures, 1 or more; infinite where they differ in sign, as on a saddle.
     pub fn curvature_ratio(&self) -> f64 {
-        let (trace_squared, determinant) = self.trace_and_determinant();
+        let determinant = self.determinant();
         if determinant <= 0.0 || determinant.is_nan() {
             return f64::INFINITY;
         }
         // (r + 1)²/r = trace²/determinant, solved for the larger r.
-        let sum = (trace_squared / determinant - 2.0).max(2.0);
+        let sum = (self.edge_quotient() - 2.0).max(2.0);
         0.5 * (sum + (sum * sum - 4.0).sqrt())
     }
 
     /// Applies the tests that follow the fit, each independently, in their order; true where it passes. `size` is the
     /// octave's, `levels` the number of DoG levels.
     pub fn tests(&self, size: (usize, usize), levels: usize, limits: Limits) -> [(Test, bool); 5] {
-        let (trace_squared, determinant) = self.trace_and_determinant();
         let inside = |at: f64, n: usize| (0.0..=(n - 1) as f64).contains(&at);
         let (x, y) = self.place();
-        let [gate, contrast, edge] = limits.tests(self.value as f32, trace_squared / determinant);
+        let [gate, contrast, edge] = limits.tests(self.value as f32, self.edge_quotient());
         [
             (Test::Refinement, self.largest_offset() < MAX_OFFSET),
             gate,
@@ -160,16 +146,6 @@ impl Fit {
     }
 }
 
-impl From<Fit> for Refined {
-    fn from(fit: Fit) -> Self {
-        let (x_refined, y_refined) = fit.place();
-        let (trace_squared, determinant) = fit.trace_and_determinant();
-        let Fit { x, y, level_refined, value, .. } = fit;
-        let edge_quotient = trace_squared / determinant;
-        Self { x, y, x_refined, y_refined, level_refined, value: value as f32, edge_quotient }
-    }
-}
-
 /// Refines the extremum at (x, y, level index) in place and scale, and applies the tests that follow. `first` is the
 /// octave's first level where the octave is not the first; `size` is the octave's. Fails with the test that rejects it.
 pub fn refine(
@@ -178,11 +154,11 @@ pub fn refine(
     level_index: usize,
     size: (usize, usize),
     limits: Limits,
-) -> Result<Refined, Test> {
+) -> Result<Fit, Test> {
     let fit = fit((dog, first), place, level_index, size).ok_or(Test::Refinement)?;
     match fit.tests(size, dog.levels.len(), limits).into_iter().find(|(_, passes)| !passes) {
         Some((test, _)) => Err(test),
-        None => Ok(fit.into()),
+        None => Ok(fit),
     }
 }
 
@@ -192,9 +168,8 @@ const LONGEST_START: f64 = 0.7;
 /// Distance in levels from which on the quadratic fit shows that a sample is not the nearest to a peak.
 const FARTHEST_FIT: f64 = 0.8;
 
-/// Distance in levels up to which an ascent's peak is that of a sample: those to which its level is the nearest, and a
-/// little more, because not every sample nearest to a peak begins an ascent. A peak between two levels may so be found
-/// from both; the choice of distinct keypoints takes one.
+/// Distance in levels up to which an ascent's peak is that of a sample: a little more than half a level, because not
+/// every sample nearest to a peak begins an ascent. What is so found twice, the choice of distinct keypoints drops.
 const NEAREST: f64 = 0.6;
 /// Distance in place of [`NEAREST`] below the octave's first level: farther into the finer octave, so that no peak is
 /// lost between them.
@@ -334,17 +309,16 @@ mod tests {
     use super::*;
     use crate::plane::tile::{Region, Tile};
 
-    /// Tile whose D is a Gaussian bump of the given centre, in three levels.
-    fn bump(centre: (f64, f64, f64), amplitude: f64) -> DogTile {
+    /// Tile whose D is a Gaussian bump of the given centre and spread along u, v and level.
+    fn bump(centre: [f64; 3], spread: [f64; 3], amplitude: f64) -> DogTile {
         let levels = (0..5)
             .map(|s| {
                 let mut rows = Tile::default();
                 rows.reset(&Region { columns: 0..40, rows: 0..40 }, 40);
                 for v in 0..40 {
                     for u in 0..40 {
-                        let d2 = ((u as f64 - centre.0) / 4.0).powi(2)
-                            + ((v as f64 - centre.1) / 4.0).powi(2)
-                            + ((s as f64 - centre.2) / 1.5).powi(2);
+                        let at = [u as f64, v as f64, s as f64];
+                        let d2: f64 = (0..3).map(|i| ((at[i] - centre[i]) / spread[i]).powi(2)).sum();
                         rows.row_mut(v)[u] = (amplitude * (-0.5 * d2).exp()) as f32;
                     }
                 }
@@ -354,42 +328,32 @@ mod tests {
         DogTile { levels }
     }
 
-    const LIMITS: Limits = Limits { gate: 0.1, peak_threshold: 0.2, edge_threshold: 10.0 };
+    const ROUND: [f64; 3] = [4.0, 4.0, 1.5];
 
-    #[test]
-    fn a_bump_is_found_between_samples() {
-        let dog = bump((20.3, 18.8, 2.2), -0.5);
-        let refined = refine((&dog, None), (20, 19), 2, (40, 40), LIMITS).expect("a clean bump");
-        assert!((refined.x_refined - 20.3).abs() < 0.02 && (refined.y_refined - 18.8).abs() < 0.02);
-        assert!((refined.level_refined - 2.2).abs() < 0.03);
-        assert!((refined.value + 0.5).abs() < 0.01);
+    fn refined(dog: &DogTile, place: (usize, usize)) -> Result<Fit, Test> {
+        let limits = Limits { gate: 0.1, peak_threshold: 0.2, edge_threshold: 10.0 };
+        refine((dog, None), place, 2, (40, 40), limits)
     }
 
     #[test]
-    fn a_start_two_pixels_off_moves_to_the_bump() {
-        let dog = bump((22.0, 20.0, 2.0), 0.5);
-        let refined = refine((&dog, None), (20, 20), 2, (40, 40), LIMITS).expect("it moves");
-        assert_eq!((refined.x, refined.y), (22, 20));
+    fn a_bump_is_found_between_samples_even_from_two_pixels_off() {
+        let fit = refined(&bump([20.3, 18.8, 2.2], ROUND, -0.5), (20, 19)).expect("a clean bump");
+        let (x, y) = fit.place();
+        assert!((x - 20.3).abs() < 0.02 && (y - 18.8).abs() < 0.02 && (fit.level_refined - 2.2).abs() < 0.03);
+        assert!((fit.value + 0.5).abs() < 0.01);
+        let moved = refined(&bump([22.0, 20.0, 2.0], ROUND, 0.5), (20, 20)).expect("it moves");
+        assert_eq!((moved.x, moved.y), (22, 20));
     }
 
     #[test]
     fn weak_bumps_and_ridges_are_rejected_by_name() {
-        for (amplitude, test) in [(0.15, Test::InterpolatedContrast), (0.05, Test::NoiseGate)] {
-            let weak = bump((20.0, 20.0, 2.0), amplitude);
-            assert_eq!(refine((&weak, None), (20, 20), 2, (40, 40), LIMITS), Err(test));
+        for (spread, amplitude, test) in [
+            (ROUND, 0.15, Test::InterpolatedContrast),
+            (ROUND, 0.05, Test::NoiseGate),
+            ([2.0, 30.0, 1.0], 1.0, Test::Edge),
+        ] {
+            assert_eq!(refined(&bump([20.0, 20.0, 2.0], spread, amplitude), (20, 20)), Err(test));
         }
-        let mut ridge = bump((20.0, 20.0, 2.0), 0.5);
-        for (s, level) in ridge.levels.iter_mut().enumerate() {
-            for v in 0..40 {
-                for u in 0..40 {
-                    let d2 = ((u as f64 - 20.0) / 2.0).powi(2)
-                        + ((v as f64 - 20.0) / 30.0).powi(2)
-                        + (s as f64 - 2.0).powi(2);
-                    level.row_mut(v)[u] = (-0.5 * d2).exp() as f32;
-                }
-            }
-        }
-        assert_eq!(refine((&ridge, None), (20, 20), 2, (40, 40), LIMITS), Err(Test::Edge));
     }
 
     #[test]

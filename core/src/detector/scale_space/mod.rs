@@ -9,9 +9,8 @@
 //! image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th
 //! pixel.
 //!
-//! For the first octave the pixels are made from the frames: stacked at a slope and brought to the octave's resolution.
-//! Later octaves start from planes that the octave before has written, one for each slope. Everything is made in tiles;
-//! a tile includes the pixels around it that its filters need, so each value is bitwise independent of the tiles.
+//! Everything is made in tiles; a tile includes the pixels around it that its filters need, so each value is bitwise
+//! independent of the tiles.
 
 pub(super) mod planes;
 
@@ -50,8 +49,7 @@ impl ScaleSpace {
         Self::new(params.levels as usize, params.first_octave, f64::from(params.rules.kernel_cut))
     }
 
-    /// Scale space of `levels` per octave from octave `first_octave` on, with kernels that end at `kernel_cut` standard
-    /// deviations.
+    /// Scale space of `levels` per octave from octave `first_octave` on; kernels end at `kernel_cut` of their σ.
     pub fn new(levels: usize, first_octave: i32, kernel_cut: f64) -> Self {
         let input = SIGMA_INPUT * 2f64.powi(-first_octave);
         let base = (SIGMA_BASE * SIGMA_BASE - input * input).max(0.0).sqrt();
@@ -80,8 +78,7 @@ impl ScaleSpace {
         self.sigma_octave(level) * 2f64.powi(octave)
     }
 
-    /// Filters that make the Gaussian level indices `levels` (0 is level −1) of an octave from its pixels: of the first
-    /// octave from the stacked image, of later ones from their first level.
+    /// Filters that make the Gaussian level indices `levels` (0 is level −1) of the first or a later octave.
     pub fn bank(&self, first: bool, levels: Range<usize>) -> FilterBank {
         let base = if first { self.base_kernel.clone() } else { GaussianKernel::new(0.0) };
         FilterBank::new(std::iter::once(base).chain(self.step_kernels.iter().cloned()).collect(), levels)
@@ -130,8 +127,7 @@ pub enum Base<'a> {
 }
 
 impl Base<'_> {
-    /// Computes rows `rows` and columns `columns` of the stacked image at the octave's resolution, before any blur.
-    /// Calls `write(v, row)` with each.
+    /// Calls `write(v, row)` with each row of the stacked image at the octave's resolution, before any blur.
     pub(crate) fn raw_rows(
         &self,
         rows: Range<usize>,
@@ -247,8 +243,7 @@ pub fn dog_tile(
 /// Number of extra columns that a stacked row has room for, so that filters can read it in whole vectors in place.
 const PADDING: usize = 32;
 
-/// Stacks some slopes at the resolution of `octave`, in `region`, before any filter: one tile a slope. `slopes` are the
-/// frames' offsets.
+/// Stacks `slopes` (the frames' offsets) at the resolution of `octave`, in `region`: one tile a slope.
 pub fn stack_tiles(
     frames: &[&Plane],
     slopes: &[impl AsRef<[FrameOffset]>],
@@ -278,8 +273,7 @@ pub fn stack_tiles(
     }
 }
 
-/// Computes rows of the stacked image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j), the last one is
-/// repeated.
+/// Rows of the stacked image doubled by linear interpolation; the last pixel is repeated.
 fn doubled_rows(
     frames: &[&Plane],
     offsets: &[FrameOffset],
@@ -330,17 +324,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scales_follow_vlfeat() {
+    fn scales_follow_vlfeat_and_steps_add_up_to_them() {
         let space = ScaleSpace::new(3, -1, 4.0);
         assert!((space.sigma_octave(-1.0) - 1.6).abs() < 1e-12);
         assert!((space.sigma_octave(2.0) - 3.2).abs() < 1e-12);
         assert!((space.sigma_image(-1, 0.0) - 1.6 * 2f64.powf(1.0 / 3.0) / 2.0).abs() < 1e-12);
         assert!((space.sigma_image(1, -1.0) - space.sigma_image(0, 2.0)).abs() < 1e-12);
         assert_eq!(space.step_kernels.len(), 5);
-    }
-
-    #[test]
-    fn each_step_adds_up_to_the_level() {
         let space = ScaleSpace::new(4, 0, 4.0);
         let mut variance = SIGMA_BASE * SIGMA_BASE;
         for s in 0..6 {

@@ -1,9 +1,6 @@
 //! Extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule,
-//! those at the slopes around it.
-//!
-//! The tests come in METHOD's order and each rejection is counted. Thresholds come first because they are cheapest and
-//! reject nearly everything, together with the eight neighbours in the image: both are tested for a whole row at once,
-//! in vector lanes.
+//! those at the slopes around it. Thresholds and the eight neighbours in the image reject nearly everything: they are
+//! tested for a whole row at once, in vector lanes.
 
 use crate::detector::feature::{Tally, Test};
 use crate::detector::scale_space::DogTile;
@@ -31,9 +28,8 @@ pub struct Thresholds {
     pub scale_ease: f32,
 }
 
-/// Factor of a sample that is compared with the adjacent levels. In an octave that [ascends](super::ascends), whose
-/// samples lie far apart, one that is nearly as strong goes on to the ascent, which finds the exact scale: no peak is
-/// missed for the place of the samples on it.
+/// Factor of a sample that is compared with the adjacent levels. In an octave that [ascends](super::ascends) one that
+/// is nearly as strong goes on to the ascent, which finds the exact scale.
 pub fn scale_ease(ascends: bool) -> f32 {
     if ascends { 1.03 } else { 1.0 }
 }
@@ -41,7 +37,6 @@ pub fn scale_ease(ascends: bool) -> f32 {
 /// Number of columns that are skipped together when none of them reaches the thresholds.
 const RUN: usize = 64;
 
-/// Numbers of inner columns of a row that fail the cheapest tests.
 #[derive(Debug, Default, Clone, Copy)]
 struct Counts {
     below_peak: u32,
@@ -139,8 +134,7 @@ fn is_scale_extremum(value: f32, levels: &[Tile], x: usize, y: usize, level_inde
 }
 
 /// Appends the samples of `region` that pass the thresholds and are extrema at their own slope, and counts the others.
-/// `levels` are the tiles of D; they hold at least one pixel more on each side of the region, inside the octave of
-/// `size`.
+/// The tiles of D hold at least one pixel more on each side of the region, inside the octave of `size`.
 pub fn own_slope_extrema(
     levels: &[Tile],
     region: &Region,
@@ -197,9 +191,8 @@ fn level_extrema(
     }
 }
 
-/// Result of the tests of the sample (x, y) at `level_index` at its own slope: the candidate, or the test that rejects
-/// it. `None` for a sample on the octave's border, which the search does not examine. The tiles must hold the sample
-/// and a pixel around it.
+/// The candidate at (x, y) and `level_index`, or the test at its own slope that rejects it. `None` for a sample on the
+/// octave's border, which the search does not examine. The tiles must hold the sample and a pixel around it.
 pub fn own_slope_verdict(
     levels: &[Tile],
     (x, y, level_index): (usize, usize, usize),

@@ -2,13 +2,9 @@
 //!
 //! Octaves come in turn, each starting from planes that the one before has written for every slope. Each is cut into
 //! tiles, which run in parallel. A tile visits the slopes in order, holding only those that its undecided candidates
-//! still need, and applies the tests to each candidate. Its height is chosen so that the threads' memory together stays
-//! bounded (at least eight rows are held, whatever that takes). Tiles return their keypoints in order, so threads
-//! cannot change the result. The first levels of all octaves are kept for the steps after the search; where memory does
-//! not allow that for all slopes, groups of slopes go through all octaves one after the other.
-//!
-//! [`extrema`] compares samples of one slope; [`slope_window`] compares slopes and holds their tiles; `setup` prepares
-//! both.
+//! still need. Tiles return their keypoints in order, so threads cannot change the result. The first levels of all
+//! octaves are kept for the steps after the search; where memory does not allow that for all slopes, groups of slopes
+//! go through all octaves one after the other.
 
 pub mod extrema;
 pub(super) mod setup;
@@ -18,7 +14,7 @@ use crate::detector::feature::{Keypoint, Tally};
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::params::{DetectorParams, Localisation};
 use crate::detector::refine::ascent::FirstLevel;
-use crate::detector::refine::{Limits, Refined, refine};
+use crate::detector::refine::{Fit, Limits, refine};
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_size, stack_tiles};
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
 use crate::detector::search::setup::{FirstLevels, HELD, Search, SlopeGroup, TileScratch};
@@ -33,13 +29,11 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Result of the search.
 pub(crate) struct Searched {
     /// In order of octaves, and within them of tiles and slopes.
     pub(crate) keypoints: Vec<Keypoint>,
     pub(crate) evidence: Vec<Evidence>,
-    /// First levels of each octave; none for the first octave, which is made from the frames. `None` where the slopes
-    /// were searched in groups, which keep none.
+    /// First levels of each octave; none for the first octave. `None` where slopes were searched in groups.
     pub(crate) bases: Option<Vec<FirstLevels>>,
 }
 
@@ -53,7 +47,7 @@ pub(crate) struct Evidence {
     pub(crate) sample_value: f32,
     /// Ratio of σ_D at its place to that at the place of least noise.
     pub(crate) place_factor: f32,
-    /// See [`Refined::edge_quotient`].
+    /// See [`Fit::edge_quotient`].
     pub(crate) edge_quotient: f64,
 }
 
@@ -81,9 +75,9 @@ impl Search<'_> {
         Ok(Searched { keypoints, evidence, bases })
     }
 
-    /// Searches all octaves for the keypoints of one group of slopes, and appends them to those `found` at the slopes
-    /// before. Returns the first levels of all octaves if it `keeps` them; otherwise each is freed as soon as it is no
-    /// longer needed. For the progress, `done` is the finished part of the detection, and `share` the group's.
+    /// Searches all octaves for the keypoints of one group of slopes, and appends them to those `found` before. Returns
+    /// the first levels of all octaves if it `keeps` them. For the progress, `done` is the finished part of the
+    /// detection, and `share` the group's.
     fn group(
         &self,
         octaves: &Range<i32>,
@@ -126,8 +120,7 @@ impl Search<'_> {
         (-1..=self.space.levels as i32).map(of_level).collect()
     }
 
-    /// Buffers for a thread: unused ones, or new ones. Allocating memory anew costs as much as a good part of the
-    /// search, so buffers are reused.
+    /// Unused buffers, or new ones: allocating anew costs as much as a good part of the search.
     fn take_scratch(&self) -> TileScratch {
         self.unused.lock().ok().and_then(|mut unused| unused.pop()).unwrap_or_else(|| TileScratch {
             stacked: Vec::new(),
@@ -137,7 +130,8 @@ impl Search<'_> {
         })
     }
 
-    /// Columns and rows of the tiles of an octave of `size`.
+    /// Columns and rows of the tiles of an octave of `size`: as high as lets all threads' windows fit into their bound,
+    /// at least eight rows.
     fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
         let slopes = capacity(&self.grid, OtherSlopes::of(self.params));
         let window_bytes = (WINDOWS_BYTES / rayon::current_num_threads().max(1)).min(WINDOW_BYTES);
@@ -210,8 +204,7 @@ impl Search<'_> {
 
 /// Part of the peak threshold that the first test uses: the refinement may add to a sample's value.
 pub const FIRST_PEAK_PART: f32 = 0.8;
-/// Part of the noise gate that its first test uses, on a sample; the refined value is compared with the whole. So
-/// whether a blob passes does not depend on where the samples fall on it.
+/// Part of the noise gate that a sample is compared with; the refined value is compared with the whole.
 const FIRST_GATE_PART: f32 = 0.93;
 
 /// Part of the noise gate that samples of a search with `params` are compared with. With the quadratic fit alone, as in
@@ -228,7 +221,6 @@ pub fn ascends(params: &DetectorParams, octave: i32) -> bool {
     octave != params.first_octave && params.rules.localisation == Localisation::Continuous
 }
 
-/// Data that its tiles share.
 struct Octave<'a> {
     octave: i32,
     size: (usize, usize),
@@ -241,8 +233,7 @@ struct Octave<'a> {
 }
 
 impl Search<'_> {
-    /// Searches one tile over the slopes of a group. `next` holds the tile's parts of the next octave's first level,
-    /// one for each slope that is visited, or is empty.
+    /// `next` holds the tile's parts of the next octave's first level, one for each slope visited, or is empty.
     fn tile(
         &self,
         job: &Octave<'_>,
@@ -357,13 +348,13 @@ impl Search<'_> {
         for undecided in window.undecided(slope_index) {
             match undecided.refined {
                 Err(test) => tally.reject(test, 1),
-                Ok(refined) => {
+                Ok(fit) => {
                     let candidate = &undecided.candidate;
                     let place_factor = self.place_factor(job.octave, slope_index, candidate.x, candidate.y);
                     let sigma_d = job.sigma_d[candidate.level_index][slope_index] * place_factor;
                     let slope = window.refined_slope(slope_index, undecided);
-                    let keypoint = self.keypoint(job.octave, candidate, &refined, (slope_index, slope), sigma_d);
-                    let (sample_value, edge_quotient) = (candidate.value, refined.edge_quotient);
+                    let keypoint = self.keypoint(job.octave, candidate, &fit, (slope_index, slope), sigma_d);
+                    let (sample_value, edge_quotient) = (candidate.value, fit.edge_quotient());
                     keypoints.push((keypoint, Evidence { sample_value, place_factor, edge_quotient }));
                 }
             }
@@ -375,26 +366,26 @@ impl Search<'_> {
         &self,
         octave: i32,
         candidate: &Candidate,
-        refined: &Refined,
+        fit: &Fit,
         (slope_index, slope): (usize, Slope),
         sigma_d: f32,
     ) -> Keypoint {
+        let (x, y) = fit.place();
         Keypoint {
             octave,
-            x: refined.x_refined as f32,
-            y: refined.y_refined as f32,
-            sigma_octave: self.space.sigma_octave(refined.level_refined - 1.0) as f32,
+            x: x as f32,
+            y: y as f32,
+            sigma_octave: self.space.sigma_octave(fit.level_refined - 1.0) as f32,
             level: candidate.level_index as i32 - 1,
             sample: [candidate.x as u32, candidate.y as u32],
             slope_index,
             slope,
-            value: refined.value,
+            value: fit.value as f32,
             snr: f32::INFINITY,
         }
         .with_noise(sigma_d)
     }
 
-    /// See [`Inputs::place_factor`](setup::Inputs::place_factor), at one of the grid's slopes.
     pub(crate) fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
         self.inputs.place_factor(octave, &self.offsets[slope_index], (x, y))
     }

@@ -1,11 +1,9 @@
 //! Setup of a search, before its first tile: the frames that take part, the noise and the scales, checked and owned;
 //! the constants that tiles share; the groups of slopes; and the buffers that threads reuse.
 //!
-//! For every slope that is searched at once, the first level of each coarser octave is held. If memory allows, all
-//! slopes are one group; otherwise there are several ([`SlopeGroup`]). A group holds the levels of its own slopes and
-//! of the slopes around them, which its own are compared with or localised between; the groups that own those compute
-//! them again. Every value is computed by identical operations whatever the group, so the groups' keypoints together
-//! are those of the whole search.
+//! If memory allows, all slopes are one group; otherwise there are several ([`SlopeGroup`]). A group holds the levels
+//! of its own slopes and of the slopes around them, which its own are compared with or localised between. Every value
+//! is computed by identical operations whatever the group, so the keypoints together are those of the whole search.
 
 use crate::burst::Burst;
 use crate::detector::feature::DetectError;
@@ -77,8 +75,7 @@ impl<'a> Search<'a> {
         SlopeStack { frames, offsets, space: self.space, size_image: self.inputs.size_image }
     }
 
-    /// Source of the first level of an octave at a slope of the grid: the frames, or that of `bases`, which are the
-    /// first levels of all octaves.
+    /// Source of the first level of an octave at a slope of the grid: the frames, or that of `bases`, by octave.
     pub(crate) fn base<'s>(&'s self, bases: &'s [FirstLevels], octave: i32, slope_index: usize) -> Base<'s> {
         match (octave - self.space.first_octave) as usize {
             0 => self.stack(slope_index).base(),
@@ -252,8 +249,7 @@ mod tests {
 
     #[test]
     fn what_needs_all_slopes_is_not_cut() {
-        assert_eq!(SlopeGroup::cut(7, None, 7), Some(vec![SlopeGroup::whole(7)]));
-        assert_eq!(SlopeGroup::cut(7, None, 6), None);
-        assert_eq!(SlopeGroup::cut(7, Some(1), 5).map(|groups| groups.len()), Some(3));
+        let groups = |reach, max| SlopeGroup::cut(7, reach, max).map(|groups| groups.len());
+        assert_eq!([groups(None, 7), groups(None, 6), groups(Some(1), 5)], [Some(1), None, Some(3)]);
     }
 }

@@ -2,14 +2,13 @@
 //! with other slopes or refined over them.
 //!
 //! Slopes are visited in running order, first axis fastest. A candidate is compared with the slopes before its own as
-//! soon as it is found, while their tiles are still held, and with those after its own as they come. While it waits for
-//! them, it keeps the values that it needs of its own tile, which is then free. So a line of slopes needs two tiles, a
-//! plane one row of the grid and two.
+//! soon as it is found, and with those after its own as they come; meanwhile it keeps the values that it needs of its
+//! own tile, which is then free. So a line of slopes needs two tiles, a plane one row of the grid and two.
 
 use crate::detector::feature::{Tally, Test};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use crate::detector::params::{DetectorParams, Localisation, SlopeExtrema, SlopeNeighbours};
-use crate::detector::refine::{Refined, peak_offset, peak_offset_2d};
+use crate::detector::refine::{Fit, peak_offset, peak_offset_2d};
 use crate::detector::scale_space::DogTile;
 use crate::detector::search::extrema::{Candidate, beats_all_27};
 use std::ops::Range;
@@ -19,21 +18,19 @@ use std::ops::Range;
 pub struct Undecided {
     pub candidate: Candidate,
     /// The refined extremum, or the test that rejects it if no slope does.
-    pub refined: Result<Refined, Test>,
+    pub refined: Result<Fit, Test>,
     /// D of the refined sample at the slopes around, as far as they have been visited: `around[dj + 1][di + 1]`.
     around: [[f32; 3]; 3],
 }
 
 impl Undecided {
-    /// Reads D from a neighbouring slope's tile.
     fn look_at(&mut self, tile: &DogTile, (di, dj): (i64, i64)) {
-        if let (Ok(Refined { x, y, .. }), -1..=1, -1..=1) = (self.refined, di, dj) {
+        if let (Ok(Fit { x, y, .. }), -1..=1, -1..=1) = (self.refined, di, dj) {
             self.around[(dj + 1) as usize][(di + 1) as usize] = tile.at(self.candidate.level_index, x, y);
         }
     }
 }
 
-/// Values at other slopes that a candidate needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OtherSlopes {
     Unseen,
@@ -52,8 +49,7 @@ impl OtherSlopes {
         }
     }
 
-    /// Distance, in running slope indices, from a slope of `grid` to the farthest one that is held with it; `None` for
-    /// all of them.
+    /// Distance, in running indices, from a slope to the farthest one held with it; `None` for all of them.
     pub fn reach(self, grid: &SlopeGrid) -> Option<usize> {
         match self {
             Self::Unseen => Some(0),
@@ -93,8 +89,7 @@ impl SlopeWindow {
         }
     }
 
-    /// Begins another tile, at which the consecutive slopes `visited` are visited. Only slopes whose neighbours are all
-    /// among them may have candidates.
+    /// Begins another tile. Only slopes whose neighbours are all among `visited` may have candidates.
     pub fn begin(&mut self, visited: &Range<usize>) {
         self.visited = visited.clone();
     }
@@ -110,8 +105,7 @@ impl SlopeWindow {
         &self.tiles[index % self.tiles.len()]
     }
 
-    /// Slopes before slope `index` that its candidates are compared with, and their distances from it in steps along
-    /// both axes.
+    /// Slopes before slope `index` that its candidates are compared with, and their distances in steps.
     fn earlier(&self, index: usize) -> Vec<(usize, (i64, i64))> {
         let (i, j) = self.grid.coordinates(index);
         let reach = self.others.reach(&self.grid);
@@ -132,7 +126,7 @@ impl SlopeWindow {
         &mut self,
         made: usize,
         gate: impl Fn(&Candidate) -> bool,
-        refine: impl Fn(&DogTile, &Candidate) -> Result<Refined, Test>,
+        refine: impl Fn(&DogTile, &Candidate) -> Result<Fit, Test>,
         tally: &mut Tally,
     ) {
         let earlier = self.earlier(made);
@@ -190,7 +184,6 @@ impl SlopeWindow {
         &self.undecided[index % self.undecided.len()]
     }
 
-    /// See [`refined_slope`].
     pub fn refined_slope(&self, index: usize, undecided: &Undecided) -> Slope {
         refined_slope(&self.grid, self.others, index, &undecided.around)
     }
@@ -253,8 +246,8 @@ mod tests {
             let (tile, candidates) = window.slot_mut(made);
             fill(tile, value);
             candidates.push(Candidate { x: 1, y: 1, level_index: 1, value });
-            let here =
-                Refined { x: 1, y: 1, x_refined: 1.0, y_refined: 1.0, level_refined: 1.0, value, edge_quotient: 4.0 };
+            let (offset, value, curvature) = ([0.0; 3], f64::from(value), [-1.0, 0.0, -1.0]);
+            let here = Fit { x: 1, y: 1, offset, level_refined: 1.0, level_reach: 1.0, value, curvature };
             window.compare(made, |_| true, |_, _| Ok(here), &mut tally);
             for index in window.decidable(made) {
                 for undecided in window.undecided(index) {
