@@ -1,12 +1,11 @@
 //! Reason why a feature is not matched, or is matched as it is.
 //!
-//! To be matched, a feature of A must pass three steps: its nearest descriptor in B must be clearly nearer than the
-//! second (ratio test), B's feature must choose it too (mutual check), and the pair must fit the geometry. This module
-//! reports the step at which it was lost, and, where a geometry is known, whether B has a keypoint at the expected
-//! place, and why guided matching left it.
+//! A feature of A passes three steps: ratio test, mutual check, and geometry. This module reports the step at which it
+//! was lost, and, where a geometry is known, whether B has a keypoint at the expected place, and why guided matching
+//! left it.
 
-use crate::detector::{Descriptor, Detection, Feature, Slope};
-use crate::matching::putative::{Nearest, nearest_two};
+use crate::detector::{Detection, Feature, Slope};
+use crate::matching::putative::{Nearest, distance_squared, nearest_two};
 use crate::matching::{GUIDED_RATIO, MatchParams, MatchResult, MatchSide, TwoViewModel, nearest_along};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
@@ -114,13 +113,6 @@ impl ComparedPair<'_> {
             .collect()
     }
 
-    fn matched(&self) -> Vec<Option<usize>> {
-        let mut matched = vec![None; self.a.features.len()];
-        for (number, m) in self.result.matches.iter().enumerate() {
-            matched[m.a] = Some(number);
-        }
-        matched
-    }
 }
 
 fn place(feature: &Feature) -> [f64; 2] {
@@ -152,7 +144,11 @@ impl<'a> Losses<'a> {
 
     /// The losses of `pair` with the nearest features from an earlier computation.
     pub fn again(pair: ComparedPair<'a>, nearest: Arc<NearestOfBoth>) -> Self {
-        Self { pair, nearest, matched: pair.matched() }
+        let mut matched = vec![None; pair.a.features.len()];
+        for (number, m) in pair.result.matches.iter().enumerate() {
+            matched[m.a] = Some(number);
+        }
+        Self { pair, nearest, matched }
     }
 
     /// The nearest features, for [`Self::again`].
@@ -171,9 +167,7 @@ impl<'a> Losses<'a> {
             let inlier = pair.result.verification.as_ref().is_none_or(|v| v.inlier[number]);
             return if inlier { Lost::Not } else { Lost::Geometry };
         }
-        let Some(nearest) = of_a.get(index) else {
-            return Lost::NoKeypoint;
-        };
+        let Some(nearest) = of_a.get(index) else { return Lost::NoKeypoint };
         if pair.model().is_some_and(|model| pair.there(model, index).is_empty()) {
             return Lost::NoKeypoint;
         }
@@ -203,16 +197,10 @@ impl<'a> Losses<'a> {
     /// # Panics
     /// When A has no such feature: a mistake of the caller.
     pub fn of(&self, index: usize, count: usize) -> Unmatched {
-        unmatched(self, index, count)
-    }
-}
-
-fn unmatched(losses: &Losses<'_>, index: usize, count: usize) -> Unmatched {
-    let NearestOfBoth { of_a, of_b } = &*losses.nearest;
-    let (pair, lost) = (losses.pair, losses.lost(index));
-    let own = &pair.a.descriptors[index];
-    let mut order: Vec<(usize, f32)> =
-        pair.b.descriptors.iter().enumerate().map(|(other, d)| (other, distance(own, d))).collect();
+    let NearestOfBoth { of_a, of_b } = &*self.nearest;
+    let (pair, lost) = (self.pair, self.lost(index));
+    let distance = |d| f64::from(distance_squared(&pair.a.descriptors[index], d)).sqrt() as f32;
+    let mut order: Vec<(usize, f32)> = pair.b.descriptors.iter().map(distance).enumerate().collect();
     // Of equally near ones the first counts as the nearest, as in matching.
     order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     let model = pair.model();
@@ -243,11 +231,7 @@ fn unmatched(losses: &Losses<'_>, index: usize, count: usize) -> Unmatched {
         sentence(&pair, index, lost, &candidates, preferred, &there) + &along_geometry(&pair, index, lost)
     };
     Unmatched { lost, candidates, preferred, expected, there, sentence }
-}
-
-fn distance(a: &Descriptor, b: &Descriptor) -> f32 {
-    let squared: u32 = a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b)).pow(2)).sum();
-    f64::from(squared).sqrt() as f32
+    }
 }
 
 /// Name of a feature by its rank in strength, from 1, as in tables.
@@ -255,12 +239,9 @@ fn rank_name(index: usize) -> String {
     format!("feature #{}", index + 1)
 }
 
-/// Why guided matching did not find it either; empty without guided matching.
 fn along_geometry(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     let is_lost_before = matches!(lost, Lost::RatioTest | Lost::MutualCheck);
-    let Some(model) = pair.model().filter(|_| pair.params.guided && is_lost_before) else {
-        return String::new();
-    };
+    let Some(model) = pair.model().filter(|_| pair.params.guided && is_lost_before) else { return String::new() };
     let places: Vec<[f64; 2]> = (0..pair.b.features.len()).map(|other| pair.place_b(other)).collect();
     let to = MatchSide { places: &places, descriptors: &pair.b.descriptors };
     match nearest_along((pair.place_a(index), pair.a.descriptors[index]), to, model, pair.params) {

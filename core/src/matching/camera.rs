@@ -1,9 +1,8 @@
 //! A camera's intrinsics: mapping between directions in space and pixels.
 //!
-//! Models, names and the order of the parameters are COLMAP's, and so is the convention of the principal point: **the
-//! centre of the first pixel is (0.5, 0.5)** there, so that parameters can be taken from COLMAP's files as they are.
-//! [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels in Burstscope's convention, where it is (0,
-//! 0), and add the half pixel themselves.
+//! Models, names and the order of the parameters are COLMAP's, and so is the principal point: **the centre of the first
+//! pixel is (0.5, 0.5)** there. [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels in Burstscope's
+//! convention, where it is (0, 0), and add the half pixel themselves.
 
 use crate::detector::ParamError;
 use nalgebra::Matrix3;
@@ -49,7 +48,7 @@ impl CameraModel {
     }
 
     /// The parameters' names, in order.
-    pub fn param_names(self) -> &'static [&'static str] {
+    pub(crate) fn param_names(self) -> &'static [&'static str] {
         self.names().1
     }
 }
@@ -64,8 +63,7 @@ pub struct Camera {
     pub width: usize,
     /// Rows of its images.
     pub height: usize,
-    /// The model's parameters in COLMAP's order, see [`CameraModel::param_names`]; focal lengths and principal point in
-    /// pixels.
+    /// The model's parameters in COLMAP's order; focal lengths and principal point in pixels.
     pub params: Vec<f64>,
 }
 
@@ -303,17 +301,13 @@ mod tests {
     }
 
     #[test]
-    fn files_hold_it_by_colmaps_names() {
+    fn files_hold_it_by_colmaps_names_and_hopeless_distortion_ends_without_nan() {
         let text = toml::to_string(&opencv()).expect("plain values");
         assert!(text.contains("model = \"OPENCV\""), "{text}");
         assert_eq!(toml::from_str::<Camera>(&text), Ok(opencv()));
         for model in CameraModel::ALL {
             assert_eq!(serde_json::to_value(model).ok(), Some(serde_json::Value::from(model.name())));
         }
-    }
-
-    #[test]
-    fn hopeless_distortion_ends_without_nan() {
         let camera: Camera = "SIMPLE_RADIAL 640 480 100 320 240 -3".parse().expect("a camera");
         for pixel in [[0.0, 0.0], [1e6, -1e6], [320.0, 0.0]] {
             assert!(camera.direction_of(pixel).iter().all(|x| x.is_finite()));

@@ -23,14 +23,12 @@ enum Kind {
 }
 
 impl TwoViewModel {
-    /// The features `b` of image B near the places that are expected for the features `a` of image A, to
-    /// `max_error_px`.
+    /// The features `b` of image B near the places expected for the features `a` of image A, to `max_error_px`.
     pub fn band_in_b(&self, a: &[[f64; 2]], b: &[[f64; 2]], max_error_px: f64) -> GuidingBand {
         self.band(a, b, max_error_px, false)
     }
 
-    /// The features `a` of image A near the places that are expected for the features `b` of image B, to
-    /// `max_error_px`.
+    /// The features `a` of image A near the places expected for the features `b` of image B, to `max_error_px`.
     pub fn band_in_a(&self, a: &[[f64; 2]], b: &[[f64; 2]], max_error_px: f64) -> GuidingBand {
         self.band(b, a, max_error_px, true)
     }

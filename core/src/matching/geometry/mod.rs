@@ -1,9 +1,7 @@
 //! Geometric verification: finds the putative matches that agree on one geometry of the two views.
 //!
-//! The data flow: matched points → `points` (normalised coordinates) → samples that are solved exactly (`linear`,
-//! `essential`) and scored against all matches (`consensus`) → a [`TwoViewModel`] in pixels, each match's error under
-//! it, and the inliers. [`verify`] is the composition. [`RelativePose`] is that of the cameras, from an essential
-//! matrix.
+//! The data flow of [`verify`]: matched points → `points` (normalised coordinates) → samples that are solved exactly
+//! (`linear`, `essential`) and scored against all matches (`consensus`) → a [`TwoViewModel`] in pixels and the inliers.
 //!
 //! No library is used: none of the maintained estimators for Rust has the improvements made since RANSAC (local
 //! optimisation, marginal cost, degenerate samples), and bindings to C++ would need its toolchain.
@@ -76,21 +74,17 @@ pub fn verify(
     order.sort_by(|&i, &j| pairs[i].rank.total_cmp(&pairs[j].rank));
     let (model, iterations) = match (params.geometry, &params.camera) {
         (Geometry::None, _) => return Ok(None),
-        (Geometry::Fundamental, _) => fundamental_of(&points, order, params, monitor)?,
-        (Geometry::Homography, _) => homography_of(&points, order, params, monitor)?,
         (Geometry::Essential, Some(camera)) => essential_of(&points, order, camera, params, monitor)?,
         (Geometry::Essential, None) => unreachable!("validation asks for the camera"),
+        (Geometry::Fundamental | Geometry::Homography, _) => in_pixels(&points, order, params, monitor)?,
     };
     Ok(Some(judge(pairs, model, iterations, params)))
 }
 
-/// Counts the inliers of a model, and drops the model if they are too few.
 fn judge(pairs: &[PointPair], model: Option<TwoViewModel>, iterations: usize, params: &MatchParams) -> Verification {
-    let none = || Verification {
-        model: None,
-        inlier: vec![false; pairs.len()],
-        error_px: vec![f32::INFINITY; pairs.len()],
-        iterations,
+    let none = || {
+        let (inlier, error_px) = (vec![false; pairs.len()], vec![f32::INFINITY; pairs.len()]);
+        Verification { model: None, inlier, error_px, iterations }
     };
     let Some(model) = model else { return none() };
     let error_px: Vec<f32> = pairs.iter().map(|pair| model.error_px(pair.a, pair.b) as f32).collect();
@@ -101,22 +95,21 @@ fn judge(pairs: &[PointPair], model: Option<TwoViewModel>, iterations: usize, pa
 
 type ModelFound = Result<(Option<TwoViewModel>, usize), Cancelled>;
 
-fn fundamental_of(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
-    let (normalisation, normalised) = Normalisation::of(points);
-    let problem = linear::FundamentalProblem { pairs: &normalised };
+/// The fundamental matrix or the homography.
+fn in_pixels(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
+    let (normalisation, pairs) = Normalisation::of(points);
     let max_error = f64::from(params.max_error_px) * normalisation.scale;
-    let (model, iterations) = estimate(&problem, order, max_error, params, monitor)?;
-    let in_pixels = |f| TwoViewModel::Fundamental { fundamental: normalisation.fundamental_in_pixels(&f).normalize() };
-    Ok((model.map(in_pixels), iterations))
-}
-
-fn homography_of(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
-    let (normalisation, normalised) = Normalisation::of(points);
-    let problem = linear::HomographyProblem { pairs: &normalised };
-    let max_error = f64::from(params.max_error_px) * normalisation.scale;
-    let (model, iterations) = estimate(&problem, order, max_error, params, monitor)?;
-    let in_pixels = |h: linear::Homography| TwoViewModel::homography(&normalisation.homography_in_pixels(&h.forward));
-    Ok((model.and_then(in_pixels), iterations))
+    if params.geometry == Geometry::Homography {
+        let problem = linear::HomographyProblem { pairs: &pairs };
+        let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
+        let forward = found.map(|h| normalisation.homography_in_pixels(&h.forward));
+        let both = forward.and_then(|forward| Some((forward, forward.try_inverse()?)));
+        return Ok((both.map(|(forward, backward)| TwoViewModel::Homography { forward, backward }), iterations));
+    }
+    let problem = linear::FundamentalProblem { pairs: &pairs };
+    let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
+    let fundamental = found.map(|f| normalisation.fundamental_in_pixels(&f).normalize());
+    Ok((fundamental.map(|fundamental| TwoViewModel::Fundamental { fundamental }), iterations))
 }
 
 fn essential_of(
@@ -145,7 +138,6 @@ pub(in crate::matching) mod tests {
     struct Scene {
         pairs: Vec<PointPair>,
         is_true: Vec<bool>,
-        pose: RelativePose,
         camera: Camera,
     }
 
@@ -156,17 +148,16 @@ pub(in crate::matching) mod tests {
         RelativePose { rotation, translation: Vector3::new(0.9, 0.1, -0.3).normalize() }
     }
 
-    /// `inliers` points seen by a camera that moves by `pose`, with `sigma` pixels of noise in both images, and
+    /// `inliers` points seen by a camera that moves by [`pose`], with `sigma` pixels of noise in both images, and
     /// `outliers` pairs of random places. `depth` gives the depth of a point from its direction.
     fn scene(
         random: &mut Stream,
         camera: Camera,
-        pose: RelativePose,
         (inliers, outliers): (usize, usize),
         sigma: f64,
         mut depth: impl FnMut(&mut Stream, [f64; 2]) -> f64,
     ) -> Scene {
-        let mut pairs = Vec::new();
+        let (pose, mut pairs) = (pose(), Vec::new());
         let inside = |p: [f64; 2]| p[0] > 0.0 && p[1] > 0.0 && p[0] < SIZE.0 as f64 - 1.0 && p[1] < SIZE.1 as f64 - 1.0;
         while pairs.len() < inliers {
             let a = [random.within(0.0, 639.0), random.within(0.0, 479.0)];
@@ -189,11 +180,15 @@ pub(in crate::matching) mod tests {
             pairs.swap(i, j);
             is_true.swap(i, j);
         }
-        Scene { pairs, is_true, pose, camera }
+        Scene { pairs, is_true, camera }
+    }
+
+    fn camera() -> Camera {
+        Camera::centred(640, 480, 600.0)
     }
 
     fn in_space(random: &mut Stream, counts: (usize, usize), sigma: f64) -> Scene {
-        scene(random, Camera::centred(640, 480, 600.0), pose(), counts, sigma, |random, _| random.within(3.0, 9.0))
+        scene(random, camera(), counts, sigma, |random, _| random.within(3.0, 9.0))
     }
 
     /// The places in both images of `count` points of a scene in space, without noise.
@@ -208,7 +203,7 @@ pub(in crate::matching) mod tests {
     /// A scene with all points on one slanted plane.
     fn on_a_plane(random: &mut Stream, counts: (usize, usize), sigma: f64) -> Scene {
         let depth = |_: &mut Stream, [x, y]: [f64; 2]| 4.0 / (1.0 + 0.3 * x - 0.2 * y);
-        scene(random, Camera::centred(640, 480, 600.0), pose(), counts, sigma, depth)
+        scene(random, camera(), counts, sigma, depth)
     }
 
     fn params(geometry: Geometry, camera: &Camera) -> MatchParams {
@@ -222,20 +217,14 @@ pub(in crate::matching) mod tests {
     }
 
     fn found(scene: &Scene, geometry: Geometry) -> Verification {
-        verify(&scene.pairs, &params(geometry, &scene.camera), &Monitor::default())
-            .expect("not cancelled")
-            .expect("asked for")
+        let found = verify(&scene.pairs, &params(geometry, &scene.camera), &Monitor::default());
+        found.expect("not cancelled").expect("asked for")
     }
 
     /// (true matches among the inliers, wrong ones among the inliers).
     fn judged(scene: &Scene, found: &Verification) -> (usize, usize) {
         let called = |truth: bool| scene.is_true.iter().zip(&found.inlier).filter(|(t, i)| **t == truth && **i).count();
         (called(true), called(false))
-    }
-
-    /// Angle between two directions, degrees, whatever their signs.
-    fn angle_deg(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-        a.cross(b).norm().atan2(a.dot(b).abs()).to_degrees()
     }
 
     #[test]
@@ -274,25 +263,22 @@ pub(in crate::matching) mod tests {
         }
     }
 
-    fn inliers_of(scene: &Scene, found: &Verification) -> Vec<([f64; 2], [f64; 2])> {
-        scene.pairs.iter().zip(&found.inlier).filter(|(_, i)| **i).map(|(p, _)| (p.a, p.b)).collect()
-    }
-
     #[test]
     fn half_outliers_leave_the_pose_exact() {
         for seed in 0..5 {
             let mut random = Stream::new(0, 200 + seed);
             let scene = in_space(&mut random, (200, 200), 0.5);
             let found = found(&scene, Geometry::Essential);
-            let inliers = inliers_of(&scene, &found);
+            let inliers = scene.pairs.iter().zip(&found.inlier).filter(|(_, i)| **i);
+            let inliers: Vec<_> = inliers.map(|(p, _)| (p.a, p.b)).collect();
             let (pose, in_front) = found.model.and_then(|m| m.relative_pose(&inliers)).expect("a pose");
             // All true inliers, and of the wrong ones about half.
             assert!(in_front >= 196, "{in_front} of {}", inliers.len());
-            let turn = pose.rotation.transpose() * scene.pose.rotation;
+            let truth = self::pose();
+            let turn = pose.rotation.transpose() * truth.rotation;
             let turn_deg = RelativePose { rotation: turn, ..pose }.rotation_angle().to_degrees();
-            let shift_deg = angle_deg(&pose.translation, &scene.pose.translation);
+            let shift_deg = pose.translation.angle(&truth.translation).to_degrees();
             assert!(turn_deg < 0.15 && shift_deg < 0.7, "seed {seed}: {turn_deg}°, {shift_deg}°");
-            assert!(pose.translation.dot(&scene.pose.translation) > 0.0, "the right way round");
         }
     }
 
@@ -302,7 +288,7 @@ pub(in crate::matching) mod tests {
         for seed in 0..5 {
             let mut random = Stream::new(0, 250 + seed);
             let scene = on_a_plane(&mut random, (200, 200), 0.5);
-            let truth = TwoViewModel::Essential { essential: scene.pose.essential(), camera: scene.camera.clone() };
+            let truth = TwoViewModel::Essential { essential: pose().essential(), camera: scene.camera.clone() };
             let loss = super::consensus::Loss::new(3.0);
             let cost = |model: &TwoViewModel| -> f64 {
                 scene.pairs.iter().map(|p| loss.cost(model.error_px(p.a, p.b).powi(2))).sum()
@@ -320,7 +306,7 @@ pub(in crate::matching) mod tests {
             let depth = |random: &mut Stream, [x, y]: [f64; 2]| {
                 if random.within(0.0, 1.0) < 0.9 { 6.0 / (1.0 + 0.3 * x - 0.2 * y) } else { random.within(2.5, 5.0) }
             };
-            let scene = scene(&mut random, Camera::centred(640, 480, 600.0), pose(), (200, 100), 0.3, depth);
+            let scene = scene(&mut random, camera(), (200, 100), 0.3, depth);
             let (right, wrong) = judged(&scene, &found(&scene, Geometry::Fundamental));
             assert!(right >= 197 && wrong <= 6, "seed {seed}: {right} right, {wrong} wrong");
         }
@@ -329,7 +315,7 @@ pub(in crate::matching) mod tests {
     #[test]
     fn the_lens_is_taken_out() {
         let mut random = Stream::new(0, 7);
-        let scene = scene(&mut random, camera_bending(), pose(), (100, 0), 0.0, |random, _| random.within(3.0, 9.0));
+        let scene = scene(&mut random, camera_bending(), (100, 0), 0.0, |random, _| random.within(3.0, 9.0));
         let found = found(&scene, Geometry::Essential);
         let worst = found.error_px.iter().copied().fold(0.0, f32::max);
         assert!(worst < 1e-3, "{worst} px");
@@ -399,7 +385,6 @@ pub(in crate::matching) mod tests {
 
     #[test]
     fn hopeless_input_has_no_model_and_no_nan() {
-        let camera = Camera::centred(640, 480, 600.0);
         let mut random = Stream::new(0, 10);
         let place = |random: &mut Stream| [random.within(0.0, 639.0), random.within(0.0, 479.0)];
         let mut inputs: Vec<Vec<PointPair>> = (0..9)
@@ -417,7 +402,7 @@ pub(in crate::matching) mod tests {
         forty(|i, _| [[i, 3.0], [i, 3.0]]);
         for pairs in &inputs {
             for geometry in [Geometry::Fundamental, Geometry::Essential, Geometry::Homography] {
-                let params = MatchParams { max_iterations: 300, min_inliers: 15, ..params(geometry, &camera) };
+                let params = MatchParams { max_iterations: 300, min_inliers: 15, ..params(geometry, &camera()) };
                 let found = verify(pairs, &params, &Monitor::default()).expect("not cancelled").expect("asked for");
                 assert_eq!((found.inlier.len(), found.error_px.len()), (pairs.len(), pairs.len()));
                 assert!(found.error_px.iter().all(|e| !e.is_nan() && *e >= 0.0));
@@ -431,9 +416,9 @@ pub(in crate::matching) mod tests {
         // Without any motion everything fits.
         let still: Vec<PointPair> =
             (0..40).map(|_| place(&mut random)).map(|a| PointPair { a, b: a, rank: 0.0 }).collect();
-        let homography = verify(&still, &params(Geometry::Homography, &camera), &Monitor::default());
+        let homography = verify(&still, &params(Geometry::Homography, &camera()), &Monitor::default());
         assert_eq!(homography.expect("valid").expect("asked for").inlier_count(), 40);
-        assert_eq!(verify(&still, &params(Geometry::None, &camera), &Monitor::default()), Ok(None));
+        assert_eq!(verify(&still, &params(Geometry::None, &camera()), &Monitor::default()), Ok(None));
     }
 
     #[test]
