@@ -4,7 +4,6 @@ use crate::burst::OpenError;
 use crate::detector::{DetectError, ParamError};
 use crate::export::ExportError;
 use crate::files::lock::LockError;
-use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 use std::path::PathBuf;
 
@@ -67,15 +66,6 @@ impl From<DetectError> for DatasetError {
         match error {
             DetectError::Cancelled(cancelled) => Self::Cancelled(cancelled),
             DetectError::Param(param) => Self::Param(param),
-        }
-    }
-}
-
-impl From<MatchError> for DatasetError {
-    fn from(error: MatchError) -> Self {
-        match error {
-            MatchError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            MatchError::Param(param) => Self::Param(param),
         }
     }
 }

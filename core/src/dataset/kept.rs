@@ -1,10 +1,8 @@
 //! State of a dataset on disk, so that an interrupted run continues.
 //!
-//! `manifest.json` is the folder's mark and claims the program and settings with which the folder was begun; it is
-//! written before anything else.
-//! Each finished burst has a record of its own (see [`Records`]), `records/NAME.png.json`, which names all that its
-//! features were made from, and the checksum of their file. A burst without a record, or with one that differs from the
-//! current settings, is computed again: features of two detectors do not match one another as well as those of one.
+//! `manifest.json`, the folder's mark, is written first and claims the program and settings. Each finished burst has a
+//! record, `records/NAME.png.json`, of all that its features were made from and the checksum of their file. A burst
+//! without one, or with other settings, is computed again: features of two detectors match worse than those of one.
 
 use super::stamp::FileStamp;
 use super::{DatasetError, ImageKind};
@@ -71,11 +69,10 @@ pub(super) fn check_folder(folder: &Path, parts: &[&str]) -> Result<(), DatasetE
 /// Writes the manifest into `folder`, unless it is there already.
 pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<(), ExportError> {
     if claims(folder, Kind::Dataset).as_ref() == Some(manifest) {
-        Ok(())
-    } else {
-        let text = claiming(Kind::Dataset, manifest);
-        write_whole(&folder.join(Kind::Dataset.file()), |out| out.write_all(text.as_bytes()))
+        return Ok(());
     }
+    let text = claiming(Kind::Dataset, manifest);
+    write_whole(&folder.join(Kind::Dataset.file()), |out| out.write_all(text.as_bytes()))
 }
 
 /// The detector's parameters, as text, with which this program found the features in `folder`; `None` where another

@@ -34,7 +34,7 @@ impl DatasetSource {
         self.entries().map(|found| found.bursts)
     }
 
-    /// Lists the bursts as `bursts` does, with the pictures beside them that belong to none.
+    /// As [`Self::bursts`], with the pictures beside them that belong to none.
     ///
     /// # Errors
     /// As [`Self::bursts`].

@@ -1,14 +1,9 @@
 //! Explanations of a detection.
 //!
-//! A detector returns what it found. When that is nothing, or too much, or wrong, people ask: what happened at this
-//! place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the candidates
-//! ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
-//! ([`unmatched`])? Which true discs were missed ([`truth`])? Whether a search would have found a thing that is not
-//! there is asked in the package `burstscope-lab`.
-//!
-//! Everything here explains and decides nothing: a verdict about a sample comes from the search's own function
-//! ([`crate::detector::Trail`]), and over a whole picture the verdicts add up to the detection's tally. Where one
-//! setting would help, an explanation ends with that setting and its value ([`crate::detector::ParamChange`]).
+//! What happened at this place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the
+//! candidates ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
+//! ([`unmatched`])? Which true discs were missed ([`truth`])? Nothing is decided here: a verdict about a sample is the
+//! search's own ([`crate::detector::Trail`]). Where one setting would help, an explanation ends with it.
 
 pub mod candidates;
 pub mod changes;

@@ -1,9 +1,8 @@
 //! The rule by which a feature finds a disc: features of a chart against its truth, and the curve over the threshold.
 //!
 //! A feature finds a disc when, at mid-burst, it lies within half the disc's radius plus 1.5 px of the disc's centre
-//! and its scale σ is within a factor of 2 of r/√2. A disc is found once; a feature that finds it again is false, and
-//! so is one that finds no disc. The orientations of one keypoint count as one feature. Features are taken in order of
-//! a [`Ranking`]; a threshold on it keeps the strongest, and each threshold gives one point (false, true) of the curve.
+//! and its scale σ is within a factor of 2 of r/√2. A feature that finds none, or one that is found already, is false.
+//! The orientations of one keypoint count as one feature. Each threshold on a [`Ranking`] gives one point of the curve.
 
 use crate::detector::Feature;
 use crate::synth::{FeatureTruth, Truth};
@@ -163,12 +162,8 @@ impl Curve {
             // A margin for rounding: 10 of 100 are a tenth.
             p.false_features as f64 <= fraction * (p.false_features + p.true_positives) as f64 + 1e-9
         };
-        let best = self
-            .points
-            .iter()
-            .filter(within)
-            .max_by(|a, b| a.true_positives.cmp(&b.true_positives).then(b.false_features.cmp(&a.false_features)));
-        *best.unwrap_or(&self.points[0])
+        let worth = |p: &&CurvePoint| (p.true_positives, std::cmp::Reverse(p.false_features));
+        *self.points.iter().filter(within).max_by_key(worth).unwrap_or(&self.points[0])
     }
 
     /// The maximum number of discs found with at most `count` false features.
@@ -194,24 +189,12 @@ pub fn mean_curve(curves: &[&Curve], most_false: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::Slope;
     use crate::synth::truth::disc_sigma;
     use proptest::prelude::*;
 
     fn feature(u: f64, v: f64, sigma: f64, response: f32) -> Feature {
-        Feature {
-            u: u as f32,
-            v: v as f32,
-            sigma: sigma as f32,
-            orientation: 0.0,
-            slope: Slope::default(),
-            response,
-            snr: 4.0,
-            octave: 0,
-            level: 0,
-            slope_index: 0,
-            at_slope_limit: false,
-        }
+        let [u, v, sigma] = [u, v, sigma].map(|x| x as f32);
+        Feature { u, v, sigma, response, snr: 4.0, ..Feature::default() }
     }
 
     fn disc(u: f64, v: f64, radius: f64) -> FeatureTruth {
@@ -320,9 +303,7 @@ mod tests {
                 };
                 // No threshold that qualifies finds more.
                 let most = curve.points.iter().filter(qualifies).map(|p| p.true_positives).max();
-                let point = curve.at_false_fraction(fraction);
-                prop_assert!(qualifies(&&point));
-                prop_assert_eq!(Some(point.true_positives), most);
+                prop_assert_eq!(Some(curve.at_false_fraction(fraction).true_positives), most);
             }
         }
     }

@@ -1,5 +1,4 @@
-//! From metres to slopes: the range, direction and step that speed, turning, frame rate, lens and depths ask for, and
-//! the depth that a slope then means.
+//! From metres to slopes, and from a slope to its depth.
 //!
 //! A pinhole camera of focal length f (pixels) moves with the speed s (metres per second) parallel to its picture, in a
 //! direction φ (degrees from +u towards +v), and turns to the right with ω (radians per second). A still point at the

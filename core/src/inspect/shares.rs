@@ -1,15 +1,11 @@
 //! Values of single frames along the motion of a feature: the response of each with its noise (its share), and slices.
 //!
-//! A true feature is in every frame: the responses are level. A ghost — a blob of another motion that shows in the
-//! stack of a wrong slope — responds only in the frames in which the true blob crosses its path, so its responses form
-//! a bump. Whether two keypoints at one place are different is decided by the search itself, from the frames in which
-//! their paths are apart (`two_motions`); the number here is only for information.
-//!
-//! A slice is taken along a line of pixels and has one row for each frame (the epipolar-plane image, *Reslice* in
-//! ImageJ). Content that moves along the line is slanted in it.
+//! A true feature is in every frame: the responses are level. A ghost, a blob of another motion, responds only in the
+//! frames in which the true blob crosses its path, so its responses form a bump. A slice is taken along a line of pixels
+//! and has one row for each frame (the epipolar-plane image, *Reslice* in ImageJ).
 
 use crate::detector::coherence::{Evenness, FrameResponse, Shape, evenness_of, responding};
-use crate::detector::{Slope, Trail};
+use crate::detector::{Slope, SlopeGrid, Trail};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::sample::{bilinear, sample_patch};
@@ -96,11 +92,8 @@ fn meaning(frames: &[FrameShare], evenness: &Evenness) -> String {
             let on = covering.iter().zip(responding(&answers)).filter(|(_, responds)| *responds);
             let on: Vec<usize> = on.map(|(frame, _)| frame.frame).collect();
             let (first, last) = (on.first().copied().unwrap_or(0), on.last().copied().unwrap_or(0));
-            let which = if first == last {
-                format!("frame {first} responds")
-            } else {
-                format!("frames {first} to {last} respond")
-            };
+            let several = format!("frames {first} to {last} respond");
+            let which = if first == last { format!("frame {first} responds") } else { several };
             format!("{number}only {which}, as for a ghost: an object with another motion crosses here")
         }
         Shape::Unclear if covering.len() < 3 => "too few frames show the place to compare them".to_owned(),
@@ -135,8 +128,7 @@ impl Slice {
 
 /// Cuts the slice through `place` (input pixels) along `direction` (u, v), `half_px` pixels to each side.
 pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize) -> Slice {
-    let length = direction[0].hypot(direction[1]);
-    let direction = if length > 0.0 { direction.map(|x| x / length) } else { [1.0, 0.0] };
+    let direction = direction_of(Slope::new(direction[0], direction[1]));
     let (planes, kept, frame_count) = trail.frames();
     let t0 = 0.5 * (frame_count as f32 - 1.0);
     let at = |column: usize, row: usize| {
@@ -158,6 +150,14 @@ pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize
 pub fn direction_of(slope: Slope) -> [f32; 2] {
     let length = slope.magnitude();
     if length > 0.0 { [slope.u / length, slope.v / length] } else { [1.0, 0.0] }
+}
+
+/// The directions, of length 1, of the axes of `grid` that have several slopes.
+pub(super) fn directions(grid: &SlopeGrid) -> impl Iterator<Item = [f32; 2]> {
+    let origin = grid.at(0.0, 0.0);
+    let axes = [(grid.u.count, grid.at(1.0, 0.0)), (grid.v.count, grid.at(0.0, 1.0))];
+    let towards = move |to: Slope| direction_of(Slope::new(to.u - origin.u, to.v - origin.v));
+    axes.into_iter().filter(|(count, _)| *count > 1).map(move |(_, to)| towards(to))
 }
 
 /// The direction perpendicular to `direction`, a quarter turn from +u towards +v.

@@ -112,7 +112,6 @@ impl ComparedPair<'_> {
             })
             .collect()
     }
-
 }
 
 fn place(feature: &Feature) -> [f64; 2] {
@@ -197,40 +196,40 @@ impl<'a> Losses<'a> {
     /// # Panics
     /// When A has no such feature: a mistake of the caller.
     pub fn of(&self, index: usize, count: usize) -> Unmatched {
-    let NearestOfBoth { of_a, of_b } = &*self.nearest;
-    let (pair, lost) = (self.pair, self.lost(index));
-    let distance = |d| f64::from(distance_squared(&pair.a.descriptors[index], d)).sqrt() as f32;
-    let mut order: Vec<(usize, f32)> = pair.b.descriptors.iter().map(distance).enumerate().collect();
-    // Of equally near ones the first counts as the nearest, as in matching.
-    order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-    let model = pair.model();
-    let first = order.first().map(|(other, _)| pair.b.features[*other]);
-    let candidate = |(rank, &(feature, distance)): (usize, &(usize, f32))| {
-        let f = &pair.b.features[feature];
-        let next = order.get(rank + 1).map(|(_, next)| *next);
-        let apart = |first: &Feature| (f.u - first.u).hypot(f.v - first.v) / first.sigma.max(f.sigma);
-        Rivalry {
-            feature,
-            distance,
-            ratio: next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 }),
-            error_px: model.map(|model| model.error_px(pair.place_a(index), pair.place_b(feature)) as f32),
-            slope: f.slope,
-            is_same_blob: first.is_some_and(|first| apart(&first) < SAME_BLOB_SIGMAS),
-        }
-    };
-    let candidates: Vec<Rivalry> = order.iter().take(count).enumerate().map(candidate).collect();
-    let there = model.map(|model| pair.there(model, index)).unwrap_or_default();
-    let ranked = order.iter().enumerate().filter(|(_, (other, _))| there.contains(other));
-    let there: Vec<(usize, usize)> = ranked.map(|(rank, (other, _))| (*other, rank)).collect();
-    let preferred = of_a.get(index).filter(|_| lost == Lost::MutualCheck).map(|nearest| of_b[nearest.index].index);
-    let expected = model.map(|model| model.locus_in_b(pair.place_a(index), pair.size_b)).unwrap_or_default();
-    let leaves = model.is_some() && expected.is_empty();
-    let sentence = if lost == Lost::NoKeypoint && leaves {
-        "the geometry puts it outside the other picture".to_owned()
-    } else {
-        sentence(&pair, index, lost, &candidates, preferred, &there) + &along_geometry(&pair, index, lost)
-    };
-    Unmatched { lost, candidates, preferred, expected, there, sentence }
+        let NearestOfBoth { of_a, of_b } = &*self.nearest;
+        let (pair, lost) = (self.pair, self.lost(index));
+        let distance = |d| f64::from(distance_squared(&pair.a.descriptors[index], d)).sqrt() as f32;
+        let mut order: Vec<(usize, f32)> = pair.b.descriptors.iter().map(distance).enumerate().collect();
+        // Of equally near ones the first counts as the nearest, as in matching.
+        order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        let model = pair.model();
+        let first = order.first().map(|(other, _)| pair.b.features[*other]);
+        let candidate = |(rank, &(feature, distance)): (usize, &(usize, f32))| {
+            let f = &pair.b.features[feature];
+            let next = order.get(rank + 1).map(|(_, next)| *next);
+            let apart = |first: &Feature| (f.u - first.u).hypot(f.v - first.v) / first.sigma.max(f.sigma);
+            Rivalry {
+                feature,
+                distance,
+                ratio: next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 }),
+                error_px: model.map(|model| model.error_px(pair.place_a(index), pair.place_b(feature)) as f32),
+                slope: f.slope,
+                is_same_blob: first.is_some_and(|first| apart(&first) < SAME_BLOB_SIGMAS),
+            }
+        };
+        let candidates: Vec<Rivalry> = order.iter().take(count).enumerate().map(candidate).collect();
+        let there = model.map(|model| pair.there(model, index)).unwrap_or_default();
+        let ranked = order.iter().enumerate().filter(|(_, (other, _))| there.contains(other));
+        let there: Vec<(usize, usize)> = ranked.map(|(rank, (other, _))| (*other, rank)).collect();
+        let preferred = of_a.get(index).filter(|_| lost == Lost::MutualCheck).map(|nearest| of_b[nearest.index].index);
+        let expected = model.map(|model| model.locus_in_b(pair.place_a(index), pair.size_b)).unwrap_or_default();
+        let leaves = model.is_some() && expected.is_empty();
+        let sentence = if lost == Lost::NoKeypoint && leaves {
+            "the geometry puts it outside the other picture".to_owned()
+        } else {
+            sentence(&pair, index, lost, &candidates, preferred, &there) + &along_geometry(&pair, index, lost)
+        };
+        Unmatched { lost, candidates, preferred, expected, there, sentence }
     }
 }
 

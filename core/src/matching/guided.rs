@@ -194,8 +194,9 @@ mod tests {
         };
         let params = MatchParams { max_error_px: 2.0, ratio: 1.0, ..MatchParams::default() };
         let model = matched(&pair, &params).verification.and_then(|v| v.model).expect("a model");
-        let guided =
-            |a: &Features, b: &Features| guided_matches(side(a), side(b), &model, &params, &Monitor::default()).expect("done");
+        let guided = |a: &Features, b: &Features| {
+            guided_matches(side(a), side(b), &model, &params, &Monitor::default()).expect("done")
+        };
         let [a, b] = &pair;
         let (once, both) = (guided(a, b), guided(&twice(a), &twice(b)));
         assert!(once.len() > 200, "{}", once.len());

@@ -24,22 +24,11 @@ pub use guided::{GUIDED_RATIO, guided_matches, nearest_along};
 pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};
 
-use crate::detector::{Descriptor, Detection, Feature, ParamError};
-use crate::monitor::{Cancelled, Monitor};
+use crate::detector::{Descriptor, DetectError, Detection, Feature};
+use crate::monitor::Monitor;
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
-
-/// Reason why matching failed.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum MatchError {
-    /// A parameter makes no sense.
-    #[error(transparent)]
-    Param(#[from] ParamError),
-    /// Matching was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
 
 /// The matches of two images, A and B.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,13 +54,13 @@ pub struct MatchSide<'a> {
 /// Matches the features of two detections and verifies the matches.
 ///
 /// # Errors
-/// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense, [`DetectError::Cancelled`] once `monitor` was cancelled.
 pub fn match_detections(
     a: &Detection,
     b: &Detection,
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<MatchResult, MatchError> {
+) -> Result<MatchResult, DetectError> {
     let place = |feature: &Feature| [feature.u, feature.v].map(f64::from);
     let places = [a, b].map(|of| of.features.iter().map(place).collect::<Vec<_>>());
     let a = MatchSide { places: &places[0], descriptors: &a.descriptors };
@@ -90,7 +79,7 @@ pub fn match_features(
     b: MatchSide<'_>,
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<MatchResult, MatchError> {
+) -> Result<MatchResult, DetectError> {
     for side in [&a, &b] {
         assert_eq!(side.places.len(), side.descriptors.len(), "each feature has a place and a descriptor");
     }

@@ -7,9 +7,8 @@
 //! groups that stay in the nearest cache with one block; `TILE` of them share each load of it. Each query is searched by
 //! one thread alone, and ties go to the lowest index, so the result does not depend on threads.
 
-use super::MatchError;
 use super::params::MatchParams;
-use crate::detector::Descriptor;
+use crate::detector::{Descriptor, DetectError};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use multiversion::multiversion;
 use rayon::prelude::*;
@@ -36,13 +35,13 @@ pub struct Match {
 /// equally near descriptors the first counts as the nearest.
 ///
 /// # Errors
-/// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense, [`DetectError::Cancelled`] once `monitor` was cancelled.
 pub fn match_descriptors(
     a: &[Descriptor],
     b: &[Descriptor],
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<Vec<Match>, MatchError> {
+) -> Result<Vec<Match>, DetectError> {
     params.validate()?;
     let of_a = nearest_two(a, b, monitor)?;
     let of_b = params.mutual.then(|| nearest_two(b, a, monitor)).transpose()?;
@@ -281,7 +280,7 @@ mod tests {
         assert_eq!(matches(&[at(5, 5)], &[at(5, 5), at(5, 5)], &off), [twin]);
         assert_eq!(matches(&[at(5, 5)], &[at(5, 9)], &params), [Match { a: 0, b: 0, distance: 4.0, ratio: 0.0 }]);
         let refused = match_descriptors(&[], &[], &MatchParams { ratio: 0.0, ..params }, &Monitor::default());
-        assert!(matches!(refused, Err(MatchError::Param(_))), "{refused:?}");
+        assert!(matches!(refused, Err(DetectError::Param(_))), "{refused:?}");
     }
 
     fn descriptors(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Descriptor>> {
@@ -344,7 +343,10 @@ mod tests {
         for searched in [vec![black], vec![white], vec![black, nearly], vec![nearly, white], vec![black; 33]] {
             assert_eq!(nearest(&[black, white, nearly], &searched), brute_force(&[black, white, nearly], &searched));
         }
-        assert_eq!(nearest(&[black], &[white]), [Nearest { index: 0, distance_squared: 8_323_200, second_distance_squared: None }]);
+        assert_eq!(
+            nearest(&[black], &[white]),
+            [Nearest { index: 0, distance_squared: 8_323_200, second_distance_squared: None }]
+        );
     }
 
     #[test]

@@ -233,8 +233,7 @@ const MAX_LEVELS: usize = 5;
 
 /// The image and its coarser copies, finest first, none smaller than a tile.
 pub(super) fn pyramid(image: &Plane) -> Vec<Plane> {
-    let coarser =
-        |finer: &Plane| (finer.width().min(finer.height()) >= 2 * TILE).then(|| finer.halved());
+    let coarser = |finer: &Plane| (finer.width().min(finer.height()) >= 2 * TILE).then(|| finer.halved());
     std::iter::successors(Some(image.clone()), coarser).take(MAX_LEVELS).collect()
 }
 

@@ -1,12 +1,8 @@
 //! The slopes that a burst needs: features found at each slope, evidence of the frames before any threshold, and
 //! advice.
 //!
-//! The features show where the detector found something; the *evidence* ([`crate::detector::SlopeFinding`]) shows where
-//! the motion stack has power that single frames do not have, also beyond the slopes that were searched. Advice
-//! compares the two with the grid.
-//!
-//! Two costs of a grid are computed here too: the loss of a blob's response half a step away from its slope, and the
-//! aliases of periodic textures, with their places in the picture.
+//! The *evidence* ([`crate::detector::SlopeFinding`]) shows where the motion stack has power that single frames do not
+//! have, also beyond the slopes that were searched. Aliases of periodic textures are found here too.
 
 mod advice;
 mod judgement;
@@ -17,7 +13,7 @@ pub use judgement::{SlopeJudgement, judgement};
 use super::ProbeCache;
 use crate::detector::slopes::SlopeEvidence;
 use crate::detector::{Detection, Feature, Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
-use crate::inspect::shares::direction_of;
+use crate::inspect::shares::directions;
 use crate::inspect::suspicion::stack_around;
 use crate::inspect::texture::{dirichlet, period_along};
 use crate::monitor::{Cancelled, Monitor};
@@ -132,7 +128,7 @@ pub fn coverage_share(slope: Slope, frames: usize, size: (usize, usize)) -> f32 
     part(slope.u, size.0) * part(slope.v, size.1)
 }
 
-/// The coordinates of the slope of the grid, or of its continuation beyond the rim, nearest to a slope.
+/// Coordinates in the grid, or in its continuation beyond the rim.
 fn nearest(grid: &SlopeGrid, slope: Slope) -> [i64; 2] {
     let (i, j) = grid.position(slope);
     [i.round() as i64, j.round() as i64]
@@ -143,7 +139,6 @@ pub fn features_at_slopes(detection: &Detection) -> Vec<usize> {
     counts_at_slopes(detection, |_| true)
 }
 
-/// As [`features_at_slopes`], of the features for which `counts_too` holds.
 fn counts_at_slopes(detection: &Detection, counts_too: impl Fn(&Feature) -> bool) -> Vec<usize> {
     let grid = &detection.slopes;
     let (nu, nv) = (grid.u.count as i64, grid.v.count as i64);
@@ -188,14 +183,15 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
         .into_iter()
         .map(|at| {
             let is_searched = inside(at);
+            let of_searched = |counts: &[usize]| if is_searched { counts[(at[1] * nu + at[0]) as usize] } else { 0 };
             let slope = grid.at(at[0] as f32, at[1] as f32);
             SlopeBar {
                 at,
                 slope,
                 is_searched,
                 is_on_rim: is_searched && grid.on_rim(at[0] as usize, at[1] as usize),
-                features: if is_searched { counts[(at[1] * nu + at[0]) as usize] } else { 0 },
-                at_limit: if is_searched { limits[(at[1] * nu + at[0]) as usize] } else { 0 },
+                features: of_searched(&counts),
+                at_limit: of_searched(&limits),
                 // An empty sum would be −0.
                 evidence: seen.iter().filter(|(place, _)| *place == at).fold(0.0, |sum, (_, s)| sum + s) / total,
                 coverage: coverage_share(slope, detection.frames_used.len(), cache.burst.size()),
@@ -261,11 +257,8 @@ fn aliases(
             match found.iter_mut().find(same) {
                 Some(alias) => {
                     alias.correlation = alias.correlation.max(period.correlation);
-                    let is_new = alias
-                        .places
-                        .iter()
-                        .all(|[u, v]| (u - window.centre[0]).hypot(v - window.centre[1]) > HALF_PX as f32);
-                    if is_new {
+                    let apart = |[u, v]: &[f32; 2]| (u - window.centre[0]).hypot(v - window.centre[1]);
+                    if alias.places.iter().all(|place| apart(place) > HALF_PX as f32) {
                         alias.places.push(window.centre);
                     }
                 }
@@ -281,7 +274,6 @@ fn aliases(
             }
         }
     }
-    // Textures with aliases within the slopes searched come first.
     let matters = |alias: &Alias| (alias.inside_range > 0, alias.places.len());
     found.sort_by(|a, b| matters(b).cmp(&matters(a)).then(b.correlation.total_cmp(&a.correlation)));
     Ok(found)
@@ -296,14 +288,6 @@ fn believed(window: &SlopeEvidence, confirmed: &[SlopeEvidence]) -> Slope {
     let area = |e: &SlopeEvidence| e.size[0] * e.size[1];
     let smallest = confirmed.iter().filter(holds).min_by(|a, b| area(a).total_cmp(&area(b)));
     smallest.map_or(window.slope, |e| e.slope)
-}
-
-/// The directions of the axes that have several slopes.
-fn directions(grid: &SlopeGrid) -> Vec<[f32; 2]> {
-    let origin = grid.at(0.0, 0.0);
-    let towards = |to: Slope| direction_of(Slope::new(to.u - origin.u, to.v - origin.v));
-    let axes = [(grid.u.count, grid.at(1.0, 0.0)), (grid.v.count, grid.at(0.0, 1.0))];
-    axes.into_iter().filter(|(count, _)| *count > 1).map(|(_, to)| towards(to)).collect()
 }
 
 /// The number of slopes whole periods away from `slope` within the range of the axis along `direction`.

@@ -18,9 +18,9 @@ pub use band::GuidingBand;
 pub use essential::RelativePose;
 pub use model::TwoViewModel;
 
-use super::MatchError;
 use super::camera::Camera;
 use super::params::{Geometry, MatchParams};
+use crate::detector::DetectError;
 use crate::monitor::{Cancelled, Monitor};
 use consensus::estimate;
 use points::{Normalisation, RayPair};
@@ -62,12 +62,12 @@ pub struct PointPair {
 /// from [`MatchParams::camera`].
 ///
 /// # Errors
-/// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense, [`DetectError::Cancelled`] once `monitor` was cancelled.
 pub fn verify(
     pairs: &[PointPair],
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<Option<Verification>, MatchError> {
+) -> Result<Option<Verification>, DetectError> {
     params.validate()?;
     let points: Vec<RayPair> = pairs.iter().map(|p| RayPair { a: p.a, b: p.b }).collect();
     let mut order: Vec<usize> = (0..pairs.len()).collect();
