@@ -12,9 +12,6 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Plane, memory};
 
 /// Mean of all frames of `burst`, as a burst of one frame: what moves is smeared.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn plain_mean(burst: &Burst, monitor: &Monitor) -> Result<Burst, Cancelled> {
     let (width, height) = burst.size();
     // Sums of many 16-bit values need more than the 24 bits of f32.

@@ -6,14 +6,11 @@ use crate::files::{MAX_SETTINGS_BYTES, read_text};
 use crate::matching::{Camera, CameraModel};
 use std::path::Path;
 
-/// Ratio of the focal length of an unknown camera to the larger side of its images: COLMAP's own guess.
-pub const GUESSED_FOCAL_FACTOR: f64 = 1.2;
-
 /// The camera of a dataset.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CameraChoice {
-    /// Unknown: a focal length is guessed ([`GUESSED_FOCAL_FACTOR`]) and the centre taken as the principal point, as
-    /// COLMAP does. Images of different sizes have separate cameras.
+    /// Unknown: as COLMAP does, the focal length is taken as 1.2 times the larger side, and the centre as the principal
+    /// point. Images of different sizes have separate cameras.
     Guessed(CameraModel),
     /// One known camera for all images.
     Known(Camera),

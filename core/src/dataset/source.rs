@@ -87,11 +87,8 @@ mod tests {
 
     fn film(folder: &Path, frames: usize) {
         std::fs::create_dir_all(folder).expect("made");
-        for t in 0..frames {
-            image::GrayImage::from_pixel(4, 4, image::Luma([9]))
-                .save(folder.join(format!("f{t}.png")))
-                .expect("written");
-        }
+        let frame = image::GrayImage::from_pixel(4, 4, image::Luma([9]));
+        (0..frames).for_each(|t| frame.save(folder.join(format!("f{t}.png"))).expect("written"));
     }
 
     fn names(source: &DatasetSource) -> Vec<String> {

@@ -75,7 +75,6 @@ impl Default for SurveyOptions {
 
 /// Side of the parts in which a picture is surveyed, octave pixels, unless there are very many slopes.
 const PART_PX: usize = 160;
-/// Approximate maximum size of D for all slopes and levels of one part, bytes.
 const PART_BYTES: usize = 256 << 20;
 
 fn parts(trail: &Trail, octave: i32) -> Vec<Region> {

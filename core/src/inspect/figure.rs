@@ -85,8 +85,9 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     for fate in probe.fates.iter().rev() {
         let Some(row) = map.row_of(fate.octave, fate.level) else { continue };
         let place = (x_of(map.column_of(fate.slope).into()), y_of(row as f64));
-        let (radius, width) = if fate.is_kept() { (6.0, "2\"") } else { (3.5, "0.7\" stroke-dasharray=\"1.5 1.5\"") };
-        sheet.circle(place, radius, &format!(r#"fill="none" stroke="{INK}" stroke-width="{width}"#));
+        let dashed = r#" stroke-dasharray="1.5 1.5""#;
+        let (radius, width, dashes) = if fate.is_kept() { (6.0, 2.0, "") } else { (3.5, 0.7, dashed) };
+        sheet.circle(place, radius, &format!(r#"fill="none" stroke="{INK}" stroke-width="{width}"{dashes}"#));
     }
     let legend = format!(
         "rings: kept (bold) and other candidates; line: the gate, {} σ; dashes: the range searched",
@@ -234,7 +235,6 @@ pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
     sheet.finish(end + 6.0)
 }
 
-/// Draws the bars of a line of slopes: features above, evidence below.
 fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     let along = usize::from(spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1);
     let place = |bar: &SlopeBar| bar.at[along];
@@ -345,7 +345,6 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     end + 14.0
 }
 
-/// Draws the response of a periodic texture at slopes around its own: aliases and side lobes.
 fn kernel(sheet: &mut Sheet, top: f64, frames: usize, period: f64) -> f64 {
     let area = Area { x: SLOPES_LEFT, y: top, width: SLOPES_WIDTH - SLOPES_LEFT - 30.0, height: 70.0 };
     let text =

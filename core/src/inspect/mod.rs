@@ -35,14 +35,14 @@ pub use probe::{Probe, ProbeError, ProbeOptions, Subject, probe};
 use crate::burst::Burst;
 use crate::detect::PreparedSearch;
 use crate::detector::pipeline::search_with_trail;
-use crate::detector::{DetectError, Detection, DetectorParams, Method, SearchParams, SlopeChoice, SlopeFinding, Trail};
+use crate::detector::{DetectError, Detection, DetectorParams, SearchParams, SlopeFinding, Trail};
 use crate::monitor::{Cancelled, Monitor};
 use std::sync::Arc;
 
 /// A burst, its detection, and the parameters of the detection.
 #[derive(Debug)]
 pub struct ProbeCache {
-    /// The burst that was searched: for [`Method::Merge`] the merged frame.
+    /// The burst that was searched: for [`Merge`](crate::detector::Method::Merge) the merged frame.
     pub burst: Burst,
     /// The detection and its trail. Shared: it is large, and may have been requested in several forms.
     pub trail: Arc<Trail>,
@@ -101,10 +101,5 @@ impl ProbeCache {
     /// The parameters of the search, including its slopes.
     pub fn params(&self) -> &DetectorParams {
         self.trail.params()
-    }
-
-    /// Whether the slopes were found, not given.
-    pub fn slopes_were_found(&self) -> bool {
-        self.params().method == Method::Buff && matches!(self.asked.slopes, SlopeChoice::Auto { .. })
     }
 }

@@ -191,7 +191,6 @@ impl Nearness {
         self.sigma.map_or(1.0, |sigma| (fate.sigma / sigma).max(sigma / fate.sigma))
     }
 
-    /// Whether the candidate is a larger blob, whose centre is elsewhere.
     fn is_larger(&self, fate: &Fate) -> bool {
         let own_scale = self.sigma.filter(|_| self.scale_ratio(fate) <= SAME_SCALE);
         match own_scale {
@@ -359,7 +358,6 @@ fn candidates_near(
     Ok(region.columns.len() * region.rows.len() * levels * around.tiles.len())
 }
 
-/// Appends the fate of a feature whose sample is too far from its refined position to be near that.
 fn add_feature(trail: &Trail, index: usize, monitor: &Monitor, fates: &mut Vec<Fate>) -> Result<(), Cancelled> {
     let keypoint = trail.keypoint_of_feature(index);
     if fates.iter().any(|fate| fate.keypoint == Some(keypoint)) {
@@ -384,7 +382,6 @@ pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Opti
     }))
 }
 
-/// The summary, a sentence or two, about the place itself; `near` fates come before the larger blobs.
 fn summary_of(nearness: &Nearness, fates: &[Fate], near: usize, response: &ResponseMap) -> String {
     let here: Vec<&Fate> = fates.iter().filter(|fate| nearness.is_here(fate)).collect();
     let kept = here.iter().filter(|f| f.is_kept()).count();

@@ -57,7 +57,6 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
     })
 }
 
-/// Whether the rival that beats the candidate lies on the rim of the slopes.
 fn rises_past_the_rim(trail: &Trail, fate: &Fate, slope: Slope) -> bool {
     let grid = trail.params().used_slopes();
     let nearest = grid.slopes().position(|s| s == slope);
@@ -67,7 +66,6 @@ fn rises_past_the_rim(trail: &Trail, fate: &Fate, slope: Slope) -> bool {
     })
 }
 
-/// The sentence and the change that make the candidate pass its first failed test.
 fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, ParamChange)> {
     let test = fate.first_failed?;
     let (params, report, record) = (trail.params(), fate.report(test), test.record());

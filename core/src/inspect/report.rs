@@ -57,7 +57,6 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
     writeln!(out)
 }
 
-/// Separate ones one by one, duplicates together; then the larger blobs.
 fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
     let others = probe.near_fates().iter().enumerate().filter(|(index, _)| Some(*index) != probe.subject.fate);
     let (same, alone): (Vec<&Fate>, Vec<&Fate>) =

@@ -67,7 +67,6 @@ pub fn finds(feature: &Feature, disc: &FeatureTruth) -> bool {
     is_of_disc([feature.u, feature.v], feature.sigma, disc)
 }
 
-/// Whether a place and a scale, input pixels, are those of `disc`.
 pub(super) fn is_of_disc([u, v]: [f32; 2], sigma: f32, disc: &FeatureTruth) -> bool {
     let distance = (f64::from(u) - disc.u).hypot(f64::from(v) - disc.v);
     let ratio = f64::from(sigma) / disc.sigma;

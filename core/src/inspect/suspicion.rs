@@ -54,7 +54,6 @@ impl Suspicion {
 
 /// Distance, in σ of the stronger one, within which two features are suspected to share a blob.
 const NEAR_SIGMAS: f32 = 2.0;
-/// Ratio of scales within which two features are suspected to share a blob.
 const NEAR_SCALES: f32 = 2.0;
 /// Distance, in σ, within which the paths of a ghost and of its source cross.
 const CROSSES_SIGMAS: f32 = 2.0;
@@ -100,7 +99,6 @@ pub fn suspicions_of_feature(
     Ok(found.into_iter().flatten().chain(alias(trail, &feature, monitor)?).collect())
 }
 
-/// The single change after which feature `index` is a duplicate of feature `other`.
 fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChange> {
     let params = trail.params();
     let (own, stronger) = (trail.keypoint_of_feature(index), trail.keypoint_of_feature(other));
@@ -131,7 +129,6 @@ fn path_distances<'t>(trail: &'t Trail, a: &Feature, b: &Feature) -> impl Iterat
     })
 }
 
-/// A stronger feature that lies on this one in most frames shows the same blob.
 fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion> {
     let (own, features) = (trail.keypoint_of_feature(index), &trail.detection().features);
     let on_it = |other: &Feature| {
@@ -216,7 +213,6 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
     (rise > RISES).then(|| Suspicion { change: Some(change), ..Suspicion::new(Kind::AtLimit, rise, evidence) })
 }
 
-/// An alias: another slope of the range, whole periods of the texture away, responds nearly as strongly, or more.
 fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<Suspicion>, Cancelled> {
     let Some((period, direction)) = period_at(trail, feature, monitor)? else { return Ok(None) };
     let grid = trail.params().used_slopes();

@@ -65,7 +65,6 @@ pub(super) fn over(value: f32, noise: f32) -> f32 {
     if noise > 0.0 { value / noise } else { f32::INFINITY }
 }
 
-/// The detection's keypoint that a judged sample became.
 pub(super) fn keypoint_of(trail: &Trail, judgement: &Judgement) -> Option<usize> {
     judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample))
 }
@@ -234,7 +233,6 @@ impl<'a> Telling<'a> {
         TestReport { rival, ..TestReport::new(Test::Duplicate, outcome, distance, radius) }
     }
 
-    /// Whether it is a keypoint that is cut before it is compared with others.
     fn is_cut(&self) -> bool {
         self.keypoint.is_some_and(|keypoint| self.trail.is_cut(keypoint))
     }

@@ -16,9 +16,7 @@ pub struct Period {
     pub correlation: f32,
 }
 
-/// Smallest period that is searched, pixels.
 const FINEST_PX: usize = 3;
-/// Minimum correlation of a periodic texture.
 const MIN_CORRELATION: f32 = 0.35;
 /// Part of its height below which the correlation must fall between two repetitions.
 const TROUGH: f32 = 0.3;

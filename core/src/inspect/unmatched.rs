@@ -100,7 +100,6 @@ impl ComparedPair<'_> {
         place(&self.b.features[index])
     }
 
-    /// The features of B at the place that the geometry expects for feature `index` of A, and of its size.
     fn there(&self, model: &TwoViewModel, index: usize) -> Vec<usize> {
         let own = &self.a.features[index];
         let limit = f64::from(self.params.max_error_px);

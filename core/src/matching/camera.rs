@@ -191,8 +191,7 @@ impl Camera {
         [fx, fy]
     }
 
-    /// The matrix K, which maps directions (x, y, 1) to pixels (u, v, 1) in Burstscope's convention, without
-    /// distortion.
+    /// The matrix K from directions (x, y, 1) to pixels (u, v, 1) in Burstscope's convention, without distortion.
     pub fn matrix(&self) -> Matrix3<f64> {
         let Pinhole { fx, fy, cx, cy } = self.pinhole();
         Matrix3::new(fx, 0.0, cx - FIRST_PIXEL, 0.0, fy, cy - FIRST_PIXEL, 0.0, 0.0, 1.0)
@@ -203,19 +202,14 @@ impl Camera {
         self.distortion() == Distortion::default()
     }
 
-    /// The direction (x, y, 1) seen at the pixel (u, v), with the distortion removed.
-    ///
-    /// # Panics
-    /// For a camera that [`Self::validate`] refuses.
+    /// The direction (x, y, 1) seen at the pixel (u, v), with the distortion removed. Panics for a camera that
+    /// [`Self::validate`] refuses.
     pub fn direction_of(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let Pinhole { fx, fy, cx, cy } = self.pinhole();
         self.distortion().remove([(u + FIRST_PIXEL - cx) / fx, (v + FIRST_PIXEL - cy) / fy])
     }
 
-    /// The pixel (u, v) at which the direction (x, y, 1) is seen.
-    ///
-    /// # Panics
-    /// For a camera that [`Self::validate`] refuses.
+    /// The pixel (u, v) at which the direction (x, y, 1) is seen. Panics for a camera that [`Self::validate`] refuses.
     pub fn pixel_of(&self, direction: [f64; 2]) -> [f64; 2] {
         let Pinhole { fx, fy, cx, cy } = self.pinhole();
         let [x, y] = self.distortion().apply(direction);

@@ -29,9 +29,6 @@ pub(super) fn guided_params(params: &MatchParams) -> MatchParams {
 /// Finds the matches that agree with `model` to [`MatchParams::max_error_px`], in the order of A's features: nearest
 /// within the band, with a ratio of at most [`GUIDED_RATIO`] to the nearest one at another place in the band, and, with
 /// the mutual check, both ways.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn guided_matches(
     a: MatchSide<'_>,
     b: MatchSide<'_>,

@@ -54,7 +54,7 @@ pub struct MatchSide<'a> {
 /// Matches the features of two detections and verifies the matches.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense, [`DetectError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense.
 pub fn match_detections(
     a: &Detection,
     b: &Detection,

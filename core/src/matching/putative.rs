@@ -35,7 +35,7 @@ pub struct Match {
 /// equally near descriptors the first counts as the nearest.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense, [`DetectError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense.
 pub fn match_descriptors(
     a: &[Descriptor],
     b: &[Descriptor],
@@ -100,9 +100,6 @@ impl Nearest {
 
 /// Finds, for each of `queries` in order, the nearest and second nearest of `searched` by Euclidean distance. Empty
 /// when `searched` is empty. Progress is reported as [`Stage::Match`].
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn nearest_two(
     queries: &[Descriptor],
     searched: &[Descriptor],

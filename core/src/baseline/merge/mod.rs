@@ -25,9 +25,6 @@ const MIN_NOISE: f32 = 1.0 / 65535.0 / 3.464_101_6;
 /// Merges the frames `used` of `burst` into a burst of one frame, aligned to the middle one of them (of N frames the
 /// one with index N/2, on which SIFT on a single frame runs).
 ///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
-///
 /// # Panics
 /// When `used` holds no frame or reaches past the burst: a mistake of the caller.
 pub fn merge_burst(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<Burst, Cancelled> {

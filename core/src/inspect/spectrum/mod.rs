@@ -221,7 +221,6 @@ pub struct Alias {
 
 const AMBIGUOUS: f32 = 0.5;
 const SIGNIFICANT: f32 = 6.5;
-/// Maximum number of windows examined: the most significant ones.
 const MAX_WINDOWS: usize = 120;
 /// Relative difference below which two periods are the same.
 const SAME_PERIOD: f32 = 0.12;
@@ -301,7 +300,6 @@ fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32
     (-reach..=reach).filter(around).count()
 }
 
-/// The highest side lobe of the mean over `frames` frames, between two aliases.
 fn highest_lobe(frames: usize) -> f32 {
     // Beyond the first zero, which lies 1/N of a period from the peak.
     let first = 1.0 / frames as f64;
@@ -316,14 +314,13 @@ mod tests {
     #[test]
     fn the_loss_grows_with_step_and_frames_and_not_with_scale() {
         let step_loss = |step: f32, frames, sigma| response_loss(0.5 * step, frames, sigma);
-        // The step that METHOD recommends, 2σ/(N − 1), loses little; twice that begins to matter.
+        // The step 2σ/(N − 1) loses little.
         let recommended = 2.0 * 1.9 / 9.0;
         let loss = step_loss(recommended, 10, 1.9);
         assert!((0.02..0.08).contains(&loss), "{loss}");
         assert!(step_loss(3.0 * recommended, 10, 1.9) > 5.0 * loss);
         assert!(step_loss(recommended, 20, 1.9) > loss && step_loss(recommended, 10, 4.0) < loss);
         assert_eq!((step_loss(1.0, 1, 2.0), step_loss(0.0, 10, 2.0)), (0.0, 0.0));
-        // Far beyond, no response remains.
         assert!(step_loss(60.0, 20, 1.9) > 0.9);
     }
 }

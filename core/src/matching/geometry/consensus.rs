@@ -53,7 +53,6 @@ pub(super) trait Problem {
 const MIN_ITERATIONS: usize = 50;
 /// Maximum number of steps of a local optimisation; most end after three to five.
 const POLISH_STEPS: usize = 50;
-/// Decrease of the cost, in matches, below which a step is the last.
 const POLISH_TOLERANCE: f64 = 1e-3;
 /// Damping of the first step, its factor after a success, its factor after a failure, and the value beyond which a
 /// local optimisation ends.

@@ -275,14 +275,6 @@ impl RelativePose {
         cross_matrix(&self.translation) * self.rotation
     }
 
-    /// The angle of the rotation, radians, 0 … π.
-    pub fn rotation_angle(&self) -> f64 {
-        // From both sine and cosine: each alone is inexact at one of the ends.
-        let r = &self.rotation;
-        let sine = Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12).norm();
-        libm::atan2(sine, r.trace() - 1.0)
-    }
-
     /// The depths, along A's and B's axes, at which the two rays in the directions (x, y, 1) of `pair` come closest.
     /// `None` for parallel directions.
     fn depths(&self, pair: &RayPair) -> Option<(f64, f64)> {

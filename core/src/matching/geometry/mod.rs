@@ -62,7 +62,7 @@ pub struct PointPair {
 /// from [`MatchParams::camera`].
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense, [`DetectError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense.
 pub fn verify(
     pairs: &[PointPair],
     params: &MatchParams,
@@ -129,7 +129,6 @@ fn essential_of(
 
 #[cfg(test)]
 pub(in crate::matching) mod tests {
-    use super::essential::RelativePose;
     use super::*;
     use crate::matching::Camera;
     use crate::synth::random::Stream;
@@ -276,7 +275,7 @@ pub(in crate::matching) mod tests {
             assert!(in_front >= 196, "{in_front} of {}", inliers.len());
             let truth = self::pose();
             let turn = pose.rotation.transpose() * truth.rotation;
-            let turn_deg = RelativePose { rotation: turn, ..pose }.rotation_angle().to_degrees();
+            let turn_deg = Rotation3::from_matrix_unchecked(turn).angle().to_degrees();
             let shift_deg = pose.translation.angle(&truth.translation).to_degrees();
             assert!(turn_deg < 0.15 && shift_deg < 0.7, "seed {seed}: {turn_deg}°, {shift_deg}°");
         }
