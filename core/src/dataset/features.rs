@@ -1,8 +1,6 @@
 //! The features of each burst of a dataset: found once, stored in files, and read from there the next time.
 
-use super::kept::{
-    BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, check_folder, detector_text, differences, write_manifest,
-};
+use super::kept::{BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, detector_text, differences, write_manifest};
 use super::picture::{ImageKind, burst_picture};
 use super::stamp::{Comparison, FileStamp};
 use super::{CameraChoice, DatasetError};
@@ -11,7 +9,7 @@ use crate::detect::{Searched, check_memory, search};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{
     ColmapKeypoint, ExportError, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records,
-    parse_colmap, safe_file_name, write_colmap_keypoints, write_png,
+    may_begin, parse_colmap, safe_file_name, write_colmap_keypoints, write_png,
 };
 use crate::files::lock::FolderLock;
 use crate::files::mark::{Checksum, Kind};
@@ -123,7 +121,9 @@ impl FeatureStore {
             "linearise": job.open.linearise,
             "accept_damaged": job.open.accept_damaged,
         });
-        check_folder(folder, &[IMAGES_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])?;
+        if !may_begin(folder, Kind::Dataset, &[IMAGES_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])? {
+            return Err(DatasetError::Occupied(folder.into()));
+        }
         Ok(Self {
             folder: folder.into(),
             job: job.clone(),

@@ -6,7 +6,7 @@
 
 use super::stamp::FileStamp;
 use super::{DatasetError, ImageKind};
-use crate::export::{ExportError, MadeFrom, Record, may_begin, write_whole};
+use crate::export::{ExportError, MadeFrom, Record, write_whole};
 use crate::files::mark::{Checksum, Kind, claiming, claims};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -59,11 +59,6 @@ pub enum NotKept {
     /// The check failed.
     #[error(transparent)]
     Failed(#[from] DatasetError),
-}
-
-/// Checks that `folder` is free or holds a dataset that this command began, and that none of its `parts` is a link.
-pub(super) fn check_folder(folder: &Path, parts: &[&str]) -> Result<(), DatasetError> {
-    if may_begin(folder, Kind::Dataset, parts)? { Ok(()) } else { Err(DatasetError::Occupied(folder.into())) }
 }
 
 /// Writes the manifest into `folder`, unless it is there already.

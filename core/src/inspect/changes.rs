@@ -192,7 +192,7 @@ impl Cells {
 }
 
 /// A feature from a file, with the values that the file has.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ForeignFeature {
     /// (u, v), input pixels; the centre of the first pixel is (0, 0).
     pub pos_image: [f32; 2],
@@ -229,9 +229,7 @@ pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, ExportError> {
             pos_image: k.pos_image().map(|x| x as f32),
             sigma: k.scale,
             orientation: k.orientation,
-            slope: None,
-            response: None,
-            snr: None,
+            ..ForeignFeature::default()
         });
         keypoints.collect()
     };

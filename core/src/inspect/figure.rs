@@ -127,13 +127,13 @@ fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
 fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
     let count = shares.frames.len().max(1);
     let side = (area.width / count as f64).min(area.height);
-    let values: Vec<f32> = shares.frames.iter().flat_map(|f| f.patch.data().iter().copied()).collect();
+    let values: Vec<f32> = shares.patches.iter().flat_map(|patch| patch.data().iter().copied()).collect();
     let (low, high) = percentiles_of(&values);
     let display = Display::default().with_range(low, high);
-    for (index, frame) in shares.frames.iter().enumerate() {
+    for (index, (frame, patch)) in shares.frames.iter().zip(&shares.patches).enumerate() {
         let x = area.x + (index as f64 + 0.5) / count as f64 * area.width - 0.5 * side;
         let place = Area { x: x + 1.0, y: area.y, width: side - 2.0, height: side - 2.0 };
-        sheet.picture(place, &frame.patch, &display);
+        sheet.picture(place, patch, &display);
         if count <= 16 {
             sheet.text((x + 0.5 * side, area.y + side + 11.0), 10.0, Anchor::Middle, &frame.frame.to_string());
         }

@@ -12,24 +12,6 @@ use crate::plane::sample::{bilinear, sample_patch};
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Response of one frame along a feature's motion.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FrameShare {
-    /// Index of the frame in the burst.
-    pub frame: usize,
-    /// Position of the feature in the frame, input pixels.
-    pub pos_frame: [f32; 2],
-    /// Whether the frame shows the place and was used.
-    pub covers: bool,
-    /// D of this frame alone, fraction of full scale.
-    pub value: f32,
-    /// Noise of that D.
-    pub sigma_d: f32,
-    /// Pixels around the position; NaN beyond the frame.
-    #[serde(skip)]
-    pub patch: Plane,
-}
-
 /// Shares of all frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shares {
@@ -43,8 +25,11 @@ pub struct Shares {
     pub slope: Slope,
     /// Scale σ, input pixels.
     pub sigma: f32,
-    /// Shares of the frames, in time order.
-    pub frames: Vec<FrameShare>,
+    /// Responses of the frames, in time order.
+    pub frames: Vec<FrameResponse>,
+    /// Pixels around the position in each frame; NaN beyond the frame.
+    #[serde(skip)]
+    pub patches: Vec<Plane>,
     /// Evenness of the responses. Their mean is D of the stack.
     #[serde(flatten)]
     pub evenness: Evenness,
@@ -56,6 +41,7 @@ pub struct Shares {
 
 const PATCH_SIDE: usize = 33;
 const PATCH_SIGMAS: f32 = 4.0;
+
 /// Shares of all frames along the motion through `place` (input pixels, at mid-burst) at `slope`.
 pub fn shares(
     trail: &Trail,
@@ -67,23 +53,21 @@ pub fn shares(
     let (planes, ..) = trail.frames();
     let sigma = trail.space().sigma_image(octave, f64::from(level)) as f32;
     let half_px = PATCH_SIGMAS * sigma;
-    let answers = trail.frame_responses((octave, level), place, slope, monitor)?;
-    let share = |(plane, &answer): (&Arc<Plane>, &FrameResponse)| {
-        let FrameResponse { frame, pos_frame, covers, value, sigma_d } = answer;
-        let patch = sample_patch(plane, (pos_frame[0], pos_frame[1]), half_px, 0.0, PATCH_SIDE);
-        FrameShare { frame, pos_frame, covers, value, sigma_d, patch }
+    let frames = trail.frame_responses((octave, level), place, slope, monitor)?;
+    let patch = |(plane, response): (&Arc<Plane>, &FrameResponse)| {
+        sample_patch(plane, response.pos_frame.into(), half_px, 0.0, PATCH_SIDE)
     };
-    let frames: Vec<FrameShare> = planes.iter().zip(&answers).map(share).collect();
+    let patches = planes.iter().zip(&frames).map(patch).collect();
     monitor.check()?;
-    let evenness = evenness_of(&answers);
+    let evenness = evenness_of(&frames);
     let meaning = meaning(&frames, &evenness);
     let patch_px = 2.0 * half_px;
-    Ok(Shares { octave, level, pos_image: place, slope, sigma, frames, evenness, meaning, patch_px })
+    Ok(Shares { octave, level, pos_image: place, slope, sigma, frames, patches, evenness, meaning, patch_px })
 }
 
-fn meaning(frames: &[FrameShare], evenness: &Evenness) -> String {
+fn meaning(frames: &[FrameResponse], evenness: &Evenness) -> String {
     let number = evenness.coherence.map_or_else(String::new, |c| format!("coherence {c:.2}: "));
-    let covering: Vec<&FrameShare> = frames.iter().filter(|f| f.covers).collect();
+    let covering: Vec<&FrameResponse> = frames.iter().filter(|f| f.covers).collect();
     match evenness.shape {
         Shape::Level => format!("{number}all frames respond alike, as for an object with this motion"),
         Shape::Uneven => format!("{number}the frames differ by more than their noise, but no part of them stands out"),

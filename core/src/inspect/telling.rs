@@ -50,17 +50,6 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
     super::remedy::explained(trail, judgement, fate)
 }
 
-/// The margin of a judged sample in one test (see [`TestReport::margin`]); `around` holds the sample.
-pub fn margin_of(
-    trail: &Trail,
-    around: &Neighbourhood,
-    sample: &Sample,
-    judgement: &Judgement,
-    test: Test,
-) -> Option<f64> {
-    Telling::new(trail, around, sample, judgement).report(test).margin()
-}
-
 pub(super) fn over(value: f32, noise: f32) -> f32 {
     if noise > 0.0 { value / noise } else { f32::INFINITY }
 }
@@ -77,7 +66,7 @@ fn outcome(is_asked: bool, passes: bool) -> Outcome {
     }
 }
 
-struct Telling<'a> {
+pub(super) struct Telling<'a> {
     trail: &'a Trail,
     around: &'a Neighbourhood,
     sample: &'a Sample,
@@ -86,11 +75,11 @@ struct Telling<'a> {
 }
 
 impl<'a> Telling<'a> {
-    fn new(trail: &'a Trail, around: &'a Neighbourhood, sample: &'a Sample, judgement: &'a Judgement) -> Self {
+    pub fn new(trail: &'a Trail, around: &'a Neighbourhood, sample: &'a Sample, judgement: &'a Judgement) -> Self {
         Self { trail, around, sample, judgement, keypoint: keypoint_of(trail, judgement) }
     }
 
-    fn report(&self, test: Test) -> TestReport {
+    pub fn report(&self, test: Test) -> TestReport {
         match test {
             Test::PeakThreshold => {
                 let (value, limit) = (self.judgement.value.abs(), FIRST_PEAK_PART * self.trail.params().peak_threshold);

@@ -129,7 +129,6 @@ pub struct NearestOfBoth {
 pub struct Losses<'a> {
     pair: ComparedPair<'a>,
     nearest: Arc<NearestOfBoth>,
-    matched: Vec<Option<usize>>,
 }
 
 impl<'a> Losses<'a> {
@@ -142,11 +141,7 @@ impl<'a> Losses<'a> {
 
     /// The losses of `pair` with the nearest features from an earlier computation.
     pub fn again(pair: ComparedPair<'a>, nearest: Arc<NearestOfBoth>) -> Self {
-        let mut matched = vec![None; pair.a.features.len()];
-        for (number, m) in pair.result.matches.iter().enumerate() {
-            matched[m.a] = Some(number);
-        }
-        Self { pair, nearest, matched }
+        Self { pair, nearest }
     }
 
     /// The nearest features, for [`Self::again`].
@@ -155,13 +150,9 @@ impl<'a> Losses<'a> {
     }
 
     /// The step at which feature `index` of A was lost.
-    ///
-    /// # Panics
-    /// When A has no such feature: a mistake of the caller.
     pub fn lost(&self, index: usize) -> Lost {
-        let Self { pair, nearest, matched } = self;
-        let NearestOfBoth { of_a, of_b } = &**nearest;
-        if let Some(number) = matched[index] {
+        let (pair, NearestOfBoth { of_a, of_b }) = (&self.pair, &*self.nearest);
+        if let Ok(number) = pair.result.matches.binary_search_by_key(&index, |m| m.a) {
             let inlier = pair.result.verification.as_ref().is_none_or(|v| v.inlier[number]);
             return if inlier { Lost::Not } else { Lost::Geometry };
         }
@@ -190,10 +181,8 @@ impl<'a> Losses<'a> {
         Ok(counts)
     }
 
-    /// Explains the match of feature `index` of A or its absence; lists the `count` nearest of B.
-    ///
-    /// # Panics
-    /// When A has no such feature: a mistake of the caller.
+    /// Explains the match of feature `index` of A or its absence; lists the `count` nearest of B. Panics
+    /// when A has no such feature: a mistake of the caller.
     pub fn of(&self, index: usize, count: usize) -> Unmatched {
         let NearestOfBoth { of_a, of_b } = &*self.nearest;
         let (pair, lost) = (self.pair, self.lost(index));

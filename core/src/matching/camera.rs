@@ -67,14 +67,6 @@ pub struct Camera {
     pub params: Vec<f64>,
 }
 
-/// In COLMAP's convention, pixels.
-struct Pinhole {
-    fx: f64,
-    fy: f64,
-    cx: f64,
-    cy: f64,
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Distortion {
     k1: f64,
@@ -166,13 +158,12 @@ impl Camera {
         Ok(())
     }
 
-    fn pinhole(&self) -> Pinhole {
+    /// fx, fy, cx, cy in COLMAP's convention, pixels.
+    fn pinhole(&self) -> [f64; 4] {
         let p = &self.params;
         match self.model {
-            CameraModel::SimplePinhole | CameraModel::SimpleRadial => {
-                Pinhole { fx: p[0], fy: p[0], cx: p[1], cy: p[2] }
-            }
-            CameraModel::Pinhole | CameraModel::OpenCv => Pinhole { fx: p[0], fy: p[1], cx: p[2], cy: p[3] },
+            CameraModel::SimplePinhole | CameraModel::SimpleRadial => [p[0], p[0], p[1], p[2]],
+            CameraModel::Pinhole | CameraModel::OpenCv => [p[0], p[1], p[2], p[3]],
         }
     }
 
@@ -187,13 +178,13 @@ impl Camera {
 
     /// Focal lengths (fx, fy), pixels.
     pub fn focal_px(&self) -> [f64; 2] {
-        let Pinhole { fx, fy, .. } = self.pinhole();
+        let [fx, fy, ..] = self.pinhole();
         [fx, fy]
     }
 
     /// The matrix K from directions (x, y, 1) to pixels (u, v, 1) in Burstscope's convention, without distortion.
     pub fn matrix(&self) -> Matrix3<f64> {
-        let Pinhole { fx, fy, cx, cy } = self.pinhole();
+        let [fx, fy, cx, cy] = self.pinhole();
         Matrix3::new(fx, 0.0, cx - FIRST_PIXEL, 0.0, fy, cy - FIRST_PIXEL, 0.0, 0.0, 1.0)
     }
 
@@ -205,13 +196,13 @@ impl Camera {
     /// The direction (x, y, 1) seen at the pixel (u, v), with the distortion removed. Panics for a camera that
     /// [`Self::validate`] refuses.
     pub fn direction_of(&self, [u, v]: [f64; 2]) -> [f64; 2] {
-        let Pinhole { fx, fy, cx, cy } = self.pinhole();
+        let [fx, fy, cx, cy] = self.pinhole();
         self.distortion().remove([(u + FIRST_PIXEL - cx) / fx, (v + FIRST_PIXEL - cy) / fy])
     }
 
     /// The pixel (u, v) at which the direction (x, y, 1) is seen. Panics for a camera that [`Self::validate`] refuses.
     pub fn pixel_of(&self, direction: [f64; 2]) -> [f64; 2] {
-        let Pinhole { fx, fy, cx, cy } = self.pinhole();
+        let [fx, fy, cx, cy] = self.pinhole();
         let [x, y] = self.distortion().apply(direction);
         [fx * x + cx - FIRST_PIXEL, fy * y + cy - FIRST_PIXEL]
     }
