@@ -42,8 +42,7 @@ pub enum DatasetError {
 }
 
 impl DatasetError {
-    /// Whether the error concerns the whole dataset, so that the other bursts cannot continue. (Parameters are checked
-    /// before the first burst; a later parameter error concerns only one burst, such as one with too few frames.)
+    /// Whether the other bursts cannot continue. A parameter error after the first checks concerns one burst.
     pub(super) fn is_final(&self) -> bool {
         !matches!(self, Self::Open(_) | Self::Param(_))
     }

@@ -70,8 +70,7 @@ pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<(), E
     write_whole(&folder.join(Kind::Dataset.file()), |out| out.write_all(text.as_bytes()))
 }
 
-/// The detector's parameters, as text, with which this program found the features in `folder`; `None` where another
-/// one did.
+/// The detector's parameters, as text, with which this program, and no other, found the features in `folder`.
 pub(super) fn detector_text(folder: &Path) -> Option<String> {
     let manifest = claims(folder, Kind::Dataset).filter(MadeFrom::is_of_this_program)?;
     manifest.settings().get(DETECTOR_KEY)?.as_str().map(str::to_owned)

@@ -186,8 +186,7 @@ pub struct WinningSlopes {
     pub slope_index: Plane,
     /// |D| over its noise at that slope.
     pub snr: Plane,
-    /// Confidence, 0 … 1: relative distance to the strongest slope that is not a neighbour; 0 where no slope reaches
-    /// the gate.
+    /// Confidence, 0 … 1: relative distance to the strongest slope that is no neighbour; 0 below the gate.
     pub confidence: Plane,
 }
 

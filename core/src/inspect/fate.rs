@@ -182,8 +182,7 @@ pub struct Fate {
     pub keypoint: Option<usize>,
     /// Verdict as one sentence.
     pub verdict: String,
-    /// Setting that would keep it; `None` for a kept candidate, where no setting would, and for duplicates in a list
-    /// (see [`super::remedy::duplicate_remedy`]).
+    /// Setting that would keep it; `None` for a kept candidate, where none would, and for duplicates in a list.
     pub remedy: Option<Remedy>,
 }
 

@@ -48,8 +48,7 @@ impl Price {
     }
 }
 
-/// Price of `change` from what the search of `trail` left; `None` where only another search can tell: see
-/// [`Trail::rejudged`]. `sample` is the candidate in question.
+/// Price of `change` from what the search of `trail` left, if that suffices; `sample` is the candidate in question.
 pub fn price_at_once(
     trail: &Trail,
     change: &ParamChange,
@@ -60,8 +59,7 @@ pub fn price_at_once(
     Ok(trail.rejudged(&params, monitor)?.map(|changed| between(trail, &changed, sample)))
 }
 
-/// Price of `change` to the detection of `cache` in `burst`, the burst as it was opened; with a search where it takes
-/// one. `sample` is the candidate in question.
+/// Price of `change` to the detection of `cache` in `burst`, as it was opened; with a search where it takes one.
 pub fn price(
     cache: &ProbeCache,
     burst: &Burst,

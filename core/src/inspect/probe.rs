@@ -118,9 +118,8 @@ pub struct Subject {
 pub struct Probe {
     /// Place, input pixels.
     pub pos_image: [f32; 2],
-    /// Fates of the candidates near it: the nearest first, by distance and, where a scale was given, by scale. Of those
-    /// at the place itself ([`AT_PLACE_PX`]) kept ones come first, then those with the largest SNR. Larger blobs that
-    /// only reach over the place come last.
+    /// Fates of the candidates near it, nearest in place and given scale first; of those at the place ([`AT_PLACE_PX`])
+    /// kept ones come first, then those with the largest SNR. Larger blobs that reach over the place come last.
     pub fates: Vec<Fate>,
     /// Number of fates before the larger blobs.
     #[serde(skip)]
@@ -163,8 +162,7 @@ impl Probe {
     }
 }
 
-/// Largest distance from the place, input pixels, of a candidate that is examined without having been chosen. A click
-/// is no more exact than that, so candidates within it count as equally near.
+/// Distance from the place, input pixels, within which candidates count as equally near: a click is no more exact.
 pub const AT_PLACE_PX: f32 = 3.0;
 /// Distance and σ, input pixels, above which a candidate beside the place is a larger blob.
 const LARGE_PX: f32 = 8.0;
@@ -313,8 +311,8 @@ fn subject(trail: &Trail, nearness: &Nearness, fates: &[Fate], wanted: Wanted) -
     Ok(Subject { fate: None, pos_image: place, slope, slope_index, octave, level: 0 })
 }
 
-/// The fates of all candidates near a place (u, v), input pixels, within `reach_sigmas` of their σ: kept ones first,
-/// then in order of how far they came and of their strength.
+/// The fates of all candidates within `reach_sigmas` of their σ of a place (u, v), input pixels: those that came
+/// farthest first, then the strongest.
 pub fn fates_near(
     trail: &Trail,
     place: [f32; 2],

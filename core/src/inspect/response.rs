@@ -155,8 +155,7 @@ const FINER_IN_PLANE: usize = 3;
 /// Maximum number of columns and rows of a map: a probe should not take long on a grid of thousands of slopes.
 const MOST: usize = 121;
 
-/// Computes the response at `place` (input pixels) around `through` (a slope, as coordinates in the grid) and, for two
-/// axes, at `scale` over both.
+/// The response at `place` (input pixels) around `through` (coordinates in the grid); in a plane at `scale` over both.
 pub fn response_map(
     trail: &Trail,
     place: [f32; 2],

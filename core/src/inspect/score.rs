@@ -154,8 +154,7 @@ impl Curve {
         Self { points }
     }
 
-    /// The point with the most discs found among those where at most `fraction` (0 … 1) of the detections are false; of
-    /// several, the one with the fewest false. The first point, with no detection, always qualifies.
+    /// The point with the most discs, then the fewest false features, of those with at most a `fraction` (0 … 1) false.
     pub fn at_false_fraction(&self, fraction: f64) -> CurvePoint {
         let within = |p: &&CurvePoint| {
             // A margin for rounding: 10 of 100 are a tenth.
@@ -177,8 +176,7 @@ impl Curve {
     }
 }
 
-/// The mean over `curves` of the discs found with at most 0, 1, … `most_false` false features. A curve that ends
-/// earlier (its detector finds no more) keeps its last value. NaN where there is no curve.
+/// The mean over `curves` of the discs found with at most 0, 1, … `most_false` false features. NaN without a curve.
 pub fn mean_curve(curves: &[&Curve], most_false: usize) -> Vec<f64> {
     (0..=most_false)
         .map(|count| curves.iter().map(|c| c.true_positives_at(count) as f64).sum::<f64>() / curves.len() as f64)

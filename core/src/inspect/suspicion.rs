@@ -70,8 +70,7 @@ const SHORTEST_PERIOD_PX: f32 = 2.0;
 const TEXTURE_LEAST_PX: usize = 24;
 const TEXTURE_MOST_PX: usize = 64;
 
-/// Suspicions about a kept candidate whose frames respond with `evenness`, each with the change that would correct it.
-/// Empty for one that became no feature.
+/// Suspicions about a kept candidate whose frames respond with `evenness`, each with a change that would correct it.
 pub fn suspicions(
     trail: &Trail,
     fate: &Fate,
@@ -268,8 +267,7 @@ fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Opti
     Ok(found.max_by(|a, b| a.0.correlation.total_cmp(&b.0.correlation)))
 }
 
-/// The motion stack at `slope` in a square around a place, less its value in the middle, and the place's position in
-/// it. The square is smaller at the border of the image.
+/// The motion stack at `slope` around a place, less its value in the middle, and the place's position in it.
 pub(super) fn stack_around(
     trail: &Trail,
     [u, v]: [f32; 2],

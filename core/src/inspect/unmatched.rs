@@ -58,8 +58,7 @@ pub struct Unmatched {
     pub candidates: Vec<Rivalry>,
     /// The feature of A that B's nearest would choose instead, where the mutual check failed.
     pub preferred: Option<usize>,
-    /// Expected place in B by the geometry: one place, or a line through these; empty where none is known, and where it
-    /// lies outside the picture.
+    /// Expected place in B by the geometry: one place, or a line through these; empty where none is known or visible.
     pub expected: Vec<[f64; 2]>,
     /// Features of B there, nearest descriptor first, with their rank among all of B.
     pub there: Vec<(usize, usize)>,

@@ -50,8 +50,7 @@ impl Verdict {
         }
     }
 
-    /// The verdict that follows from the evenness of the frames' responses and the suspected faults. A ghost comes
-    /// first: a ghost beside its source is no duplicate of it.
+    /// A ghost comes first: a ghost beside its source is no duplicate of it.
     pub fn of(evenness: &Evenness, suspected: &[Kind]) -> Self {
         let is_suspected = |kind: Kind| suspected.contains(&kind);
         match evenness.shape {

@@ -219,8 +219,7 @@ impl fmt::Display for Camera {
 impl FromStr for Camera {
     type Err = String;
 
-    /// Reads a model, its width and height and its parameters, separated by spaces or commas, as in a line of COLMAP's
-    /// `cameras.txt` without the number in front.
+    /// Reads what `Display` writes, separated by spaces or commas: a line of COLMAP's `cameras.txt` without its number.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut words = text.split([' ', ',', '\t']).filter(|word| !word.is_empty());
         let names = || CameraModel::ALL.map(CameraModel::name).join(", ");

@@ -33,8 +33,7 @@ use std::str::FromStr;
 /// The matches of two images, A and B.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatchResult {
-    /// The putative matches, in the order of A's features. No feature of A is in two of them, and with the mutual check
-    /// none of B either.
+    /// The putative matches, in the order of A's features; each of A is in one at most, with the mutual check of B too.
     pub matches: Vec<Match>,
     /// Geometry that they agree on; `None` where no geometry was requested.
     pub verification: Option<Verification>,
@@ -148,8 +147,7 @@ impl MatchCounts {
     }
 }
 
-/// Statistics of many images that were matched with one another, as in the paper's table: of each image, with all
-/// others that it was paired with, and then the mean over the images.
+/// Statistics of many images that were matched with one another, as in the paper's table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ImageCounts {
     /// Mean number of features of an image.

@@ -71,8 +71,7 @@ pub struct Nearest {
     pub index: usize,
     /// Squared Euclidean distance of the nearest, a whole number of at most 128·255².
     pub distance_squared: u32,
-    /// Squared distance of the second nearest, which may equal that of the nearest; `None` where only one descriptor
-    /// was searched.
+    /// Squared distance of the second nearest, at least that of the nearest; `None` where one was searched.
     pub second_distance_squared: Option<u32>,
 }
 
@@ -87,8 +86,7 @@ impl Nearest {
         Some(Match { a, b: self.index, distance, ratio })
     }
 
-    /// Distance of the nearest over that of the second nearest, 0 … 1. It is 1 where both are 0 (they are
-    /// indistinguishable), and 0 where there is no second.
+    /// Distance of the nearest over that of the second nearest, 0 … 1: 1 where both are 0, and 0 without a second.
     pub fn ratio(&self) -> f32 {
         match self.second_distance_squared {
             None => 0.0,

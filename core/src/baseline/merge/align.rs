@@ -39,8 +39,8 @@ pub(super) struct ShiftField {
     pub shifts: Vec<Shift>,
 }
 
-/// Finds the shifts of the tiles of the reference frame, at full resolution. Both frames come as pyramids of the same
-/// sizes; `variance` is the noise variance of one frame.
+/// Shifts of the tiles of the reference, at full resolution, from pyramids of the same sizes; `variance` is the noise
+/// of one frame.
 pub(super) fn align(
     reference: &[Plane],
     frame: &[Plane],

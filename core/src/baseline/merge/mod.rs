@@ -42,8 +42,7 @@ pub fn merge_burst(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
     Ok(merged)
 }
 
-/// The frames merged in the geometry of the middle one; `noise` is the standard deviation of the noise of one frame,
-/// above 0.
+/// The frames merged in the geometry of the middle one; `noise` is the standard deviation in one frame, above 0.
 fn merge_frames(frames: &[&Plane], noise: f32, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let middle = frames.len() / 2;
     let reference = frames[middle];

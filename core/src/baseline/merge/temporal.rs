@@ -20,8 +20,7 @@ use crate::plane::Plane;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-/// b: a squared difference up to this many times the variance of differences of noise counts as noise; 1.4 % of the
-/// differences of noise alone are larger.
+/// b: squared differences up to this many times the variance of those of noise count as noise: all but 1.4 % of them.
 const DEAD_ZONE: f32 = 6.0;
 /// c: the excess counts half where it is this many times that variance.
 const SOFTNESS: f32 = 2.0;
@@ -139,8 +138,7 @@ fn pixels(plane: &Plane, at: (i64, i64)) -> Block {
     })
 }
 
-/// The pixels of another frame that correspond to those of [`pixels`], and, unless all are inside that frame, which of
-/// them are.
+/// The pixels of another frame that correspond to [`pixels`], and which of them it shows, unless it shows all.
 fn shifted_pixels(
     frame: &Plane,
     at: (i64, i64),

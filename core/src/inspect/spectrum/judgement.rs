@@ -24,9 +24,8 @@ const OFF_LINE_PART: f32 = 0.2;
 const BEYOND: f32 = 0.08;
 /// Part of the slopes that suffices, up to which the search is said to cost too much.
 const NEEDED: f64 = 0.4;
-/// Part of the stronger half of the features at the limit from which a wider range is advised where the frames show
-/// nothing clear. It is at most 0.036 for motions inside the range (at a corner of a plane; 0.012 elsewhere), and 0.12
-/// or more for motions half a step beyond it, on textures, the demo and noise.
+/// Part of the stronger half of the features at the limit from which a wider range is advised. It is at most 0.036 for
+/// motions inside the range (0.012 but for the corners of planes), and 0.12 or more half a step beyond it.
 const AT_LIMIT: f64 = 0.08;
 /// Part of those that must lie at one end of an axis for the axis to be widened there.
 const OF_THOSE: f64 = 0.25;

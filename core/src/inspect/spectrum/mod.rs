@@ -150,9 +150,8 @@ fn counts_at_slopes(detection: &Detection, counts_too: impl Fn(&Feature) -> bool
     counts
 }
 
-/// The index of the slope of `grid` with the most of `counts` features, and their number; `None` where there are none.
-/// Features on the rim are mostly of motions beyond it, so they count only where there are no others. Of equal slopes
-/// the slowest is taken, then the first.
+/// The index of the slope of `grid` with the most of `counts` features, and their number. Features on the rim, which
+/// are mostly of motions beyond it, count only where there are no others; of equal slopes the slowest is taken.
 pub fn slope_with_most_features(grid: &SlopeGrid, counts: &[usize]) -> Option<(usize, usize)> {
     let is_inner = |index: usize| {
         let (i, j) = grid.coordinates(index);

@@ -54,12 +54,11 @@ const MIN_ITERATIONS: usize = 50;
 /// Maximum number of steps of a local optimisation; most end after three to five.
 const POLISH_STEPS: usize = 50;
 const POLISH_TOLERANCE: f64 = 1e-3;
-/// Damping of the first step, its factor after a success, its factor after a failure, and the value beyond which a
-/// local optimisation ends.
+/// Damping: of the first step, its factors after a success and a failure, and its largest value.
 const DAMPING: (f64, f64, f64, f64) = (1e-6, 0.1, 100.0, 100.0);
 
-/// The model with the minimum cost, if any, for inliers with an error of at most `max_error` in the problem's unit; and
-/// the number of samples drawn. `order` are the indices of all matches, the most promising first.
+/// The model with the minimum cost for inliers with errors of at most `max_error`, if any, and the number of samples
+/// drawn. `order` are the indices of all matches, the most promising first.
 pub(super) fn estimate<P: Problem>(
     problem: &P,
     order: Vec<usize>,
@@ -195,8 +194,7 @@ fn iterations_needed(inliers: usize, count: usize, sample_size: usize, confidenc
 
 /// The largest residual in units of σ_max: the 99 % quantile of χ with four degrees of freedom.
 const K: f64 = 3.64;
-/// Number of steps of the table over the squared residual, 0 … threshold². Linear interpolation between them is exact
-/// to about 10⁻⁵ of the cost.
+/// Steps of the table over the squared residual; interpolation between them is exact to about 10⁻⁵ of the cost.
 const STEPS: usize = 2048;
 
 struct Table {
@@ -275,8 +273,7 @@ impl Loss {
     }
 }
 
-/// Number of samples after which all matches are drawn from. The paper takes ten times as many, more than are drawn
-/// here by default.
+/// Number of samples after which all matches are drawn from; the paper takes ten times as many.
 const UNIFORM_AFTER: f64 = 20_000.0;
 
 pub(super) struct Sampler {

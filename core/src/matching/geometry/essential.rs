@@ -259,8 +259,7 @@ fn solution(rows: &[[InZ; 3]; 3], basis: &[Vector9; 4], z: f64) -> Option<Matrix
     (norm.is_finite() && norm > 0.0).then(|| matrix_of(&(e / norm)))
 }
 
-/// Pose of camera B relative to camera A: a point X in A's frame is at R·X + t in B's. The length of t is unknown and
-/// set to 1.
+/// Pose of camera B relative to camera A: a point X in A's frame is at R·X + t in B's; t has the length 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelativePose {
     /// Rotation R, from A's frame to B's.
@@ -275,8 +274,7 @@ impl RelativePose {
         cross_matrix(&self.translation) * self.rotation
     }
 
-    /// The depths, along A's and B's axes, at which the two rays in the directions (x, y, 1) of `pair` come closest.
-    /// `None` for parallel directions.
+    /// The depths along both axes at which the rays of `pair` come closest. `None` for parallel directions.
     fn depths(&self, pair: &RayPair) -> Option<(f64, f64)> {
         // depth_b·d_b = depth_a·R·d_a + t, by least squares.
         let (a, b) = (self.rotation * pair.a_homogeneous(), pair.b_homogeneous());

@@ -118,8 +118,7 @@ pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
     if gradient > 0.0 { value * value / gradient } else { f64::INFINITY }
 }
 
-/// The value x_bᵀ·F·x_a, and the squared length of its gradient with respect to the four coordinates in pixels, of
-/// which `px` make a unit along each axis.
+/// x_bᵀ·F·x_a, and the squared length of its gradient by the coordinates in pixels, of which `px` make a unit.
 #[inline(always)]
 pub(super) fn equation(f: &Matrix3<f64>, pair: &RayPair, px: [f64; 2]) -> (f64, f64) {
     let ([x, y], [u, v]) = (pair.a, pair.b);
@@ -143,8 +142,7 @@ fn from_seven(pairs: &[&RayPair; 7]) -> Vec<Matrix3<f64>> {
     real_roots(&[d0, linear, square, d3]).into_iter().map(|z| (first + second * z).normalize()).collect()
 }
 
-/// Whether all points can be in front of both cameras: e_b × x_b and F·x_a then point the same way for all of them, or
-/// opposite ways for all of them.
+/// Whether all points can be in front of both cameras: e_b × x_b and F·x_a then agree in sense for all or for none.
 fn is_oriented(f: &Matrix3<f64>, pairs: &[&RayPair]) -> bool {
     let Some(epipole) = null_vector(&f.transpose()) else { return false };
     let side = |pair: &&RayPair| epipole.cross(&pair.b_homogeneous()).dot(&(f * pair.a_homogeneous()));
@@ -178,8 +176,7 @@ pub(super) struct Homography {
 }
 
 impl Homography {
-    /// The matrix with the sign for which most of `pairs` are mapped to positive third coordinates; `None` for a matrix
-    /// that has no inverse.
+    /// With the sign for which most of `pairs` get positive third coordinates; `None` for a matrix that has no inverse.
     fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a RayPair>) -> Option<Self> {
         let depth = |p: &RayPair| h.m31 * p.a[0] + h.m32 * p.a[1] + h.m33;
         let sign: f64 = pairs.map(|p| if depth(p) < 0.0 { -1.0 } else { 1.0 }).sum();

@@ -30,11 +30,9 @@ use points::{Normalisation, RayPair};
 pub struct Verification {
     /// The geometry; `None` where fewer than [`MatchParams::min_inliers`] matches agree on any.
     pub model: Option<TwoViewModel>,
-    /// For each match whether it is an inlier: its error is at most [`MatchParams::max_error_px`]. All are false
-    /// without a model.
+    /// For each match whether its error is at most [`MatchParams::max_error_px`]; all false without a model.
     pub inlier: Vec<bool>,
-    /// For each match its error in pixels, see [`TwoViewModel::error_px`]; infinite where that is undefined, and
-    /// without a model.
+    /// For each match its [`TwoViewModel::error_px`]; infinite without a model.
     pub error_px: Vec<f32>,
     /// Number of samples drawn.
     pub iterations: usize,

@@ -6,8 +6,7 @@ use super::points::RayPair;
 use crate::matching::camera::Camera;
 use nalgebra::{Matrix3, Vector3};
 
-/// Relation between the points of image A and those of image B. Pixels are in Burstscope's convention: the centre of
-/// the first one is (0, 0).
+/// Relation between the points of image A and those of image B, in pixels; the centre of the first one is (0, 0).
 #[derive(Debug, Clone, PartialEq)]
 pub enum TwoViewModel {
     /// Any scene, unknown cameras: x_bᵀ·F·x_a = 0 for pixels x = (u, v, 1).
@@ -53,8 +52,7 @@ impl TwoViewModel {
     }
 
     /// Possible places in image B, of `size` (columns, rows), of the point `a` of image A, as a line through (u, v)
-    /// points: a straight piece of the epipolar line, a curve where the lens bends it, the single point of a
-    /// homography. Empty where that is outside the image.
+    /// points: one point for a homography, bent by a lens, empty outside the image.
     pub fn locus_in_b(&self, a: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
         self.locus(a, size, false)
     }
@@ -81,8 +79,8 @@ impl TwoViewModel {
         }
     }
 
-    /// The relative pose of the cameras for which most of `pairs` (of matched pixels, as a rule the inliers) lie in
-    /// front of both, and their number. `None` for all models but an essential matrix.
+    /// The relative pose for which most of `pairs` (matched pixels, as a rule the inliers) lie in front of both cameras,
+    /// and their number. `None` for all models but an essential matrix.
     pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {
         let Self::Essential { essential, camera } = self else { return None };
         let directions: Vec<RayPair> =
