@@ -1,7 +1,7 @@
 //! Baselines for comparison with burst features: a burst made into one image, on which an ordinary detector runs.
 //!
-//! [`merge_burst`], the robust merge of aligned frames, and [`plain_mean`]. The same detector then runs on the one frame,
-//! so that a comparison shows the effect of the burst search alone.
+//! [`merge_burst`], the robust merge of aligned frames, and [`plain_mean`]. The same detector then runs on the one
+//! frame, so that a comparison shows the effect of the burst search alone.
 
 mod merge;
 

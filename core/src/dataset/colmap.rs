@@ -79,8 +79,8 @@ pub struct ColmapReport {
 }
 
 /// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder of `store`,
-/// which was opened with [`ColmapJob::features`]. `on` is called with every event. A burst that cannot be opened is left
-/// out.
+/// which was opened with [`ColmapJob::features`]. `on` is called with every event. A burst that cannot be opened is
+/// left out.
 ///
 /// # Errors
 /// [`DatasetError`]. Files are written completely or not at all; finished bursts stay finished.

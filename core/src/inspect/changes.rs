@@ -3,7 +3,8 @@
 //!
 //! Two features are the same when one finds the other by the rule of [`crate::inspect::score`], taken as a disc of
 //! radius √2·σ, and neither is known to be bright where the other is dark. Those of the later list choose in order of
-//! strength, each the nearest free one; the features of one keypoint, which differ in their orientation, choose together.
+//! strength, each the nearest free one; the features of one keypoint, which differ in their orientation, choose
+//! together.
 
 use crate::detector::{Feature, Slope};
 use crate::export::{ExportError, feature_header, read_colmap, read_features_csv};

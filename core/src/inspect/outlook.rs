@@ -2,8 +2,8 @@
 //! exposure, or a slower motion.
 //!
 //! The noise of the mean of n frames falls with √n. With e times the exposure the signal grows e times, shot noise with
-//! √e, and read noise stays; the measured variance over brightness says which decides. A thing of 1/e of the speed allows
-//! an exposure e times as long with as much motion in a frame.
+//! √e, and read noise stays; the measured variance over brightness says which decides. A thing of 1/e of the speed
+//! allows an exposure e times as long with as much motion in a frame.
 
 use super::fate::{Fate, Outcome};
 use super::words::{counted, number};

@@ -1,8 +1,8 @@
 //! Values of single frames along the motion of a feature: the response of each with its noise (its share), and slices.
 //!
 //! A true feature is in every frame: the responses are level. A ghost, a blob of another motion, responds only in the
-//! frames in which the true blob crosses its path, so its responses form a bump. A slice is taken along a line of pixels
-//! and has one row for each frame (the epipolar-plane image, *Reslice* in ImageJ).
+//! frames in which the true blob crosses its path, so its responses form a bump. A slice is taken along a line of
+//! pixels and has one row for each frame (the epipolar-plane image, *Reslice* in ImageJ).
 
 use crate::detector::coherence::{Evenness, FrameResponse, Shape, evenness_of, responding};
 use crate::detector::{Slope, SlopeGrid, Trail};

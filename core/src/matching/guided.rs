@@ -1,8 +1,9 @@
 //! Guided matching: a second search for matches, among the features that agree with a geometry found before.
 //!
 //! A feature is compared only with those in a band around its epipolar line (or at its place under a homography), a
-//! hundredth of the image: a looser ratio is then as safe. It is off by default: where the sure matches of a pair gave a
-//! wrong geometry, hundreds of guided ones agree with that, and a reconstruction has wrong poses (docs/MEASUREMENTS.md).
+//! hundredth of the image: a looser ratio is then as safe. It is off by default: where the sure matches of a pair gave
+//! a wrong geometry, hundreds of guided ones agree with that, and a reconstruction has wrong poses
+//! (docs/MEASUREMENTS.md).
 //!
 //! Orientations of one keypoint count as one: they are no rivals of each other, and a pair of places is matched once.
 

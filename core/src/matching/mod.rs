@@ -2,9 +2,10 @@
 //!
 //! A *putative match* pairs a feature of image A with the feature of image B whose descriptor is nearest to its own, if
 //! that is clearly nearer than the second nearest (the ratio test of Lowe, "Distinctive Image Features from
-//! Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest. An *inlier* is a putative match that agrees
-//! with a geometry of the two views on which most others agree too. [`match_detections`] does it all: [`putative`] →
-//! [`geometry`] → where it is asked for, both again along that geometry ([`guided_matches`]) → [`MatchCounts`].
+//! Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest. An *inlier* is a putative match that
+//! agrees with a geometry of the two views on which most others agree too. [`match_detections`] does it all:
+//! [`putative`] → [`geometry`] → where it is asked for, both again along that geometry ([`guided_matches`]) →
+//! [`MatchCounts`].
 //!
 //! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
 //! match, and precision the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler and

@@ -4,8 +4,8 @@
 //! twice that is below 2²⁴, so `f32` holds every partial sum exactly, whatever the order of the additions.
 //!
 //! The searched descriptors are transposed into blocks of `LANES`, so that one lane is one descriptor. Queries go in
-//! groups that stay in the nearest cache with one block; `TILE` of them share each load of it. Each query is searched by
-//! one thread alone, and ties go to the lowest index, so the result does not depend on threads.
+//! groups that stay in the nearest cache with one block; `TILE` of them share each load of it. Each query is searched
+//! by one thread alone, and ties go to the lowest index, so the result does not depend on threads.
 
 use super::params::MatchParams;
 use crate::detector::{Descriptor, DetectError};

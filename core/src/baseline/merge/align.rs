@@ -9,8 +9,8 @@
 //!
 //! The first part is minus the logarithm of the likelihood of d when both tiles show the same signal of power P (the
 //! tile's variance in excess of σ²) under independent noise of variance σ². The second keeps shifts near those that the
-//! coarser level found there or beside it. So a blank tile stays with the prediction, and a well-lit corner moves to its
-//! best match. A parabola through the costs beside the whole-pixel minimum gives the fraction of a pixel.
+//! coarser level found there or beside it. So a blank tile stays with the prediction, and a well-lit corner moves to
+//! its best match. A parabola through the costs beside the whole-pixel minimum gives the fraction of a pixel.
 
 use super::tiles::{TILE, TileGrid, first_pixel};
 use crate::monitor::{Cancelled, Monitor};
@@ -78,7 +78,8 @@ fn align_level(pair: &FramePair<'_>, coarser: Option<&ShiftField>, monitor: &Mon
     Ok(ShiftField { grid, shifts: rows.concat() })
 }
 
-/// Predictions for tile (i, j): the shifts, doubled, of the tiles around it on the coarser level; without one no motion.
+/// Predictions for tile (i, j): the shifts, doubled, of the tiles around it on the coarser level; without one no
+/// motion.
 fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut Vec<Shift>) {
     predictions.clear();
     let Some(ShiftField { grid, shifts }) = coarser else {

@@ -8,9 +8,10 @@
 //! ```
 //!
 //! coefficient by coefficient: differences of the size of noise (variance 2σ²) are averaged away, far larger ones, of
-//! wrong alignment or independent motion, are not. This is the Wiener-like shrinkage of Hasinoff et al. with a dead zone:
-//! with their b = 0 and c = 8 ten frames lower the noise 2.5 times, with the values here 3.02 times of at most 3.16.
-//! Tiles are blended under a raised-cosine window. Where a frame does not show a place, the mean of those that do is used.
+//! wrong alignment or independent motion, are not. This is the Wiener-like shrinkage of Hasinoff et al. with a dead
+//! zone: with their b = 0 and c = 8 ten frames lower the noise 2.5 times, with the values here 3.02 times of at most
+//! 3.16. Tiles are blended under a raised-cosine window. Where a frame does not show a place, the mean of those that do
+//! is used.
 
 use super::align::ShiftField;
 use super::dct::{Block, basis, transform, transposed};

@@ -1,5 +1,5 @@
-//! Advice: that of the judgement on direction, range and step; on aliases that the range need not include; on frames that
-//! add nothing, and on frames that much of the picture has left.
+//! Advice: that of the judgement on direction, range and step; on aliases that the range need not include; on frames
+//! that add nothing, and on frames that much of the picture has left.
 
 use super::judgement::Judging;
 use super::{Alias, Spectrum, coverage_share};

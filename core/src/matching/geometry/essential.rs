@@ -2,10 +2,10 @@
 //! up to the length of the translation.
 //!
 //! Directions d = (x, y, 1) satisfy d_bᵀ·E·d_a = 0 with E = `[t]×·R`. Five matches leave E = x·X + y·Y + z·Z + W, on
-//! which det E = 0 and 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations. Elimination leaves a polynomial of the tenth degree
-//! in z (Nistér, "An Efficient Solution to the Five-Point Relative Pose Problem", PAMI 2004). More matches are fitted by
-//! the Levenberg–Marquardt method over rotation and direction of translation, which also works for planes. Errors are
-//! Sampson distances in pixels, by way of the focal lengths.
+//! which det E = 0 and 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations. Elimination leaves a polynomial of the tenth
+//! degree in z (Nistér, "An Efficient Solution to the Five-Point Relative Pose Problem", PAMI 2004). More matches are
+//! fitted by the Levenberg–Marquardt method over rotation and direction of translation, which also works for planes.
+//! Errors are Sampson distances in pixels, by way of the focal lengths.
 //!
 //! Of the four poses of E, in only one do points lie in front of both cameras (Hartley and Zisserman, "Multiple View
 //! Geometry", 2nd ed., 9.6.2; the decomposition is Horn's, "Recovering Baseline and Orientation from 'Essential'

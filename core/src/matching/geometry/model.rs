@@ -34,9 +34,9 @@ pub enum TwoViewModel {
 const CURVE_POINTS: usize = 65;
 
 impl TwoViewModel {
-    /// Error of the match of `a` in image A with `b` in image B, in pixels: the Sampson distance (to first order, how far
-    /// both points together must move to satisfy it) with the lens's distortion removed, or the root mean square of a
-    /// homography's transfers in A and in B. Infinite at the epipoles and behind the camera.
+    /// Error of the match of `a` in image A with `b` in image B, in pixels: the Sampson distance (to first order, how
+    /// far both points together must move to satisfy it) with the lens's distortion removed, or the root mean square of
+    /// a homography's transfers in A and in B. Infinite at the epipoles and behind the camera.
     pub fn error_px(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
         let squared = match self {
             Self::Fundamental { fundamental } => sampson_squared(fundamental, &RayPair { a, b }),
@@ -79,8 +79,8 @@ impl TwoViewModel {
         }
     }
 
-    /// The relative pose for which most of `pairs` (matched pixels, as a rule the inliers) lie in front of both cameras,
-    /// and their number. `None` for all models but an essential matrix.
+    /// The relative pose for which most of `pairs` (matched pixels, as a rule the inliers) lie in front of both
+    /// cameras, and their number. `None` for all models but an essential matrix.
     pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {
         let Self::Essential { essential, camera } = self else { return None };
         let directions: Vec<RayPair> =

@@ -1,8 +1,8 @@
 //! Matched points, the normalised coordinates in which models are estimated, and the solvers' small linear algebra.
 //!
-//! In pixels the terms of an epipolar equation differ by factors of 10⁵, and linear fits lose digits. So coordinates are
-//! around the points' centre and of about unit size (Hartley, "In Defense of the Eight-Point Algorithm", PAMI 1997), with
-//! one scale for both images, so that an error is one in pixels up to a factor.
+//! In pixels the terms of an epipolar equation differ by factors of 10⁵, and linear fits lose digits. So coordinates
+//! are around the points' centre and of about unit size (Hartley, "In Defense of the Eight-Point Algorithm", PAMI
+//! 1997), with one scale for both images, so that an error is one in pixels up to a factor.
 
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 

@@ -1,5 +1,5 @@
-//! The real roots of polynomials in one unknown, for the solvers of seven points (a cubic) and of five (tenth degree). A
-//! double root may be found or missed, depending on rounding.
+//! The real roots of polynomials in one unknown, for the solvers of seven points (a cubic) and of five (tenth degree).
+//! A double root may be found or missed, depending on rounding.
 
 use polycool::PolyDyn;
 
