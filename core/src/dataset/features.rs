@@ -197,9 +197,6 @@ impl FeatureStore {
     }
 
     /// Reads the features of `source` from its files if it is finished.
-    ///
-    /// # Errors
-    /// The reason why they are not used.
     pub fn kept(&self, source: &BurstFiles, monitor: &Monitor) -> Result<BurstFeatures, NotKept> {
         let files = source.files().map_err(DatasetError::from)?;
         Ok(self.kept_with_record(source, &files, monitor)?.0)
@@ -243,9 +240,6 @@ impl FeatureStore {
     }
 
     /// The features of `source`: from its files if it is finished, otherwise found now and written with its picture.
-    ///
-    /// # Errors
-    /// [`DatasetError`]; finished bursts stay finished.
     pub fn features(
         &mut self,
         source: &BurstFiles,

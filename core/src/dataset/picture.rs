@@ -76,9 +76,6 @@ fn stretched(plane: &Plane) -> Display {
 
 /// The middle frame of `source`, opened with `options` and reduced by a whole factor so that no side is longer than
 /// `max_side_px` (1 or more). Where each frame is a file, no other is read.
-///
-/// # Errors
-/// See [`OpenError`].
 pub fn thumbnail(
     source: &BurstFiles,
     max_side_px: usize,

@@ -35,9 +35,6 @@ impl DatasetSource {
     }
 
     /// As [`Self::bursts`], with the pictures beside them that belong to none.
-    ///
-    /// # Errors
-    /// As [`Self::bursts`].
     pub fn entries(&self) -> Result<Entries, OpenError> {
         let Entries { bursts: sequences, strays } = find_entries(&self.paths)?;
         let Some(length) = self.burst_length else {

@@ -86,9 +86,6 @@ const MAX_COUNT: usize = 1024;
 
 impl SetUp {
     /// Checks the numbers.
-    ///
-    /// # Errors
-    /// The first option that makes no sense, and what would.
     pub fn check(&self) -> Result<(), ParamError> {
         bounds::SPEED.check("speed", self.speed_m_s)?;
         bounds::DIRECTION.check("direction", self.direction_deg)?;

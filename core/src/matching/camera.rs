@@ -136,9 +136,6 @@ impl Camera {
     }
 
     /// Checks size and parameters. `parameter` names the option that they came from, for the error.
-    ///
-    /// # Errors
-    /// The first value that makes no sense.
     pub fn validate(&self, parameter: &'static str) -> Result<(), ParamError> {
         let fail = |problem: String, remedy: String| Err(ParamError { parameter, problem, remedy });
         let names = self.model.param_names();

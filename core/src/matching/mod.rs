@@ -69,9 +69,6 @@ pub fn match_detections(
 
 /// Matches features given by places and descriptors alone, and verifies the matches.
 ///
-/// # Errors
-/// As [`match_detections`].
-///
 /// # Panics
 /// When the numbers of places and descriptors differ: a mistake of the caller.
 pub fn match_features(

@@ -108,9 +108,6 @@ impl MatchParams {
     }
 
     /// Checks the parameters.
-    ///
-    /// # Errors
-    /// The first parameter that makes no sense.
     pub fn validate(&self) -> Result<(), ParamError> {
         doc::ALL.iter().try_for_each(|record| record.check(self))?;
         match &self.camera {

@@ -33,9 +33,6 @@ pub struct Match {
 /// Finds the putative matches of the descriptors of images A and B, in the order of A's: each with its nearest one in
 /// B, if its ratio is at most [`MatchParams::ratio`], and with [`MatchParams::mutual`] the same the other way round. Of
 /// equally near descriptors the first counts as the nearest.
-///
-/// # Errors
-/// [`DetectError::Param`] for parameters that make no sense.
 pub fn match_descriptors(
     a: &[Descriptor],
     b: &[Descriptor],

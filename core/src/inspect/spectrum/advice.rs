@@ -118,32 +118,27 @@ impl Telling<'_> {
     fn frames(&self) -> Option<SlopeAdvice> {
         let finding = &self.spectrum.finding;
         let frames = self.spectrum.frames;
-        let left = match finding.verdict {
+        let (left, why) = match finding.verdict {
             SlopeVerdict::NotStraight => {
                 // The deviation of a bent motion grows with the square of the time.
                 let off = finding.deviation_px.filter(|off| *off > STRAIGHT_PX)?;
-                (frames as f32 * (STRAIGHT_PX / off).sqrt()) as usize
+                let px = number(off, 1);
+                let why = match finding.warnings[..] {
+                    [] => format!("the motion is not straight: it deviates from a uniform one by up to {px} px"),
+                    _ => finding.irregularities(),
+                };
+                ((frames as f32 * (STRAIGHT_PX / off).sqrt()) as usize, why)
             }
             SlopeVerdict::Film => {
                 let (width, height) = self.cache.burst.size();
-                let part = finding.moved_px / width.min(height) as f32;
-                (frames as f32 * 0.25 / part.max(0.25)) as usize
+                let (part, px) = (finding.moved_px / width.min(height) as f32, number(finding.moved_px, 0));
+                let why = format!("the picture moves by {px} px over the frames, more than a third of it");
+                ((frames as f32 * 0.25 / part.max(0.25)) as usize, why)
             }
             _ => return None,
         };
         let left = left.clamp(2, frames);
         let fewer = frames - left;
-        let why = match finding.verdict {
-            SlopeVerdict::Film => format!(
-                "the picture moves by {} px over the frames, more than a third of it",
-                number(finding.moved_px, 0)
-            ),
-            _ if !finding.warnings.is_empty() => finding.irregularities(),
-            _ => format!(
-                "the motion is not straight: it deviates from a uniform one by up to {} px",
-                number(finding.deviation_px.unwrap_or(0.0), 1)
-            ),
-        };
         (fewer > 0).then(|| SlopeAdvice {
             subject: Subject::Frames,
             number: fewer as f64,

@@ -58,9 +58,6 @@ pub struct PointPair {
 
 /// Finds the geometry that most of `pairs` agree on; `None` where [`MatchParams::geometry`] is none. Both images are
 /// from [`MatchParams::camera`].
-///
-/// # Errors
-/// [`DetectError::Param`] for parameters that make no sense.
 pub fn verify(
     pairs: &[PointPair],
     params: &MatchParams,
@@ -317,20 +314,25 @@ pub(in crate::matching) mod tests {
         let worst = found.error_px.iter().copied().fold(0.0, f32::max);
         assert!(worst < 1e-3, "{worst} px");
         let model = found.model.expect("a model");
-        // The true point is on the curve.
         for pair in scene.pairs.iter().take(20) {
-            for (point, curve) in [(pair.b, model.locus_in_b(pair.a, SIZE)), (pair.a, model.locus_in_a(pair.b, SIZE))] {
-                let off = curve.windows(2).map(|w| from_segment(point, w[0], w[1])).fold(f64::INFINITY, f64::min);
-                assert!(off < 0.1, "{point:?} is {off} px from its curve");
-            }
+            through_the_match(pair, &model, 0.1);
         }
     }
 
+    /// Checks that the lines of the possible matches of both points go through the other one, to `max` px.
+    fn through_the_match(pair: &PointPair, model: &TwoViewModel, max: f64) -> [Vec<[f64; 2]>; 2] {
+        let lines = [model.locus_in_b(pair.a, SIZE), model.locus_in_a(pair.b, SIZE)];
+        for (point, line) in [pair.b, pair.a].iter().zip(&lines) {
+            let off = line.windows(2).map(|w| from_segment(*point, w[0], w[1])).fold(f64::INFINITY, f64::min);
+            assert!(off < max, "{point:?} is {off} px from its line");
+        }
+        lines
+    }
+
     fn from_segment(p: [f64; 2], q: [f64; 2], r: [f64; 2]) -> f64 {
-        let (along, to) = ([r[0] - q[0], r[1] - q[1]], [p[0] - q[0], p[1] - q[1]]);
-        let squared = along[0] * along[0] + along[1] * along[1];
-        let part = ((to[0] * along[0] + to[1] * along[1]) / squared).clamp(0.0, 1.0);
-        (to[0] - part * along[0]).hypot(to[1] - part * along[1])
+        let [p, q, r] = [p, q, r].map(nalgebra::Vector2::from);
+        let (along, to) = (r - q, p - q);
+        (to - along * (to.dot(&along) / along.norm_squared()).clamp(0.0, 1.0)).norm()
     }
 
     #[test]
@@ -339,12 +341,11 @@ pub(in crate::matching) mod tests {
         let scene = in_space(&mut random, (50, 0), 0.0);
         let model = found(&scene, Geometry::Fundamental).model.expect("a model");
         for pair in &scene.pairs {
-            for (point, line) in [(pair.b, model.locus_in_b(pair.a, SIZE)), (pair.a, model.locus_in_a(pair.b, SIZE))] {
-                assert!(line.len() == 2 && from_segment(point, line[0], line[1]) < 1e-3, "{point:?}, {line:?}");
+            for line in through_the_match(pair, &model, 1e-3) {
                 // Ends are on the image's border.
                 let border =
                     |p: &[f64; 2]| [p[0] + 0.5, p[1] + 0.5, p[0] - 639.5, p[1] - 479.5].iter().any(|x| x.abs() < 1e-6);
-                assert!(line.iter().all(border), "{line:?}");
+                assert!(line.len() == 2 && line.iter().all(border), "{line:?}");
             }
         }
         let scene = on_a_plane(&mut random, (50, 0), 0.0);
