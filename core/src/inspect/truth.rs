@@ -142,7 +142,7 @@ pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Re
         match one.disc {
             Some(disc) => out.found.push((one.feature, disc)),
             None if truth.features.iter().any(|disc| finds(&features[one.feature], disc)) => {
-                out.repeated.push(one.feature)
+                out.repeated.push(one.feature);
             }
             None => out.elsewhere.push(one.feature),
         }

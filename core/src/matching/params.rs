@@ -289,7 +289,8 @@ mod tests {
     #[test]
     fn nonsense_is_named() {
         let flat = Camera { width: 0, ..Camera::centred(8, 6, 5.0) };
-        let cases: [(&str, fn(&mut MatchParams, Camera)); 8] = [
+        type Spoil = fn(&mut MatchParams, Camera);
+        let cases: [(&str, Spoil); 8] = [
             ("ratio", |p, _| p.ratio = f32::NAN),
             ("ratio", |p, _| p.ratio = 1.01),
             ("max-error-px", |p, _| p.max_error_px = 0.0),
