@@ -10,7 +10,6 @@ use crate::detector::{DetectError, ParamError};
 use crate::evaluate::EvaluateError;
 use crate::evaluate::poses::PoseError;
 use crate::figures::FiguresError;
-use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 use crate::requests::SourceError;
 use crate::synth::{SynthError, WriteBurstError};
@@ -87,15 +86,6 @@ impl From<DetectError> for Failure {
         match error {
             DetectError::Cancelled(_) => Self::Interrupted,
             DetectError::Param(error) => error.into(),
-        }
-    }
-}
-
-impl From<MatchError> for Failure {
-    fn from(error: MatchError) -> Self {
-        match error {
-            MatchError::Cancelled(_) => Self::Interrupted,
-            MatchError::Param(error) => error.into(),
         }
     }
 }

@@ -6,7 +6,6 @@ use crate::detector::DetectError;
 use crate::evaluate::EvaluateError;
 use crate::figures::FiguresError;
 use crate::inspect::ProbeError;
-use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -47,12 +46,6 @@ impl From<Cancelled> for JobError {
 impl From<DetectError> for JobError {
     fn from(error: DetectError) -> Self {
         Self::of(&error, matches!(error, DetectError::Cancelled(_)))
-    }
-}
-
-impl From<MatchError> for JobError {
-    fn from(error: MatchError) -> Self {
-        Self::of(&error, matches!(error, MatchError::Cancelled(_)))
     }
 }
 

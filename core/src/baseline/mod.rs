@@ -1,9 +1,7 @@
 //! Baselines for comparison with burst features: a burst made into one image, on which an ordinary detector runs.
 //!
-//! Each baseline is a function from a burst to a burst of one frame: [`merge_burst`], the robust merge of aligned
-//! frames, and [`plain_mean`]. The same detector then runs on it, so that a comparison shows the effect of the burst
-//! search alone. (SIFT on a single frame needs no baseline: that is the same detector on the burst itself, of which it
-//! takes the middle frame. Neither does the gold standard: it is SIFT on an image that was taken with enough light.)
+//! [`merge_burst`], the robust merge of aligned frames, and [`plain_mean`]. The same detector then runs on the one
+//! frame, so that a comparison shows the effect of the burst search alone.
 
 mod merge;
 
@@ -13,11 +11,7 @@ use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Plane, memory};
 
-/// Mean of all frames of `burst`, as a burst of one frame: the simplest merge, as it would be at mid-burst if nothing
-/// moved. It lowers the noise of static content and smears moving content.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
+/// Mean of all frames of `burst`, as a burst of one frame: what moves is smeared.
 pub fn plain_mean(burst: &Burst, monitor: &Monitor) -> Result<Burst, Cancelled> {
     let (width, height) = burst.size();
     // Sums of many 16-bit values need more than the 24 bits of f32.

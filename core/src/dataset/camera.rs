@@ -6,14 +6,11 @@ use crate::files::{MAX_SETTINGS_BYTES, read_text};
 use crate::matching::{Camera, CameraModel};
 use std::path::Path;
 
-/// Ratio of the focal length of an unknown camera to the larger side of its images: COLMAP's own guess.
-pub const GUESSED_FOCAL_FACTOR: f64 = 1.2;
-
 /// The camera of a dataset.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CameraChoice {
-    /// Unknown: a focal length is guessed ([`GUESSED_FOCAL_FACTOR`]) and the centre taken as the principal point, as
-    /// COLMAP does. Images of different sizes have separate cameras.
+    /// Unknown: as COLMAP does, the focal length is taken as 1.2 times the larger side, and the centre as the principal
+    /// point. Images of different sizes have separate cameras.
     Guessed(CameraModel),
     /// One known camera for all images.
     Known(Camera),
@@ -82,15 +79,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_guess_is_colmaps() {
+    fn a_guess_is_colmaps_and_a_known_camera_is_for_its_own_images() {
         let camera = CameraChoice::default().for_images((640, 480)).expect("a guess");
         assert_eq!(camera.to_string(), "SIMPLE_RADIAL 640 480 768 320 240 0");
         let camera = CameraChoice::Guessed(CameraModel::OpenCv).for_images((480, 640)).expect("a guess");
         assert_eq!(camera.params, [768.0, 768.0, 240.0, 320.0, 0.0, 0.0, 0.0, 0.0]);
-    }
-
-    #[test]
-    fn a_known_camera_is_for_its_own_images() {
         let choice = CameraChoice::Known(Camera::centred(64, 48, 50.0));
         assert_eq!(choice.for_images((64, 48)).map(|c| c.params[0]), Ok(50.0));
         let error = choice.for_images((48, 64)).expect_err("another size").to_string();

@@ -1,11 +1,8 @@
 //! Export of a dataset to COLMAP: a folder from which its mapper can start directly.
 //!
 //! `images/NAME.png` shows each burst, `features/NAME.png.txt` holds its features in the form of COLMAP's importer, and
-//! `database.db` cameras, images, features, matches and verified geometries. Finished bursts are not computed again,
-//! see [`super::features`]; matches are, because they take little time compared with features.
-//!
-//! The features of a burst are in memory while they are found and while its pairs are matched: between these steps they
-//! are in its files and in the database. So memory does not grow with the number of bursts.
+//! `database.db` cameras, images, features, matches and verified geometries. Finished bursts are not computed again;
+//! matches are. Features are in memory only while they are found or matched: memory does not grow with the bursts.
 
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::pairs::{BurstSide, MatchedPair, match_pairs};
@@ -82,8 +79,8 @@ pub struct ColmapReport {
 }
 
 /// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder of `store`,
-/// which was opened with [`ColmapJob::features`]. `on` is called with every event. A burst that cannot be opened is left
-/// out.
+/// which was opened with [`ColmapJob::features`]. `on` is called with every event. A burst that cannot be opened is
+/// left out.
 ///
 /// # Errors
 /// [`DatasetError`]. Files are written completely or not at all; finished bursts stay finished.
@@ -98,7 +95,7 @@ pub fn export_colmap(
     if bursts.len() < 2 {
         return Err(DatasetError::TooFew(bursts.len()));
     }
-    let out = store.folder().to_path_buf();
+    let out = store.folder.clone();
     store.protect(bursts)?;
     store.check_output(&out.join(DATABASE_FILE))?;
     // The index of each burst whose features are in the folder, and whether an earlier run had found them.
@@ -138,7 +135,6 @@ pub fn export_colmap(
     Ok(report)
 }
 
-/// Adds a burst to the database and the report, with its camera if that is new.
 fn add_burst(
     database: &mut DatabaseWriter<'_>,
     burst: &BurstFeatures,
@@ -146,8 +142,7 @@ fn add_burst(
     report: &mut ColmapReport,
 ) -> Result<(), DatasetError> {
     let camera = job.camera.for_images(burst.size)?;
-    let known = report.cameras.iter().position(|c| *c == camera);
-    let camera_id = match known {
+    let camera_id = match report.cameras.iter().position(|c| *c == camera) {
         Some(index) => index as u32 + 1,
         None => {
             let id = database.add_camera(&DatabaseCamera {
@@ -172,7 +167,6 @@ fn add_burst(
     Ok(())
 }
 
-/// Matches `pairs` of the database's images, and adds their matches to the database and the report.
 fn match_all(
     database: &mut DatabaseWriter<'_>,
     pairs: &[(usize, usize)],
@@ -203,7 +197,6 @@ fn match_all(
 }
 
 impl ColmapJob {
-    /// The parameters of matching, with the camera where it is known.
     fn verified_matching(&self) -> Result<MatchParams, DatasetError> {
         let camera = match &self.camera {
             CameraChoice::Known(camera) => Some(camera.clone()),
@@ -233,7 +226,7 @@ fn model_id(model: CameraModel) -> u32 {
     }
 }
 
-/// The geometry that the verified matches of the bursts `a` and `b` agree on; `None` where they were not verified.
+/// `None` where the matches were not verified.
 fn database_geometry([a, b]: [&BurstSide; 2], result: &MatchResult) -> Option<DatabaseGeometry> {
     let Verification { model, inlier, .. } = result.verification.as_ref()?;
     let Some(model) = model else { return Some(DatabaseGeometry::default()) };

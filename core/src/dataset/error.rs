@@ -4,7 +4,6 @@ use crate::burst::OpenError;
 use crate::detector::{DetectError, ParamError};
 use crate::export::ExportError;
 use crate::files::lock::LockError;
-use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 use std::path::PathBuf;
 
@@ -43,8 +42,7 @@ pub enum DatasetError {
 }
 
 impl DatasetError {
-    /// Whether the error concerns the whole dataset, so that the other bursts cannot continue. (Parameters are checked
-    /// before the first burst; a later parameter error concerns only one burst, such as one with too few frames.)
+    /// Whether the other bursts cannot continue. A parameter error after the first checks concerns one burst.
     pub(super) fn is_final(&self) -> bool {
         !matches!(self, Self::Open(_) | Self::Param(_))
     }
@@ -67,15 +65,6 @@ impl From<DetectError> for DatasetError {
         match error {
             DetectError::Cancelled(cancelled) => Self::Cancelled(cancelled),
             DetectError::Param(param) => Self::Param(param),
-        }
-    }
-}
-
-impl From<MatchError> for DatasetError {
-    fn from(error: MatchError) -> Self {
-        match error {
-            MatchError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            MatchError::Param(param) => Self::Param(param),
         }
     }
 }

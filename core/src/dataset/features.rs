@@ -1,9 +1,7 @@
 //! The features of each burst of a dataset: found once, stored in files, and read from there the next time.
 
-use super::kept::{
-    BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, check_folder, detector_text, differences, write_manifest,
-};
-use super::picture::{ImageKind, write_picture};
+use super::kept::{BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, detector_text, differences, write_manifest};
+use super::picture::{ImageKind, burst_picture};
 use super::stamp::{Comparison, FileStamp};
 use super::{CameraChoice, DatasetError};
 use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions, files_at};
@@ -11,7 +9,7 @@ use crate::detect::{Searched, check_memory, search};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::export::{
     ColmapKeypoint, ExportError, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records,
-    parse_colmap, safe_file_name, write_colmap_keypoints,
+    may_begin, parse_colmap, safe_file_name, write_colmap_keypoints, write_png,
 };
 use crate::files::lock::FolderLock;
 use crate::files::mark::{Checksum, Kind};
@@ -90,11 +88,9 @@ pub enum BurstEvent<'a> {
 /// The files of a dataset, with the state of its bursts.
 #[derive(Debug)]
 pub struct FeatureStore {
-    folder: PathBuf,
+    pub(super) folder: PathBuf,
     job: FeatureJob,
-    /// Program and settings with which features are found now.
     made_with: MadeFrom,
-    /// Comparison of frames with those of finished bursts.
     comparison: Comparison,
     /// Files that were opened beside frames and calibration, such as parameters.
     opened: Vec<PathBuf>,
@@ -125,7 +121,9 @@ impl FeatureStore {
             "linearise": job.open.linearise,
             "accept_damaged": job.open.accept_damaged,
         });
-        check_folder(folder, &[IMAGES_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])?;
+        if !may_begin(folder, Kind::Dataset, &[IMAGES_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])? {
+            return Err(DatasetError::Occupied(folder.into()));
+        }
         Ok(Self {
             folder: folder.into(),
             job: job.clone(),
@@ -137,7 +135,7 @@ impl FeatureStore {
         })
     }
 
-    /// This store, which also never writes over the files `opened`.
+    /// This store, which never writes over the files `opened` either.
     pub fn and_opened(self, opened: Vec<PathBuf>) -> Self {
         Self { opened, ..self }
     }
@@ -158,19 +156,13 @@ impl FeatureStore {
         Records::of(&self.folder)
     }
 
-    pub(super) fn folder(&self) -> &Path {
-        &self.folder
-    }
-
     /// The parameters with which the features in `folder` were found; `None` where there are none, or where another
-    /// version of the program or another revision of the detector found them: with the same parameters this one would
-    /// find other features.
+    /// version of the program or revision of the detector, which would find other ones, found them.
     pub fn params_in(folder: &Path) -> Option<SearchParams> {
         SearchParams::from_toml(&detector_text(folder)?).ok()
     }
 
-    /// Ensures, now and with every later write, that no frame of `bursts`, no bias or flat frame, no other opened file
-    /// and no file of others is overwritten.
+    /// Ensures, now and with every later write, that no opened file and no file of others is overwritten.
     ///
     /// # Errors
     /// [`ExportError::Input`] for an opened file in the place of an output file, [`ExportError::Link`] for a link,
@@ -205,9 +197,6 @@ impl FeatureStore {
     }
 
     /// Reads the features of `source` from its files if it is finished.
-    ///
-    /// # Errors
-    /// The reason why they are not used.
     pub fn kept(&self, source: &BurstFiles, monitor: &Monitor) -> Result<BurstFeatures, NotKept> {
         let files = source.files().map_err(DatasetError::from)?;
         Ok(self.kept_with_record(source, &files, monitor)?.0)
@@ -225,9 +214,6 @@ impl FeatureStore {
     }
 
     /// Reads the features that this store has found or kept in this run. The frames are not compared again.
-    ///
-    /// # Errors
-    /// [`ExportError::Read`] when the file of features was altered meanwhile.
     #[cfg(feature = "colmap")]
     pub(super) fn written(&self, source: &BurstFiles) -> Result<BurstFeatures, DatasetError> {
         let image_name = image_name(source);
@@ -254,9 +240,6 @@ impl FeatureStore {
     }
 
     /// The features of `source`: from its files if it is finished, otherwise found now and written with its picture.
-    ///
-    /// # Errors
-    /// [`DatasetError`]; finished bursts stay finished.
     pub fn features(
         &mut self,
         source: &BurstFiles,
@@ -307,8 +290,7 @@ impl FeatureStore {
         Ok(found)
     }
 
-    /// Writes the missing files of a burst with stored features: the picture, if another kind is requested than was
-    /// written, and the record with the new times of frames whose content is unchanged.
+    /// Writes what is missing: the picture, if another kind is requested, and the record with the frames' new times.
     fn complete(
         &mut self,
         source: &BurstFiles,
@@ -327,7 +309,7 @@ impl FeatureStore {
             self.begin_writing()?;
             of.picture_content
         } else {
-            let burst = self.burst(source, monitor)?;
+            let burst = Burst::open_with(&source.paths, &self.job.open, monitor)?;
             self.begin_writing()?;
             self.write_picture_of(&image_name, &burst, monitor)?
         };
@@ -338,15 +320,13 @@ impl FeatureStore {
     fn write_picture_of(&self, image_name: &str, burst: &Burst, monitor: &Monitor) -> Result<Checksum, DatasetError> {
         let path = self.picture_file(image_name);
         self.check_output(&path)?;
-        write_picture(&path, burst, self.job.images, &self.job.detector.detector, monitor)?;
+        let picture = burst_picture(burst, self.job.images, &self.job.detector.detector, monitor)?;
+        write_png(&path, picture.picture())?;
         Ok(Checksum::of_file(&path).map_err(|e| ExportError::write(&path, &e))?)
     }
 
     /// Before the first write: locks the folder for this process, removes files that a killed run left, and writes the
     /// manifest. Later: checks that the folder is still the locked one.
-    ///
-    /// # Errors
-    /// A folder that another process has locked, or that was removed meanwhile; a file that cannot be written.
     pub(super) fn begin_writing(&mut self) -> Result<(), DatasetError> {
         if let Some(lock) = &self.lock {
             return Ok(lock.check()?);
@@ -361,7 +341,6 @@ impl FeatureStore {
         Ok(())
     }
 
-    /// Finds the features of `source`; returns them with the opened burst.
     fn find(
         &self,
         source: &BurstFiles,
@@ -369,16 +348,14 @@ impl FeatureStore {
         monitor: &Monitor,
     ) -> Result<(BurstFeatures, Burst), DatasetError> {
         let started = Instant::now();
-        let burst = self.burst(source, monitor)?;
+        let burst = Burst::open_with(&source.paths, &self.job.open, monitor)?;
         camera.for_images(burst.size())?;
         let Searched { detection, finding, .. } = search(&burst, &self.job.detector, monitor)?;
-        let image_name = image_name(source);
-        let keypoints: Vec<ColmapKeypoint> = detection.features.iter().map(ColmapKeypoint::from).collect();
         let found = BurstFeatures {
             name: source.name.clone(),
-            image_name,
+            image_name: image_name(source),
             size: burst.size(),
-            keypoints,
+            keypoints: detection.features.iter().map(ColmapKeypoint::from).collect(),
             descriptors: detection.descriptors,
             resumed: false,
             slopes: finding,
@@ -406,11 +383,7 @@ impl FeatureStore {
         if agree { Ok(record) } else { Err(NotKept::OtherFiles) }
     }
 
-    fn burst(&self, source: &BurstFiles, monitor: &Monitor) -> Result<Burst, DatasetError> {
-        Ok(Burst::open_with(&source.paths, &self.job.open, monitor)?)
-    }
-
-    /// The path of a feature file; COLMAP's importer looks for the features of `a.png` in `a.png.txt`.
+    /// COLMAP's importer looks for the features of `a.png` in `a.png.txt`.
     fn feature_file(&self, image_name: &str) -> PathBuf {
         self.folder.join(FEATURES_FOLDER).join(format!("{image_name}.txt"))
     }
@@ -433,8 +406,7 @@ pub fn image_name(source: &BurstFiles) -> String {
     format!("{}.png", safe_file_name(&source.name))
 }
 
-/// Finds the features of all `bursts` in turn; `on` is called with every event. `monitor` receives the progress through
-/// all of them.
+/// Finds the features of all `bursts` in turn; `on` is called with every event.
 ///
 /// # Errors
 /// [`DatasetError`] when it concerns all bursts, or the work was cancelled. A burst that cannot be opened is reported

@@ -1,9 +1,7 @@
 //! Gathering the features that several runs have found into one folder.
 //!
-//! A dataset too large for one machine is split: each run takes some of its bursts and stores their features in a
-//! folder of its own. Afterwards one run gathers them: for each burst that is not finished yet, the files of a run that
-//! found them with the same parameters in the same frames are copied. Files that do not fit are reported, and their
-//! features found again.
+//! For each burst of a dataset that is not finished yet, the files of a run that found its features with the same
+//! parameters in the same frames are copied. Files that do not fit are reported, and their features found again.
 
 use super::features::{FEATURES_FOLDER, FeatureStore, IMAGES_FOLDER, image_name};
 use super::kept::{KeptBurst, NotKept};
@@ -83,7 +81,7 @@ pub fn gather(
                 Err(NotKept::NoRecord) => {}
                 Err(reason) => {
                     *knows_one = true;
-                    left_out.push(LeftOut { folder: other.folder().into(), burst: source.name.clone(), reason });
+                    left_out.push(LeftOut { folder: other.folder.clone(), burst: source.name.clone(), reason });
                 }
             }
         }
@@ -106,17 +104,13 @@ fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeature
     store.records().remove(image)?;
     let feature_file = Path::new(FEATURES_FOLDER).join(format!("{image}.txt"));
     let picture_file = Path::new(IMAGES_FOLDER).join(image);
-    let has_picture = other.folder().join(&picture_file).is_file();
+    let has_picture = other.folder.join(&picture_file).is_file();
     for file in [Some(feature_file), has_picture.then_some(picture_file)].into_iter().flatten() {
-        let to = store.folder().join(&file);
+        let to = store.folder.join(&file);
         store.check_output(&to)?;
-        copy(&other.folder().join(&file), &to)?;
+        let from = other.folder.join(&file);
+        let bytes = std::fs::read(&from).map_err(|e| ExportError::Read { path: from, reason: e.to_string() })?;
+        write_whole(&to, |out| out.write_all(&bytes))?;
     }
     Ok(store.records().write(image, &record)?)
-}
-
-/// Copies a file completely or not at all.
-fn copy(from: &Path, to: &Path) -> Result<(), ExportError> {
-    let bytes = std::fs::read(from).map_err(|e| ExportError::Read { path: from.into(), reason: e.to_string() })?;
-    write_whole(to, |out| out.write_all(&bytes))
 }

@@ -1,14 +1,12 @@
 //! State of a dataset on disk, so that an interrupted run continues.
 //!
-//! `manifest.json` is the folder's mark and claims the program and settings with which the folder was begun; it is
-//! written before anything else.
-//! Each finished burst has a record of its own (see [`Records`]), `records/NAME.png.json`, which names all that its
-//! features were made from, and the checksum of their file. A burst without a record, or with one that differs from the
-//! current settings, is computed again: features of two detectors do not match one another as well as those of one.
+//! `manifest.json`, the folder's mark, is written first and claims the program and settings. Each finished burst has a
+//! record, `records/NAME.png.json`, of all that its features were made from and the checksum of their file. A burst
+//! without one, or with other settings, is computed again: features of two detectors match worse than those of one.
 
 use super::stamp::FileStamp;
 use super::{DatasetError, ImageKind};
-use crate::export::{ExportError, MadeFrom, Record, may_begin, write_whole};
+use crate::export::{ExportError, MadeFrom, Record, write_whole};
 use crate::files::mark::{Checksum, Kind, claiming, claims};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -63,23 +61,16 @@ pub enum NotKept {
     Failed(#[from] DatasetError),
 }
 
-/// Checks that `folder` is free or holds a dataset that this command began, and that none of its `parts` is a link.
-pub(super) fn check_folder(folder: &Path, parts: &[&str]) -> Result<(), DatasetError> {
-    if may_begin(folder, Kind::Dataset, parts)? { Ok(()) } else { Err(DatasetError::Occupied(folder.into())) }
-}
-
 /// Writes the manifest into `folder`, unless it is there already.
 pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<(), ExportError> {
     if claims(folder, Kind::Dataset).as_ref() == Some(manifest) {
-        Ok(())
-    } else {
-        let text = claiming(Kind::Dataset, manifest);
-        write_whole(&folder.join(Kind::Dataset.file()), |out| out.write_all(text.as_bytes()))
+        return Ok(());
     }
+    let text = claiming(Kind::Dataset, manifest);
+    write_whole(&folder.join(Kind::Dataset.file()), |out| out.write_all(text.as_bytes()))
 }
 
-/// The detector's parameters, as text, with which this program found the features in `folder`; `None` where another
-/// one did.
+/// The detector's parameters, as text, with which this program, and no other, found the features in `folder`.
 pub(super) fn detector_text(folder: &Path) -> Option<String> {
     let manifest = claims(folder, Kind::Dataset).filter(MadeFrom::is_of_this_program)?;
     manifest.settings().get(DETECTOR_KEY)?.as_str().map(str::to_owned)

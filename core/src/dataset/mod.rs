@@ -1,8 +1,7 @@
 //! A dataset: many bursts along a robot's path, and the results from all of them together.
 //!
-//! Features of each burst ([`features`]: found once, stored in files, and read from these the next time), matches of
-//! chosen pairs of bursts ([`pairs`]), gathering of the features of several runs ([`mod@gather`]), and the folder for
-//! COLMAP ([`colmap`]): images, feature files and its database. [`camera`] describes the lens.
+//! Features of each burst ([`features`]), matches of pairs of bursts ([`pairs`]), gathering of the features of several
+//! runs ([`mod@gather`]), and the folder for COLMAP ([`colmap`]). [`camera`] describes the lens.
 
 pub mod camera;
 #[cfg(feature = "colmap")]
@@ -16,7 +15,7 @@ mod picture;
 mod source;
 mod stamp;
 
-pub use camera::{CameraChoice, GUESSED_FOCAL_FACTOR};
+pub use camera::CameraChoice;
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapJob, ColmapReport, ImageReport, PairReport, export_colmap};
 pub use error::DatasetError;
@@ -24,6 +23,6 @@ pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, Finished
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;
 pub use pairs::{BurstSide, MatchedPair, match_pairs};
-pub use picture::{BurstPicture, ImageKind, Thumbnail, burst_picture, thumbnail};
+pub use picture::{BurstPicture, ImageKind, burst_picture, thumbnail};
 pub use source::DatasetSource;
 pub use stamp::Comparison;

@@ -8,8 +8,7 @@ use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Maximum number of pairs that are matched before their results are passed on: enough for all threads, and early
-/// results.
+/// Maximum number of pairs that are matched before their results are passed on.
 const PAIRS_AT_ONCE: usize = 16;
 /// Number of first bursts that stay in memory while the second bursts of their pairs are loaded one after the other.
 const FIRST_AT_ONCE: usize = 8;
@@ -53,23 +52,16 @@ pub struct MatchedPair<'a> {
     pub result: &'a MatchResult,
 }
 
-/// Loads the features of the burst with this index; `None` where the burst has none and its pairs are left out. A burst
-/// may be loaded several times.
-pub type LoadBurst<'a> = dyn FnMut(usize) -> Result<Option<BurstSide>, DatasetError> + 'a;
-/// Callback for each matched pair.
-pub type OnPair<'a> = dyn FnMut(MatchedPair<'_>) -> Result<(), DatasetError> + 'a;
-
-/// Matches the bursts of each of `pairs`, whose features `load` gives; `on` receives each result, in an order in which
-/// few bursts are loaded again. Returns the number of pairs that were left out.
+/// Matches the bursts of each of `pairs`, in an order in which `load` is rarely asked for one again; `on` receives each
+/// result. Pairs with a burst for which `load` gives `None` are left out. Returns their number.
 ///
 /// # Errors
-/// [`DatasetError::Param`] for parameters that make no sense, [`DatasetError::Cancelled`] once `monitor` was cancelled,
-/// and errors of `load` and `on`.
+/// [`DatasetError::Param`] for parameters that make no sense, and errors of `load` and `on`.
 pub fn match_pairs(
     pairs: &[(usize, usize)],
     params: &MatchParams,
-    load: &mut LoadBurst<'_>,
-    on: &mut OnPair<'_>,
+    load: &mut dyn FnMut(usize) -> Result<Option<BurstSide>, DatasetError>,
+    on: &mut dyn FnMut(MatchedPair<'_>) -> Result<(), DatasetError>,
     monitor: &Monitor,
 ) -> Result<usize, DatasetError> {
     params.validate()?;

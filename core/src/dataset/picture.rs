@@ -1,24 +1,21 @@
 //! Pictures of bursts, 8 bit, stretched so that dark content is visible: one for programs that take one image, and
 //! thumbnails for a list of many bursts.
 
-use super::DatasetError;
 use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions};
 use crate::detect::prepare;
 use crate::detector::{DetectError, DetectorParams, Method};
-use crate::export::{Picture, write_png};
+use crate::export::Picture;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::statistics::{Region, percentiles};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// Content of a burst's picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ImageKind {
-    /// Middle frame of those used, which lies at the features' reference time (half a frame after it for an even number
-    /// of frames).
+    /// Middle frame of those used: at the features' reference time, half a frame later for an even number of frames.
     #[default]
     Middle,
     /// The used frames, merged at the middle one: makes the content of a dark burst visible.
@@ -38,6 +35,11 @@ impl BurstPicture {
     /// The picture in the form for writing.
     pub fn picture(&self) -> Picture<'_> {
         Picture::rgb(self.size.0, self.size.1, &self.rgb)
+    }
+
+    fn of(plane: &Plane) -> Self {
+        let rgb = to_rgba8(plane, &stretched(plane)).pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
+        Self { size: plane.size(), rgb }
     }
 }
 
@@ -61,59 +63,29 @@ pub fn burst_picture(
     };
     let params = DetectorParams { method, ..params.clone() };
     let (burst, params) = prepare(burst, &params, monitor)?;
-    let plane = &burst.frames[params.used_frames(burst.len()).start];
-    let shown = to_rgba8(plane, &stretched(plane));
-    Ok(BurstPicture { size: plane.size(), rgb: shown.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect() })
-}
-
-/// Writes the picture of `burst` to `path` as PNG.
-pub(super) fn write_picture(
-    path: &Path,
-    burst: &Burst,
-    kind: ImageKind,
-    params: &DetectorParams,
-    monitor: &Monitor,
-) -> Result<(), DatasetError> {
-    Ok(write_png(path, burst_picture(burst, kind, params, monitor)?.picture())?)
+    Ok(BurstPicture::of(&burst.frames[params.used_frames(burst.len()).start]))
 }
 
 /// The display range that covers nearly all pixels.
-pub(super) fn stretched(plane: &Plane) -> Display {
+fn stretched(plane: &Plane) -> Display {
     match percentiles(plane, &Region::whole(plane), &BLACK_WHITE_PERCENT).as_deref() {
         Some([black, white]) => Display::default().with_range(*black, *white),
         _ => Display::default(),
     }
 }
 
-/// Small picture, 8-bit RGB.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Thumbnail {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Red, green, blue of each pixel, row by row.
-    pub rgb: Vec<u8>,
-}
-
-/// The middle frame of `source`, opened with `options`, stretched so that dark content is visible, and reduced by a
-/// whole factor so that no side is longer than `max_side_px` (1 or more). Where each frame is a file, no other is read.
-///
-/// # Errors
-/// See [`OpenError`].
+/// The middle frame of `source`, opened with `options` and reduced by a whole factor so that no side is longer than
+/// `max_side_px` (1 or more). Where each frame is a file, no other is read.
 pub fn thumbnail(
     source: &BurstFiles,
     max_side_px: usize,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<Thumbnail, OpenError> {
+) -> Result<BurstPicture, OpenError> {
     let files = source.files()?;
     let middle = files.get(files.len() / 2).ok_or_else(OpenError::nothing_given)?;
     let burst = Burst::open_with(std::slice::from_ref(middle), options, monitor)?;
-    let plane = reduced(&burst.frames[burst.len() / 2], max_side_px.max(1));
-    let shown = to_rgba8(&plane, &stretched(&plane));
-    let rgb = shown.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
-    Ok(Thumbnail { width: plane.width(), height: plane.height(), rgb })
+    Ok(BurstPicture::of(&reduced(&burst.frames[burst.len() / 2], max_side_px.max(1))))
 }
 
 /// Means of square blocks; columns and rows at the end that do not fill a block are left out.
@@ -153,14 +125,14 @@ mod tests {
         let source = BurstFiles { name: "b".into(), paths: vec![home.path().into()] };
         // A frame minus itself as the bias frame is empty.
         let options = OpenOptions { bias: Some(home.path().join("1.png")), ..OpenOptions::default() };
-        let dark = thumbnail(&source, 4, &options, &Monitor::default()).expect("a picture");
+        let made = |options: &OpenOptions| thumbnail(&source, 4, options, &Monitor::default());
+        let dark = made(&options).expect("a picture");
         assert!(dark.rgb.iter().all(|value| *value == dark.rgb[0]));
-        let shown = thumbnail(&source, 4, &OpenOptions::default(), &Monitor::default()).expect("a picture");
-        assert_eq!((shown.width, shown.height, shown.rgb.len()), (4, 2, 24));
+        let shown = made(&OpenOptions::default()).expect("a picture");
+        assert_eq!((shown.size, shown.rgb.len()), ((4, 2), 24));
         assert_eq!((shown.rgb[0], shown.rgb[9]), (0, 255), "a dark frame is stretched");
         std::fs::write(home.path().join("1.png"), "no picture").expect("written");
-        let error =
-            thumbnail(&source, 4, &OpenOptions::default(), &Monitor::default()).expect_err("broken").to_string();
+        let error = made(&OpenOptions::default()).expect_err("broken").to_string();
         assert!(error.contains("1.png"), "{error}");
     }
 }

@@ -34,10 +34,7 @@ impl DatasetSource {
         self.entries().map(|found| found.bursts)
     }
 
-    /// Lists the bursts as `bursts` does, with the pictures beside them that belong to none.
-    ///
-    /// # Errors
-    /// As [`Self::bursts`].
+    /// As [`Self::bursts`], with the pictures beside them that belong to none.
     pub fn entries(&self) -> Result<Entries, OpenError> {
         let Entries { bursts: sequences, strays } = find_entries(&self.paths)?;
         let Some(length) = self.burst_length else {
@@ -87,11 +84,8 @@ mod tests {
 
     fn film(folder: &Path, frames: usize) {
         std::fs::create_dir_all(folder).expect("made");
-        for t in 0..frames {
-            image::GrayImage::from_pixel(4, 4, image::Luma([9]))
-                .save(folder.join(format!("f{t}.png")))
-                .expect("written");
-        }
+        let frame = image::GrayImage::from_pixel(4, 4, image::Luma([9]));
+        (0..frames).for_each(|t| frame.save(folder.join(format!("f{t}.png"))).expect("written"));
     }
 
     fn names(source: &DatasetSource) -> Vec<String> {

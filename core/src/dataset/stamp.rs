@@ -1,9 +1,7 @@
 //! Stamps of files, by which a changed file is recognised.
 //!
-//! A file that was read is recognised by its path, its length, and the times at which it was written and at which the
-//! system last changed anything about it. The latter cannot be set: replacing the file by another one of the same
-//! length and date changes it. It also changes when the content does not, such as when access rights are set; then the
-//! checksum decides, for which the file is read.
+//! By path, length, and the times at which a file was written and at which the system last changed anything about it,
+//! which cannot be set. Where a time differs (access rights change it too) the checksum decides.
 
 use super::DatasetError;
 use crate::burst::OpenError;
@@ -33,10 +31,9 @@ pub(super) struct FileStamp {
     /// Path as text, see [`path_text`]: a name need not be text.
     path: String,
     bytes: u64,
-    /// Time when it was written, nanoseconds since 1970; 0 where the system does not tell.
+    /// Nanoseconds since 1970; 0 where the system does not tell.
     modified_ns: u64,
-    /// Time when the system last changed anything about it, nanoseconds since 1970; absent where the system does not
-    /// tell.
+    /// Nanoseconds since 1970; absent where the system does not tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     changed_ns: Option<u64>,
     /// Checksum of the content; absent in stamps that are only compared.
@@ -46,8 +43,8 @@ pub(super) struct FileStamp {
 
 impl FileStamp {
     /// Stamps of `files` as they are now, without checksums.
-    pub fn of(files: &[PathBuf]) -> Result<Vec<Self>, DatasetError> {
-        files.iter().map(|path| Ok(Self::of_one(path).map_err(|e| unread(path, &e))?)).collect()
+    fn of(files: &[PathBuf]) -> Result<Vec<Self>, DatasetError> {
+        files.iter().map(|path| Ok(Self::of_one(path).map_err(|e| OpenError::unread(path, &e))?)).collect()
     }
 
     /// Stamps of `files` as they are now, with checksums. Each file's times are taken before it is read, so that a file
@@ -72,15 +69,7 @@ impl FileStamp {
         })
     }
 
-    /// Whether the times of these stamps agree, so that no checksum is needed.
-    fn has_times_of(&self, now: &Self) -> bool {
-        (self.modified_ns, self.changed_ns) == (now.modified_ns, now.changed_ns)
-    }
-
     /// Whether `files` are those of the stamps `kept`, with unchanged content.
-    ///
-    /// # Errors
-    /// A file that cannot be read, or cancellation.
     pub fn all_agree(
         kept: &[Self],
         files: &[PathBuf],
@@ -94,7 +83,8 @@ impl FileStamp {
             return Ok(false);
         }
         for ((kept, now), path) in kept.iter().zip(&now).zip(files) {
-            let agrees = match (kept.has_times_of(now), comparison) {
+            let same_times = (kept.modified_ns, kept.changed_ns) == (now.modified_ns, now.changed_ns);
+            let agrees = match (same_times, comparison) {
                 (true, Comparison::Times | Comparison::Glance) => true,
                 (false, Comparison::Glance) => false,
                 (_, Comparison::Times | Comparison::Content) => Some(checksum(path, monitor)?) == kept.crc32,
@@ -130,24 +120,16 @@ fn changed_ns(_: &Metadata) -> Option<u64> {
     None
 }
 
-fn unread(path: &Path, error: &io::Error) -> OpenError {
-    OpenError::unread(path, error)
-}
-
-/// Number of bytes that are read at once.
-const PIECE: usize = 1 << 18;
-
-/// The checksum of a file's content.
 fn checksum(path: &Path, monitor: &Monitor) -> Result<u32, DatasetError> {
-    let mut file = File::open(path).map_err(|e| unread(path, &e))?;
-    let (mut hasher, mut piece) = (crc32fast::Hasher::new(), vec![0; PIECE]);
+    let mut file = File::open(path).map_err(|e| OpenError::unread(path, &e))?;
+    let (mut hasher, mut piece) = (crc32fast::Hasher::new(), vec![0; 1 << 18]);
     loop {
         monitor.check()?;
         match file.read(&mut piece) {
             Ok(0) => return Ok(hasher.finalize()),
             Ok(count) => hasher.update(&piece[..count]),
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(unread(path, &error).into()),
+            Err(error) => return Err(OpenError::unread(path, &error).into()),
         }
     }
 }
@@ -160,16 +142,7 @@ mod tests {
         FileStamp::all_agree(kept, files, comparison, &Monitor::default()).expect("readable")
     }
 
-    fn stamps(files: &[PathBuf]) -> Vec<FileStamp> {
-        FileStamp::with_checksums(files, &Monitor::default()).expect("readable")
-    }
-
     const ALL: [Comparison; 3] = [Comparison::Times, Comparison::Content, Comparison::Glance];
-
-    /// Sets the modification time of `path`.
-    fn set_modified(path: &Path, modified: std::time::SystemTime) {
-        File::options().write(true).open(path).and_then(|file| file.set_modified(modified)).expect("set");
-    }
 
     #[test]
     fn a_file_of_the_same_length_and_date_is_told_from_the_one_that_was_read() {
@@ -178,12 +151,12 @@ mod tests {
         let files = [path.clone()];
         std::fs::write(&path, "one").expect("written");
         let modified = std::fs::metadata(&path).and_then(|file| file.modified()).expect("a time");
-        let kept = stamps(&files);
+        let kept = FileStamp::with_checksums(&files, &Monitor::default()).expect("readable");
         assert!(ALL.iter().all(|comparison| agree(&kept, &files, *comparison)));
         // The clock of the file system may stand still for some milliseconds.
         std::thread::sleep(std::time::Duration::from_millis(30));
         std::fs::write(&path, "two").expect("written");
-        set_modified(&path, modified);
+        File::options().write(true).open(&path).and_then(|file| file.set_modified(modified)).expect("set");
         assert!(!agree(&kept, &files, Comparison::Content));
         if cfg!(unix) {
             assert!(!agree(&kept, &files, Comparison::Times) && !agree(&kept, &files, Comparison::Glance));
@@ -199,19 +172,13 @@ mod tests {
         std::fs::write(&path, "longer").expect("written");
         assert!(ALL.iter().all(|comparison| !agree(&kept, &files, *comparison)));
         assert!(ALL.iter().all(|comparison| !agree(&kept, &[], *comparison)));
-    }
-
-    #[test]
-    fn what_cannot_be_read_or_is_cancelled_is_no_agreement() {
-        let home = tempfile::tempdir().expect("a folder");
-        let files = [home.path().join("a.png")];
-        std::fs::write(&files[0], "one").expect("written");
-        let kept = stamps(&files);
+        // Neither is one that cannot be read, nor a check that is cancelled.
+        std::fs::write(&path, "two").expect("written");
         let monitor = Monitor::default();
         monitor.cancel();
         let cancelled = FileStamp::all_agree(&kept, &files, Comparison::Content, &monitor);
         assert!(matches!(cancelled, Err(DatasetError::Cancelled(_))));
-        std::fs::remove_file(&files[0]).expect("removed");
+        std::fs::remove_file(&path).expect("removed");
         let gone = FileStamp::all_agree(&kept, &files, Comparison::Times, &Monitor::default());
         assert!(matches!(gone, Err(DatasetError::Open(_))), "{gone:?}");
     }

@@ -11,7 +11,7 @@ use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 
 /// Response of one frame along a motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct FrameResponse {
     /// Index of the frame in the burst.
     pub frame: usize,

@@ -154,13 +154,13 @@ pub fn strength(response: f32, snr: f32) -> f32 {
     response.abs() * if snr.is_finite() { snr.sqrt() } else { 1.0 }
 }
 
-/// Reason why there is no detection.
+/// Reason why there is no detection, or no match of detections.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DetectError {
-    /// A parameter makes no sense for this burst.
+    /// A parameter makes no sense.
     #[error(transparent)]
     Param(#[from] ParamError),
-    /// The detection was cancelled.
+    /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

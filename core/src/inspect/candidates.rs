@@ -1,16 +1,15 @@
 //! The candidates of a whole picture: for each the first test that it fails with the margin, and maps of the winning
 //! slopes.
 //!
-//! A candidate is a sample that is an extremum in place and scale at its own slope. Most of them are noise. The
-//! detection's tally counts samples; here candidates are counted, which shows how many possible features each test
-//! rejected.
+//! A candidate is a sample that is an extremum in place and scale at its own slope; most are noise. The detection's
+//! tally counts all samples.
 
-use super::telling::{keypoint_of, margin_of, over};
+use super::telling::{Telling, keypoint_of, over};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
 use crate::detector::stack::coverage;
-use crate::detector::{Neighbourhood, Sample, Slope, Tally, Test, Trail};
+use crate::detector::{Judgement, Neighbourhood, Sample, Slope, Tally, Test, Trail};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, cuts};
@@ -76,10 +75,8 @@ impl Default for SurveyOptions {
 
 /// Side of the parts in which a picture is surveyed, octave pixels, unless there are very many slopes.
 const PART_PX: usize = 160;
-/// Approximate maximum size of D for all slopes and levels of one part, bytes.
 const PART_BYTES: usize = 256 << 20;
 
-/// Parts in which an octave is surveyed.
 fn parts(trail: &Trail, octave: i32) -> Vec<Region> {
     let of_pixel = trail.params().used_slopes().len() * (trail.space().levels + 2) * size_of::<f32>();
     // The margin held around a part does not count, however small the part is.
@@ -145,36 +142,30 @@ pub(super) fn open_candidates(trail: &Trail, around: &Neighbourhood) -> Vec<Samp
     samples
 }
 
-/// The candidates of a part of the picture, with their judgements.
 fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
     let samples = open_candidates(trail, around);
     let pixel = octave_pixel(around.octave);
     let judged = trail.judge(around, &samples);
-    samples
-        .iter()
-        .zip(judged)
-        .filter_map(|(sample, judgement)| {
-            let judgement = judgement?;
-            let first_failed = judgement.rejected_by.or_else(|| {
-                let keypoint = keypoint_of(trail, &judgement)?;
-                match trail.covered_by(keypoint) {
-                    Some(_) => Some(Test::Duplicate),
-                    None if trail.is_cut(keypoint) => Some(Test::MaxFeatures),
-                    None => None,
-                }
-            });
-            let margin = first_failed.and_then(|test| margin_of(trail, around, sample, &judgement, test));
-            Some(CandidateMark {
-                pos_image: [sample.x as f32 * pixel, sample.y as f32 * pixel],
-                sigma: trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32,
-                sample: *sample,
-                value: judgement.value,
-                snr: over(judgement.value.abs(), judgement.sigma_d),
-                first_failed,
-                margin: margin.map(|m| m as f32),
-            })
+    let mark = |(sample, judgement): (&Sample, Option<Judgement>)| {
+        let judgement = judgement?;
+        let first_failed = judgement.rejected_by.or_else(|| {
+            let keypoint = keypoint_of(trail, &judgement)?;
+            let is_duplicate = trail.covered_by(keypoint).is_some().then_some(Test::Duplicate);
+            is_duplicate.or_else(|| trail.is_cut(keypoint).then_some(Test::MaxFeatures))
+        });
+        let telling = Telling::new(trail, around, sample, &judgement);
+        let margin = first_failed.and_then(|test| telling.report(test).margin());
+        Some(CandidateMark {
+            pos_image: [sample.x as f32 * pixel, sample.y as f32 * pixel],
+            sigma: trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32,
+            sample: *sample,
+            value: judgement.value,
+            snr: over(judgement.value.abs(), judgement.sigma_d),
+            first_failed,
+            margin: margin.map(|m| m as f32),
         })
-        .collect()
+    };
+    samples.iter().zip(judged).filter_map(mark).collect()
 }
 
 /// The number of frames that show each pixel of the picture at a slope.
@@ -195,8 +186,7 @@ pub struct WinningSlopes {
     pub slope_index: Plane,
     /// |D| over its noise at that slope.
     pub snr: Plane,
-    /// Confidence, 0 … 1: relative distance to the strongest slope that is not a neighbour; 0 where no slope reaches
-    /// the gate.
+    /// Confidence, 0 … 1: relative distance to the strongest slope that is no neighbour; 0 below the gate.
     pub confidence: Plane,
 }
 

@@ -2,9 +2,9 @@
 //! program: a [`ForeignFeature`], read from our own CSV table or COLMAP's text.
 //!
 //! Two features are the same when one finds the other by the rule of [`crate::inspect::score`], taken as a disc of
-//! radius √2·σ, and both are bright or both dark as far as that is known. Each is the same as at most one other; the
-//! features of the later list choose in order of strength, each the nearest free one. The features of one keypoint,
-//! which differ in their orientation, choose together; then they are the same one by one, in the order of their list.
+//! radius √2·σ, and neither is known to be bright where the other is dark. Those of the later list choose in order of
+//! strength, each the nearest free one; the features of one keypoint, which differ in their orientation, choose
+//! together.
 
 use crate::detector::{Feature, Slope};
 use crate::export::{ExportError, feature_header, read_colmap, read_features_csv};
@@ -29,13 +29,9 @@ pub struct Spot {
 
 impl From<&Feature> for Spot {
     fn from(f: &Feature) -> Self {
-        Self {
-            pos_image: [f.u, f.v],
-            sigma: f.sigma,
-            slope: Some(f.slope),
-            // A bright blob is a negative extremum.
-            is_bright: Some(f.response < 0.0),
-        }
+        // A bright blob is a negative extremum.
+        let is_bright = Some(f.response < 0.0);
+        Self { pos_image: [f.u, f.v], sigma: f.sigma, slope: Some(f.slope), is_bright }
     }
 }
 
@@ -132,7 +128,7 @@ pub fn compare(before: &[Spot], after: &[Spot]) -> Changes {
     changes
 }
 
-/// Features of each keypoint, by the index of its first one: those that differ only in their orientation.
+/// Features of each keypoint, by the index of its first one.
 fn keypoints(spots: &[Spot]) -> BTreeMap<usize, Vec<usize>> {
     let mut first = HashMap::with_capacity(spots.len());
     let mut keypoints = BTreeMap::<usize, Vec<usize>>::new();
@@ -148,15 +144,15 @@ fn apart(a: &Spot, b: &Spot) -> f32 {
     (a.pos_image[0] - b.pos_image[0]).hypot(a.pos_image[1] - b.pos_image[1])
 }
 
-/// Maximum distance from `spot` of a feature that is the same.
-fn reach(spot: &Spot) -> f32 {
-    REACH_IN_RADII as f32 * std::f32::consts::SQRT_2 * spot.sigma + REACH_PIXELS as f32
+/// Maximum distance, input pixels, of a feature that is the same as one of scale `sigma`.
+fn reach(sigma: f32) -> f32 {
+    REACH_IN_RADII as f32 * std::f32::consts::SQRT_2 * sigma + REACH_PIXELS as f32
 }
 
 fn finds(spot: &Spot, earlier: &Spot) -> bool {
     let ratio = f64::from(spot.sigma / earlier.sigma);
     let is_alike = spot.is_bright.zip(earlier.is_bright).is_none_or(|(a, b)| a == b);
-    is_alike && apart(spot, earlier) <= reach(earlier) && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
+    is_alike && apart(spot, earlier) <= reach(earlier.sigma) && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
 }
 
 /// Spots by position, in squares; each class of scales has its own, so that no square holds much smaller spots.
@@ -167,11 +163,6 @@ struct Cells {
 /// The class of a scale: the whole number of doublings of σ.
 fn class(sigma: f32) -> i32 {
     sigma.max(1e-3).log2().floor() as i32
-}
-
-/// Side of the squares of a class: at least the reach of its spots.
-fn side(class: i32) -> f32 {
-    REACH_IN_RADII as f32 * std::f32::consts::SQRT_2 * 2f32.powi(class + 1) + REACH_PIXELS as f32
 }
 
 impl Cells {
@@ -185,7 +176,8 @@ impl Cells {
     }
 
     fn square(spot: &Spot, class: i32) -> (i32, i32, i32) {
-        let at = |x: f32| (x / side(class)).floor() as i32;
+        // The side is at least the reach of the class's spots.
+        let at = |x: f32| (x / reach(2f32.powi(class + 1))).floor() as i32;
         (class, at(spot.pos_image[0]), at(spot.pos_image[1]))
     }
 
@@ -201,7 +193,7 @@ impl Cells {
 }
 
 /// A feature from a file, with the values that the file has.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ForeignFeature {
     /// (u, v), input pixels; the centre of the first pixel is (0, 0).
     pub pos_image: [f32; 2],
@@ -220,9 +212,8 @@ pub struct ForeignFeature {
 /// Reads features from a file: CSV if it begins like our table, otherwise COLMAP's text.
 ///
 /// # Errors
-/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] with the line that has a wrong form; for a
-/// file of neither kind the error describes both. Features with a position or a scale that is no number, or without a
-/// size, are also refused.
+/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] with the line that has a wrong form, a
+/// place that is no number, or a scale that is not above 0.
 pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, ExportError> {
     let features: Vec<ForeignFeature> = if is_table(path)? {
         let rows = read_features_csv(path)?.into_iter().map(|row| ForeignFeature {
@@ -239,9 +230,7 @@ pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, ExportError> {
             pos_image: k.pos_image().map(|x| x as f32),
             sigma: k.scale,
             orientation: k.orientation,
-            slope: None,
-            response: None,
-            snr: None,
+            ..ForeignFeature::default()
         });
         keypoints.collect()
     };
@@ -342,26 +331,18 @@ mod tests {
         }
     }
 
-    fn feature(u: f32, v: f32) -> Feature {
-        Feature {
+    #[test]
+    fn both_formats_come_back_with_the_same_places() {
+        let home = tempfile::tempdir().expect("a folder");
+        let slope = Slope::new(1.0, -0.5);
+        let features = [(10.25, 20.5), (0.0, 3.0)].map(|(u, v)| Feature {
             u,
             v,
             sigma: 2.5,
             orientation: 0.5,
-            slope: Slope::new(1.0, -0.5),
-            response: -0.01,
-            snr: 7.0,
-            octave: 0,
-            level: 1,
-            slope_index: 3,
-            at_slope_limit: false,
-        }
-    }
-
-    #[test]
-    fn both_formats_come_back_with_the_same_places() {
-        let home = tempfile::tempdir().expect("a folder");
-        let features = [feature(10.25, 20.5), feature(0.0, 3.0)];
+            slope,
+            ..Feature::default()
+        });
         let (csv, text) = (home.path().join("a.csv"), home.path().join("a.txt"));
         write_csv(&csv, &features).expect("written");
         write_colmap(&text, &features, &[[7; 128]; 2]).expect("written");
@@ -370,7 +351,7 @@ mod tests {
         for (a, b) in a.iter().zip(&b) {
             assert_eq!((a.pos_image, a.sigma, a.orientation), (b.pos_image, b.sigma, b.orientation));
         }
-        assert_eq!((a[0].slope, b[0].slope), (Some(Slope::new(1.0, -0.5)), None));
+        assert_eq!((a[0].slope, b[0].slope), (Some(slope), None));
     }
 
     fn error_of(text: &str) -> String {
@@ -387,8 +368,7 @@ mod tests {
         let header = feature_header();
         assert!(error_of(&format!("{header}\nnan,2,3,0,0,0,0.1,5,0,0,0\n")).contains("two numbers"));
         assert!(error_of(&format!("{header}\n1,2,0,0,0,0,0.1,5,0,0,0\n")).contains("above 0"));
-        assert!(
-            read_features(Path::new("/nowhere/at.all")).expect_err("missing").to_string().contains("/nowhere/at.all")
-        );
+        let error = read_features(Path::new("/nowhere/at.all")).expect_err("missing").to_string();
+        assert!(error.contains("/nowhere/at.all"), "{error}");
     }
 }

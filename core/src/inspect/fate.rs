@@ -1,9 +1,5 @@
 //! The fate of one candidate: every test of the search with its value, its limit and its rival, in the order of the
-//! search.
-//!
-//! A candidate is a sample that is an extremum in place and scale at its own slope, whatever its size. The first test
-//! that it fails is the search's own verdict. The later tests are also evaluated, because they decide what to change
-//! next.
+//! search. The first test that it fails is the search's own verdict; the later ones decide what to change next.
 
 use super::words::{filled, number, slope_text, value_text};
 use crate::detector::feature::Keypoint;
@@ -67,7 +63,6 @@ pub struct TestReport {
 }
 
 impl TestReport {
-    /// Report without a rival.
     pub(super) fn new(test: Test, outcome: Outcome, value: Option<f64>, limit: Option<f64>) -> Self {
         let record = test.record();
         Self { test, outcome, value, limit, side: record.side, unit: record.unit, rival: None }
@@ -187,8 +182,7 @@ pub struct Fate {
     pub keypoint: Option<usize>,
     /// Verdict as one sentence.
     pub verdict: String,
-    /// Setting that would keep it; `None` for a kept candidate, where no setting would, and for duplicates in a list
-    /// (see [`super::remedy::duplicate_remedy`]).
+    /// Setting that would keep it; `None` for a kept candidate, where none would, and for duplicates in a list.
     pub remedy: Option<Remedy>,
 }
 
@@ -276,9 +270,6 @@ mod tests {
             assert_eq!(of(margin).margin_text(), text);
         }
         let edge = TestReport::new(Test::Edge, Outcome::Passes, None, Some(4.64));
-        assert_eq!(
-            (of(0.0).limit_text(), edge.limit_text(), edge.margin_text()),
-            ("≥ 1".into(), "≤ 4.64".into(), String::new())
-        );
+        assert_eq!([of(0.0).limit_text(), edge.limit_text(), edge.margin_text()], ["≥ 1", "≤ 4.64", ""]);
     }
 }

@@ -1,7 +1,4 @@
-//! Figures of explanations as self-contained SVG, for light and dark pages, readable without colour.
-//!
-//! The figure of a probe shows the response over slope and scale, each frame's share, the slice along the motion, and
-//! the tests; that of a burst's slopes the features and evidence at each slope, the range searched, and the advice.
+//! Figures of a probe and of a burst's slopes as self-contained SVG, for light and dark pages, readable without colour.
 
 use crate::export::sheet::{Anchor, Area, BLUE, FAINT, GREEN, GRID, INK, RED, Sheet};
 use crate::inspect::fate::Outcome;
@@ -44,14 +41,13 @@ pub fn probe_svg(probe: &Probe, name: &str) -> String {
     sheet.finish(end + 12.0)
 }
 
-fn heading(sheet: &mut Sheet, area: Area, text: &str) {
-    sheet.styled_text((area.x, area.y - 8.0), 13.0, Anchor::Start, r#"font-weight="bold""#, text);
+fn heading(sheet: &mut Sheet, size: f64, area: Area, text: &str) {
+    sheet.styled_text((area.x, area.y - 8.0), size, Anchor::Start, r#"font-weight="bold""#, text);
 }
 
-/// Draws the map of the response: slopes to the right, scales downwards from fine to coarse.
 fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     let map = &probe.response;
-    heading(sheet, area, "Response over slope and scale, σ of its noise");
+    heading(sheet, 13.0, area, "Response over slope and scale, σ of its noise");
     let limit = map.snr.data().iter().fold(map.gate.max(1e-6), |max, x| max.max(x.abs()));
     sheet.picture(area, &map.snr, &Display::symmetric(limit));
     let (columns, rows) = (map.snr.width(), map.snr.height());
@@ -89,12 +85,9 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     for fate in probe.fates.iter().rev() {
         let Some(row) = map.row_of(fate.octave, fate.level) else { continue };
         let place = (x_of(map.column_of(fate.slope).into()), y_of(row as f64));
-        let style = if fate.is_kept() {
-            format!(r#"fill="none" stroke="{INK}" stroke-width="2""#)
-        } else {
-            format!(r#"fill="none" stroke="{INK}" stroke-width="0.7" stroke-dasharray="1.5 1.5""#)
-        };
-        sheet.circle(place, if fate.is_kept() { 6.0 } else { 3.5 }, &style);
+        let dashed = r#" stroke-dasharray="1.5 1.5""#;
+        let (radius, width, dashes) = if fate.is_kept() { (6.0, 2.0, "") } else { (3.5, 0.7, dashed) };
+        sheet.circle(place, radius, &format!(r#"fill="none" stroke="{INK}" stroke-width="{width}"{dashes}"#));
     }
     let legend = format!(
         "rings: kept (bold) and other candidates; line: the gate, {} σ; dashes: the range searched",
@@ -105,7 +98,7 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
 
 fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
     let (slope, sigma) = (slope_text(shares.slope), number(shares.sigma, 1));
-    heading(sheet, area, &format!("Each frame's response at slope {slope}, σ {sigma} px"));
+    heading(sheet, 13.0, area, &format!("Each frame's response at slope {slope}, σ {sigma} px"));
     let covering: Vec<_> = shares.frames.iter().filter(|f| f.covers).collect();
     let ends = covering.iter().flat_map(|f| [f.value - f.sigma_d, f.value + f.sigma_d]);
     let (min, max) = ends.fold((0.0f32, 0.0f32), |(a, b), x| (a.min(x), b.max(x)));
@@ -134,13 +127,13 @@ fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
 fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
     let count = shares.frames.len().max(1);
     let side = (area.width / count as f64).min(area.height);
-    let values: Vec<f32> = shares.frames.iter().flat_map(|f| f.patch.data().iter().copied()).collect();
+    let values: Vec<f32> = shares.patches.iter().flat_map(|patch| patch.data().iter().copied()).collect();
     let (low, high) = percentiles_of(&values);
     let display = Display::default().with_range(low, high);
-    for (index, frame) in shares.frames.iter().enumerate() {
+    for (index, (frame, patch)) in shares.frames.iter().zip(&shares.patches).enumerate() {
         let x = area.x + (index as f64 + 0.5) / count as f64 * area.width - 0.5 * side;
         let place = Area { x: x + 1.0, y: area.y, width: side - 2.0, height: side - 2.0 };
-        sheet.picture(place, &frame.patch, &display);
+        sheet.picture(place, patch, &display);
         if count <= 16 {
             sheet.text((x + 0.5 * side, area.y + side + 11.0), 10.0, Anchor::Middle, &frame.frame.to_string());
         }
@@ -156,7 +149,7 @@ fn percentiles_of(values: &[f32]) -> (f32, f32) {
 }
 
 fn slice(sheet: &mut Sheet, area: Area, probe: &Probe, slice: &Slice) {
-    heading(sheet, area, "Slice along the motion: one row a frame");
+    heading(sheet, 13.0, area, "Slice along the motion: one row a frame");
     let (low, high) = percentiles_of(slice.plane.data());
     sheet.picture(area, &slice.plane, &Display::default().with_range(low, high));
     let (columns, rows) = slice.plane.size();
@@ -175,10 +168,10 @@ fn slice(sheet: &mut Sheet, area: Area, probe: &Probe, slice: &Slice) {
     sheet.label_left(area, "frame");
 }
 
-/// Draws the tests of one candidate as a table; returns the position of its end.
+/// Returns the position of its end, as do [`line`], [`plane`] and [`kernel`].
 fn tests(sheet: &mut Sheet, (x, y): (f64, f64), fate: &Fate) -> f64 {
     let area = Area { x, y, width: WIDTH - x - 24.0, height: 0.0 };
-    heading(sheet, area, "The tests, in order");
+    heading(sheet, 13.0, area, "The tests, in order");
     let mut y = y + 12.0;
     for report in fate.tests.iter().filter(|report| report.outcome != Outcome::NotAsked) {
         let fails = report.outcome == Outcome::Fails;
@@ -242,15 +235,14 @@ pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
     sheet.finish(end + 6.0)
 }
 
-/// Draws the bars of a line of slopes: features above, evidence below. Returns the position of its end.
 fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
-    let second = spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1;
-    let place = |bar: &SlopeBar| if second { bar.at[1] } else { bar.at[0] };
+    let along = usize::from(spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1);
+    let place = |bar: &SlopeBar| bar.at[along];
     // Evidence beside the line has no position on this axis.
-    let on_line = |bar: &&SlopeBar| if second { bar.at[0] == 0 } else { bar.at[1] == 0 };
+    let on_line = |bar: &&SlopeBar| bar.at[1 - along] == 0;
     let bars: Vec<&SlopeBar> = spectrum.bars.iter().filter(on_line).collect();
     let (first, last) = bars.iter().map(|bar| place(bar)).fold((i64::MAX, i64::MIN), |(a, b), x| (a.min(x), b.max(x)));
-    let axis = if second { spectrum.grid.v } else { spectrum.grid.u };
+    let axis = [spectrum.grid.u, spectrum.grid.v][along];
     let step = f64::from(axis.step());
     let upper = Area { x: SLOPES_LEFT, y: top, width: SLOPES_WIDTH - SLOPES_LEFT - 30.0, height: 150.0 };
     let lower = Area { y: upper.bottom() + 26.0, height: 80.0, ..upper };
@@ -259,8 +251,8 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     let x_of = |at: i64| upper.x + (at - first) as f64 * cell;
     let max = 1.05 * bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1) as f64;
     let part = bars.iter().map(|bar| bar.evidence).fold(0.0, f32::max).max(1e-6);
-    small_heading(sheet, upper, "Features whose slope is nearest to each (orange: at the limit)");
-    small_heading(sheet, lower, "Evidence: what the frames have in common at each slope, before any threshold");
+    heading(sheet, 12.0, upper, "Features whose slope is nearest to each (orange: at the limit)");
+    heading(sheet, 12.0, lower, "Evidence: what the frames have in common at each slope, before any threshold");
     for bar in &bars {
         let x = x_of(place(bar)) + 0.1 * cell;
         let width = 0.8 * cell;
@@ -274,12 +266,8 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
         if bar.evidence > 0.0 {
             let height = f64::from(bar.evidence / part) * lower.height;
             let area = Area { x, y: lower.bottom() - height, width, height };
-            let style = if bar.is_searched {
-                format!(r#"fill="{GREEN}""#)
-            } else {
-                format!(r#"fill="none" stroke="{GREEN}" stroke-width="1.5""#)
-            };
-            sheet.rectangle(area, &style);
+            let beyond = format!(r#"fill="none" stroke="{GREEN}" stroke-width="1.5""#);
+            sheet.rectangle(area, &if bar.is_searched { format!(r#"fill="{GREEN}""#) } else { beyond });
         }
     }
     // The limits of the searched range.
@@ -296,11 +284,6 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     lower.bottom() + 44.0
 }
 
-fn small_heading(sheet: &mut Sheet, area: Area, text: &str) {
-    sheet.styled_text((area.x, area.y - 8.0), 12.0, Anchor::Start, r#"font-weight="bold""#, text);
-}
-
-/// Draws the plane of slopes: features and evidence, side by side. Returns the position of its end.
 fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     let range = |axis: usize| {
         spectrum.bars.iter().map(|bar| bar.at[axis]).fold((i64::MAX, i64::MIN), |(a, b), x| (a.min(x), b.max(x)))
@@ -323,7 +306,7 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
             width: side * size.0 as f64,
             height: side * size.1 as f64,
         };
-        small_heading(sheet, area, name);
+        heading(sheet, 12.0, area, name);
         let mut values = Plane::from_fn(size.0, size.1, |_, _| 0.0);
         for bar in &spectrum.bars {
             let (x, y) = ((bar.at[0] - i0) as usize, (bar.at[1] - j0) as usize);
@@ -362,12 +345,11 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     end + 14.0
 }
 
-/// Draws the response of a periodic texture at slopes around its own: aliases and side lobes. Returns where it ends.
 fn kernel(sheet: &mut Sheet, top: f64, frames: usize, period: f64) -> f64 {
     let area = Area { x: SLOPES_LEFT, y: top, width: SLOPES_WIDTH - SLOPES_LEFT - 30.0, height: 70.0 };
     let text =
         format!("A texture of period {} px in {frames} frames, at slopes beside its own", number(period as f32, 1));
-    small_heading(sheet, area, &text);
+    heading(sheet, 12.0, area, &text);
     let range = (-1.5 * period, 1.5 * period);
     let point = |k: usize| {
         let x = f64::from(k as u32) / 600.0;

@@ -1,14 +1,9 @@
 //! Explanations of a detection.
 //!
-//! A detector returns what it found. When that is nothing, or too much, or wrong, people ask: what happened at this
-//! place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the candidates
-//! ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
-//! ([`unmatched`])? Which true discs were missed ([`truth`])? Whether a search would have found a thing that is not
-//! there is asked in the package `burstscope-lab`.
-//!
-//! Everything here explains and decides nothing: a verdict about a sample comes from the search's own function
-//! ([`crate::detector::Trail`]), and over a whole picture the verdicts add up to the detection's tally. Where one
-//! setting would help, an explanation ends with that setting and its value ([`crate::detector::ParamChange`]).
+//! What happened at this place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the
+//! candidates ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
+//! ([`unmatched`])? Which true discs were missed ([`truth`])? Nothing is decided here: a verdict about a sample is the
+//! search's own ([`crate::detector::Trail`]). Where one setting would help, an explanation ends with it.
 
 pub mod candidates;
 pub mod changes;
@@ -40,14 +35,14 @@ pub use probe::{Probe, ProbeError, ProbeOptions, Subject, probe};
 use crate::burst::Burst;
 use crate::detect::PreparedSearch;
 use crate::detector::pipeline::search_with_trail;
-use crate::detector::{DetectError, Detection, DetectorParams, Method, SearchParams, SlopeChoice, SlopeFinding, Trail};
+use crate::detector::{DetectError, Detection, DetectorParams, SearchParams, SlopeFinding, Trail};
 use crate::monitor::{Cancelled, Monitor};
 use std::sync::Arc;
 
 /// A burst, its detection, and the parameters of the detection.
 #[derive(Debug)]
 pub struct ProbeCache {
-    /// The burst that was searched: for [`Method::Merge`] the merged frame.
+    /// The burst that was searched: for [`Merge`](crate::detector::Method::Merge) the merged frame.
     pub burst: Burst,
     /// The detection and its trail. Shared: it is large, and may have been requested in several forms.
     pub trail: Arc<Trail>,
@@ -106,10 +101,5 @@ impl ProbeCache {
     /// The parameters of the search, including its slopes.
     pub fn params(&self) -> &DetectorParams {
         self.trail.params()
-    }
-
-    /// Whether the slopes were found, not given.
-    pub fn slopes_were_found(&self) -> bool {
-        self.params().method == Method::Buff && matches!(self.asked.slopes, SlopeChoice::Auto { .. })
     }
 }

@@ -1,11 +1,9 @@
-//! Changes in the world by which a candidate below the noise gate would pass: more frames, a longer exposure, or
-//! a slower motion.
+//! Changes in the world by which nine of ten candidates like one below the noise gate would pass: more frames, a longer
+//! exposure, or a slower motion.
 //!
-//! All three follow from the noise. The noise of the mean of n frames falls with √n. With e times the exposure the
-//! signal grows e times; of the noise, shot noise grows with √e, and read noise stays, so that the gain is e where read
-//! noise decides and √e where shot noise does: the measured variance over brightness says which. A thing of 1/e of the
-//! speed allows an exposure e times as long with as much motion in a frame. Requirements are such that nine of ten
-//! candidates like this one pass, because noise is added to each.
+//! The noise of the mean of n frames falls with √n. With e times the exposure the signal grows e times, shot noise with
+//! √e, and read noise stays; the measured variance over brightness says which decides. A thing of 1/e of the speed
+//! allows an exposure e times as long with as much motion in a frame.
 
 use super::fate::{Fate, Outcome};
 use super::words::{counted, number};
@@ -14,7 +12,7 @@ use crate::plane::sample::bilinear;
 use serde::Serialize;
 
 /// Added to the gate, in σ, so that nine of ten pass.
-pub const NINE_OF_TEN: f64 = 1.2816;
+const NINE_OF_TEN: f64 = 1.2816;
 /// Half the side, pixels, of the square whose mean is the brightness of the place.
 const AROUND_PX: i32 = 4;
 const MAX_FACTOR: f64 = 1000.0;
@@ -62,7 +60,7 @@ pub fn outlook(trail: &Trail, fate: &Fate) -> Option<Outlook> {
     let shot_part = (is_measured && shot + read > 0.0).then(|| shot / (shot + read));
     // Where the model does not tell, shot noise, which needs more.
     let exposure = exposure_needed(shot_part.unwrap_or(1.0), factor);
-    let exposure = exposure.filter(|exposure| *exposure <= MAX_FACTOR && brightness * exposure <= 1.0);
+    let exposure = Some(exposure).filter(|exposure| *exposure <= MAX_FACTOR && brightness * exposure <= 1.0);
     let speed = exposure.filter(|_| fate.slope.magnitude() > 1e-3).map(|exposure| 1.0 / exposure);
     let mut out =
         Outlook { factor, frames_now, frames, frames_inside, exposure, shot_part, speed, sentence: String::new() };
@@ -78,10 +76,9 @@ pub fn frames_needed(now: usize, factor: f64) -> Option<usize> {
 
 /// Factor of the exposure for an SNR `factor` times as large, where `shot_part` of the variance is shot noise: the
 /// solution of e/√(s·e + 1 − s) = f.
-pub fn exposure_needed(shot_part: f64, factor: f64) -> Option<f64> {
+fn exposure_needed(shot_part: f64, factor: f64) -> f64 {
     let (s, f2) = (shot_part.clamp(0.0, 1.0), factor * factor);
-    let exposure = 0.5 * (f2 * s + (f2 * f2 * s * s + 4.0 * f2 * (1.0 - s)).sqrt());
-    exposure.is_finite().then_some(exposure)
+    0.5 * (f2 * s + (f2 * f2 * s * s + 4.0 * f2 * (1.0 - s)).sqrt())
 }
 
 fn frames_showing(trail: &Trail, fate: &Fate) -> usize {
@@ -131,10 +128,8 @@ fn sentence(outlook: &Outlook, needed: Option<usize>) -> String {
     let mut not = String::new();
     match (outlook.frames, needed, inside) {
         (Some(frames), _, Some(inside)) => {
-            ways.push(format!(
-                "with {} at this motion (it stays in the picture for {inside})",
-                counted(frames, "frame")
-            ));
+            let frames = counted(frames, "frame");
+            ways.push(format!("with {frames} at this motion (it stays in the picture for {inside})"));
         }
         (Some(frames), _, None) => ways.push(format!("with {}", counted(frames, "frame"))),
         (None, Some(needed), Some(inside)) => {
@@ -170,9 +165,9 @@ mod tests {
 
     #[test]
     fn read_noise_needs_less_exposure_than_shot_noise() {
-        assert!((exposure_needed(0.0, 1.4).expect("finite") - 1.4).abs() < 1e-12);
-        assert!((exposure_needed(1.0, 1.4).expect("finite") - 1.96).abs() < 1e-12);
-        let between = exposure_needed(0.5, 1.4).expect("finite");
+        assert!((exposure_needed(0.0, 1.4) - 1.4).abs() < 1e-12);
+        assert!((exposure_needed(1.0, 1.4) - 1.96).abs() < 1e-12);
+        let between = exposure_needed(0.5, 1.4);
         assert!((between / (0.5 * between + 0.5).sqrt() - 1.4).abs() < 1e-12);
         assert_eq!((frames_needed(10, 1.2), frames_needed(10, 1e9)), (Some(15), None));
     }

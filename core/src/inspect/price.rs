@@ -1,8 +1,7 @@
 //! Price of a change of one setting, before it is made: the number of features with it, whether the candidate in
 //! question is then kept, and the time of the search.
 //!
-//! Numbers are counted, never estimated: from what the search left where that suffices, otherwise by a search with the
-//! changed setting. Where nobody asked for that search, only its time is told.
+//! Numbers are counted: from what the search left where that suffices, otherwise by a search with the changed setting.
 
 use super::ProbeCache;
 use super::words::counted;
@@ -49,8 +48,7 @@ impl Price {
     }
 }
 
-/// Price of `change` from what the search of `trail` left; `None` where only another search can tell: see
-/// [`Trail::rejudged`]. `sample` is the candidate in question.
+/// Price of `change` from what the search of `trail` left, if that suffices; `sample` is the candidate in question.
 pub fn price_at_once(
     trail: &Trail,
     change: &ParamChange,
@@ -61,8 +59,7 @@ pub fn price_at_once(
     Ok(trail.rejudged(&params, monitor)?.map(|changed| between(trail, &changed, sample)))
 }
 
-/// Price of `change` to the detection of `cache` in `burst`, the burst as it was opened; with a search where it takes
-/// one. `sample` is the candidate in question.
+/// Price of `change` to the detection of `cache` in `burst`, as it was opened; with a search where it takes one.
 pub fn price(
     cache: &ProbeCache,
     burst: &Burst,
@@ -119,10 +116,7 @@ mod tests {
         assert_eq!(price(10, 7, Some((2, 0))), "removes this one, and 1 other");
         assert_eq!(price(10, 9, Some((0, 1))), "keeps this one, and 2 fewer others");
         assert_eq!(price(10, 12, Some((0, 0))), "does not keep this one, and 2 more");
-        assert_eq!(
-            (price(3, 5, None), price(3, 3, None)),
-            ("2 more features".into(), "the number of features stays".into())
-        );
+        assert_eq!([price(3, 5, None), price(3, 3, None)], ["2 more features", "the number of features stays"]);
     }
 
     #[test]
@@ -145,22 +139,18 @@ mod tests {
             (&open, ParamChange::new(doc::LEVELS, 3), false),
         ] {
             let (of, after) = (cache(before), cache(&change.applied(before).expect("valid")));
-            let keypoint = of.trail.keypoints()[of.trail.keypoint_of_feature(0)];
-            let keypoint_sample = keypoint.sample;
-            let [x, y] = keypoint_sample.map(|at| at as usize);
-            let (octave, level, slope_index) = (keypoint.octave, keypoint.level, keypoint.slope_index);
-            let sample = Sample { octave, level, slope_index, x, y };
+            let sample_of = |cache: &ProbeCache, rank: usize| {
+                let k = cache.trail.keypoints()[cache.trail.keypoint_of_feature(rank)];
+                let [x, y] = k.sample.map(|at| at as usize);
+                Sample { octave: k.octave, level: k.level, slope_index: k.slope_index, x, y }
+            };
+            let sample = sample_of(&of, 0);
             let found = price(&of, &burst, &change, Some(sample), &Monitor::default()).expect("valid");
             let at_once = price_at_once(&of.trail, &change, Some(sample), &Monitor::default()).expect("not cancelled");
             assert_eq!(at_once, is_at_once.then_some(found), "{change:?}");
             let count = |cache: &ProbeCache| cache.detection().features.len();
             assert_eq!((found.now, found.then), (count(&of), count(&after)), "{change:?}");
-            let of_sample = |rank: &usize| {
-                let keypoint = after.trail.keypoints()[after.trail.keypoint_of_feature(*rank)];
-                (keypoint.octave, keypoint.level, keypoint.slope_index, keypoint.sample)
-                    == (octave, level, slope_index, keypoint_sample)
-            };
-            let own_then = (0..found.then).filter(of_sample).count();
+            let own_then = (0..found.then).filter(|rank| sample_of(&after, *rank) == sample).count();
             assert_eq!(found.own.map(|own| own.1), Some(own_then), "{change:?}");
         }
     }

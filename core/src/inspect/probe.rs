@@ -1,5 +1,4 @@
-//! The probe: all explanations of one place of a burst, with the candidates near it, their fates, and a summary in
-//! words.
+//! The probe: all explanations of one place of a burst, with the fates of the candidates near it.
 
 use super::ProbeCache;
 use super::candidates::open_candidates;
@@ -119,9 +118,8 @@ pub struct Subject {
 pub struct Probe {
     /// Place, input pixels.
     pub pos_image: [f32; 2],
-    /// Fates of the candidates near it: the nearest first, by distance and, where a scale was given, by scale. Of those
-    /// at the place itself ([`AT_PLACE_PX`]) kept ones come first, then those with the largest SNR. Larger blobs that
-    /// only reach over the place come last.
+    /// Fates of the candidates near it, nearest in place and given scale first; of those at the place ([`AT_PLACE_PX`])
+    /// kept ones come first, then those with the largest SNR. Larger blobs that reach over the place come last.
     pub fates: Vec<Fate>,
     /// Number of fates before the larger blobs.
     #[serde(skip)]
@@ -164,8 +162,7 @@ impl Probe {
     }
 }
 
-/// Largest distance from the place, input pixels, of a candidate that is examined without having been chosen. A click
-/// is no more exact than that, so candidates within it count as equally near.
+/// Distance from the place, input pixels, within which candidates count as equally near: a click is no more exact.
 pub const AT_PLACE_PX: f32 = 3.0;
 /// Distance and σ, input pixels, above which a candidate beside the place is a larger blob.
 const LARGE_PX: f32 = 8.0;
@@ -192,7 +189,6 @@ impl Nearness {
         self.sigma.map_or(1.0, |sigma| (fate.sigma / sigma).max(sigma / fate.sigma))
     }
 
-    /// Whether the candidate is a larger blob, whose centre is elsewhere.
     fn is_larger(&self, fate: &Fate) -> bool {
         let own_scale = self.sigma.filter(|_| self.scale_ratio(fate) <= SAME_SCALE);
         match own_scale {
@@ -202,7 +198,7 @@ impl Nearness {
         }
     }
 
-    /// Distance in place and scale together, at least 1: that of a candidate at the place and of the given scale.
+    /// Distance in place and scale together, at least 1.
     fn apart(&self, fate: &Fate) -> f32 {
         (self.distance(fate) / AT_PLACE_PX).max(1.0) * (self.scale_ratio(fate) / SAME_SCALE).max(1.0)
     }
@@ -242,7 +238,11 @@ pub fn probe(
         _ => Nearness { place, sigma: options.near_sigma },
     };
     let place = nearness.place;
-    check_place(trail, place)?;
+    let ([u, v], (width, height)) = (place, trail.size_image());
+    let inside = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
+    if !(inside(u, width) && inside(v, height)) {
+        return Err(ProbeError::Outside { u, v, width, height });
+    }
     let (mut fates, mut samples) = (Vec::new(), 0);
     for octave in trail.octaves() {
         samples += candidates_near(trail, place, octave, options.reach_sigmas, monitor, &mut fates)?;
@@ -285,12 +285,6 @@ pub fn probe(
     })
 }
 
-fn check_place(trail: &Trail, [u, v]: [f32; 2]) -> Result<(), ProbeError> {
-    let (width, height) = trail.size_image();
-    let inside = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
-    if inside(u, width) && inside(v, height) { Ok(()) } else { Err(ProbeError::Outside { u, v, width, height }) }
-}
-
 fn subject(trail: &Trail, nearness: &Nearness, fates: &[Fate], wanted: Wanted) -> Result<Subject, ProbeError> {
     let (grid, place) = (trail.params().used_slopes(), nearness.place);
     if let Wanted::Scale { octave, level, slope_index } = wanted {
@@ -307,28 +301,18 @@ fn subject(trail: &Trail, nearness: &Nearness, fates: &[Fate], wanted: Wanted) -
         _ => None,
     };
     let index = chosen.or_else(|| fates.iter().position(|fate| nearness.is_here(fate)));
-    let of = |fate: &Fate| Subject {
-        fate: index,
-        pos_image: if index.is_some() { fate.pos_image } else { place },
-        slope: if index.is_some() { fate.slope } else { grid.slope(fate.slope_index) },
-        slope_index: fate.slope_index,
-        octave: fate.octave,
-        level: fate.level,
-    };
-    Ok(fates.get(index.unwrap_or(0)).map_or_else(
-        || {
-            let slope_index = (0..grid.len())
-                .min_by(|&a, &b| grid.slope(a).magnitude().total_cmp(&grid.slope(b).magnitude()))
-                .unwrap_or(0);
-            let (octave, slope) = (trail.octaves().start, grid.slope(slope_index));
-            Subject { fate: None, pos_image: place, slope, slope_index, octave, level: 0 }
-        },
-        of,
-    ))
+    if let Some(&Fate { octave, level, slope_index, pos_image, slope, .. }) = fates.get(index.unwrap_or(0)) {
+        let (pos_image, slope) = if index.is_some() { (pos_image, slope) } else { (place, grid.slope(slope_index)) };
+        return Ok(Subject { fate: index, pos_image, slope, slope_index, octave, level });
+    }
+    let speed = |index: usize| grid.slope(index).magnitude();
+    let slope_index = (0..grid.len()).min_by(|&a, &b| speed(a).total_cmp(&speed(b))).unwrap_or(0);
+    let (octave, slope) = (trail.octaves().start, grid.slope(slope_index));
+    Ok(Subject { fate: None, pos_image: place, slope, slope_index, octave, level: 0 })
 }
 
-/// The fates of all candidates near a place (u, v), input pixels, within `reach_sigmas` of their σ: kept ones first,
-/// then in order of how far they came and of their strength.
+/// The fates of all candidates within `reach_sigmas` of their σ of a place (u, v), input pixels: those that came
+/// farthest first, then the strongest.
 pub fn fates_near(
     trail: &Trail,
     place: [f32; 2],
@@ -346,7 +330,7 @@ pub fn fates_near(
     Ok(fates)
 }
 
-/// Appends the fates of an octave's candidates near a place; returns the number of samples examined.
+/// Returns the number of samples examined.
 fn candidates_near(
     trail: &Trail,
     place: [f32; 2],
@@ -372,7 +356,6 @@ fn candidates_near(
     Ok(region.columns.len() * region.rows.len() * levels * around.tiles.len())
 }
 
-/// Appends the fate of a feature whose sample is too far from its refined position to be near that.
 fn add_feature(trail: &Trail, index: usize, monitor: &Monitor, fates: &mut Vec<Fate>) -> Result<(), Cancelled> {
     let keypoint = trail.keypoint_of_feature(index);
     if fates.iter().any(|fate| fate.keypoint == Some(keypoint)) {
@@ -397,7 +380,6 @@ pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Opti
     }))
 }
 
-/// The summary, a sentence or two, about the place itself; `near` fates come before the larger blobs.
 fn summary_of(nearness: &Nearness, fates: &[Fate], near: usize, response: &ResponseMap) -> String {
     let here: Vec<&Fate> = fates.iter().filter(|fate| nearness.is_here(fate)).collect();
     let kept = here.iter().filter(|f| f.is_kept()).count();
@@ -407,10 +389,8 @@ fn summary_of(nearness: &Nearness, fates: &[Fate], near: usize, response: &Respo
             1 => "; 1 duplicate on a blob nearby was removed".to_owned(),
             n => format!("; {n} duplicates on blobs nearby were removed"),
         };
-        return match kept {
-            1 => format!("One candidate here was kept{also}."),
-            n => format!("{n} candidates here were kept{also}."),
-        };
+        let several = format!("{kept} candidates here were kept{also}.");
+        return if kept == 1 { format!("One candidate here was kept{also}.") } else { several };
     }
     if let Some(first) = here.first() {
         let who = match nearness.sigma {
@@ -511,15 +491,9 @@ mod tests {
         assert_eq!(fates.each_ref().map(|fate| fate.sigma), [2.0, 4.0, 12.0, 20.0]);
         let summary = |fates: &[Fate], near| summary_of(&nearness, fates, near, &probe.response);
         let text = summary(&fates, 2);
-        assert!(
-            text.starts_with(
-                "No candidate lies within 3 px of this place. The nearest is 4 px away, with σ 2 px: below"
-            )
-        );
-        assert_eq!(
-            summary(&fates[2..], 0),
-            "No candidate lies within 3 px of this place; 2 larger blobs reach over it."
-        );
+        let nothing = "No candidate lies within 3 px of this place";
+        assert!(text.starts_with(&format!("{nothing}. The nearest is 4 px away, with σ 2 px: below")), "{text}");
+        assert_eq!(summary(&fates[2..], 0), format!("{nothing}; 2 larger blobs reach over it."));
         assert!(summary(&[one(1.0, 2.0)], 1).starts_with("Nothing was kept here. The candidate here has SNR"));
         let subject = subject(&cache.trail, &nearness, &fates, Wanted::Best).expect("valid");
         assert_eq!((subject.fate, subject.pos_image, subject.level), (None, place, fates[0].level));

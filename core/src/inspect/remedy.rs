@@ -1,10 +1,9 @@
 //! The verdict about a candidate as a sentence, and the one setting that would keep it.
 //!
-//! A remedy changes the limit of the first failed test just so far that the candidate passes it. If it would then fail
-//! a later test, that is stated. Some verdicts have no remedy: a sample that a neighbour beats is no extremum with any
-//! setting.
+//! A remedy changes the limit of the first failed test just so far that the candidate passes it. Some verdicts have
+//! none: a sample that a neighbour beats is no extremum with any setting.
 
-use super::fate::{Fate, Remedy, Side, apart_sigmas};
+use super::fate::{Fate, Remedy, Rival, Side, apart_sigmas};
 use super::words::{filled, number, rounded_down, rounded_up};
 use crate::detector::params::{Word, doc};
 use crate::detector::pipeline::FIRST_PEAK_PART;
@@ -23,15 +22,13 @@ pub(super) fn explained(trail: &Trail, judgement: &Judgement, fate: Fate) -> Fat
     let remedy = change(trail, judgement, &fate).map(|(sentence, change)| Remedy {
         sentence,
         change,
-        then_fails: fate.fails_later().next().or_else(|| fails_uncut(trail, &fate)),
+        // A keypoint that is cut may fail another test without the cut.
+        then_fails: fate.fails_later().next().or_else(|| {
+            let cut = fate.keypoint.filter(|_| fate.first_failed == Some(Test::MaxFeatures));
+            cut.and_then(|cut| trail.fails_uncut(cut))
+        }),
     });
     Fate { verdict, remedy, ..fate }
-}
-
-/// The test that a keypoint that is cut would fail otherwise.
-fn fails_uncut(trail: &Trail, fate: &Fate) -> Option<Test> {
-    let cut = fate.keypoint.filter(|_| fate.first_failed == Some(Test::MaxFeatures))?;
-    trail.fails_uncut(cut)
 }
 
 fn verdict(trail: &Trail, fate: &Fate) -> String {
@@ -48,21 +45,18 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
     let (report, record) = (fate.report(test), test.record());
     filled(report.unless_boundless(record.verdict), |word| match (word, report.rival) {
         ("threshold", _) => record.parameter.map_or_else(String::new, |parameter| parameter.text(trail.params())),
-        ("where", Some(rival)) => match away(fate, rival.pos_image) {
-            px if px < 1.0 => "at the same place".to_owned(),
-            px => format!("{} px away", number(px, 1)),
-        },
+        ("where", Some(Rival { pos_image: [u, v], .. })) => {
+            match (u - fate.pos_image[0]).hypot(v - fate.pos_image[1]) {
+                px if px < 1.0 => "at the same place".to_owned(),
+                px => format!("{} px away", number(px, 1)),
+            }
+        }
         ("cause", Some(rival)) if rises_past_the_rim(trail, fate, rival.slope) => "the motion lies beyond".to_owned(),
         ("cause", _) => "the same blob".to_owned(),
         _ => report.word(word),
     })
 }
 
-fn away(fate: &Fate, [u, v]: [f32; 2]) -> f32 {
-    (u - fate.pos_image[0]).hypot(v - fate.pos_image[1])
-}
-
-/// Whether the rival that beats the candidate lies on the rim of the slopes.
 fn rises_past_the_rim(trail: &Trail, fate: &Fate, slope: Slope) -> bool {
     let grid = trail.params().used_slopes();
     let nearest = grid.slopes().position(|s| s == slope);
@@ -72,7 +66,6 @@ fn rises_past_the_rim(trail: &Trail, fate: &Fate, slope: Slope) -> bool {
     })
 }
 
-/// The sentence and the change that make the candidate pass its first failed test.
 fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, ParamChange)> {
     let test = fate.first_failed?;
     let (params, report, record) = (trail.params(), fate.report(test), test.record());
@@ -117,9 +110,8 @@ fn remedied(test: Test, change: ParamChange, was: &str) -> (String, ParamChange)
     (sentence, change)
 }
 
-/// The smallest change that keeps a keypoint beside the stronger one on its blob; `None` for a candidate that is no
-/// duplicate. It takes a while, because the nearby keypoints are compared again, so [`Fate::remedy`] of a duplicate is
-/// left out where many candidates are listed.
+/// The smallest change that keeps a keypoint beside the stronger one on its blob; `None` for one that is no duplicate.
+/// It takes a while: the nearby keypoints are compared again.
 pub fn duplicate_remedy(trail: &Trail, fate: &Fate) -> Option<Remedy> {
     let index = fate.keypoint.filter(|_| fate.first_failed == Some(Test::Duplicate))?;
     let (sentence, change) = distinct_change(trail, index)?;
@@ -128,9 +120,7 @@ pub fn duplicate_remedy(trail: &Trail, fate: &Fate) -> Option<Remedy> {
 
 fn distinct_change(trail: &Trail, index: usize) -> Option<(String, ParamChange)> {
     let params = trail.params();
-    let Distinct::Radius(radius) = params.distinct else {
-        return None;
-    };
+    let Distinct::Radius(radius) = params.distinct else { return None };
     let (own, stronger) = (trail.keypoints()[index], trail.keypoints()[trail.covered_by(index)?]);
     let distance = f64::from(apart_sigmas(&stronger, &own));
     let (a, b) = (stronger.in_image().2, own.in_image().2);

@@ -3,20 +3,23 @@
 use super::fate::{Outcome, TestReport};
 use super::shares::Shares;
 use super::spectrum::{SlopeBar, Spectrum};
+use super::suspicion::Kind;
 use super::words::{counted, number, slope_text, snr_text, value_text};
 use super::{Fate, Probe};
 use crate::detector::Test;
 use std::fmt::Write;
 
 const LISTED: usize = 12;
-/// Width of the longest bar, characters.
 const BAR_WIDTH: f32 = 30.0;
 
 /// The result of a probe as text; ends with an empty line. `name` is the burst's.
 pub fn probe_text(probe: &Probe, name: &str) -> String {
+    written(|text| write_probe(text, probe, name))
+}
+
+fn written(write: impl FnOnce(&mut String) -> std::fmt::Result) -> String {
     let mut text = String::new();
-    // Writing into a string cannot fail.
-    let _ = write_probe(&mut text, probe, name);
+    write(&mut text).expect("writing into a string cannot fail");
     text
 }
 
@@ -36,10 +39,10 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
     }
     for suspicion in &probe.suspicions {
         let what = match suspicion.kind {
-            super::suspicion::Kind::Duplicate => "duplicate",
-            super::suspicion::Kind::Ghost => "ghost",
-            super::suspicion::Kind::AtLimit => "at the limit of the slopes",
-            super::suspicion::Kind::Alias => "alias",
+            Kind::Duplicate => "duplicate",
+            Kind::Ghost => "ghost",
+            Kind::AtLimit => "at the limit of the slopes",
+            Kind::Alias => "alias",
         };
         if probe.judged.as_ref().is_none_or(|judged| judged.why != suspicion.evidence) {
             writeln!(out, "  {what}? {}", suspicion.evidence)?;
@@ -54,7 +57,6 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
     writeln!(out)
 }
 
-/// Writes the other candidates near the place: separate ones one by one, duplicates together; then the larger blobs.
 fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
     let others = probe.near_fates().iter().enumerate().filter(|(index, _)| Some(*index) != probe.subject.fate);
     let (same, alone): (Vec<&Fate>, Vec<&Fate>) =
@@ -104,7 +106,6 @@ fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
     write_larger(out, probe)
 }
 
-/// Writes the larger blobs that only reach over the place, in one line.
 fn write_larger(out: &mut String, probe: &Probe) -> std::fmt::Result {
     let larger = probe.larger_fates();
     if larger.is_empty() {
@@ -180,14 +181,8 @@ fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
             continue;
         }
         let length = (BAR_WIDTH * (sign * frame.value).max(0.0) / max).round() as usize;
-        writeln!(
-            out,
-            "    frame {:>3} {:>+10.2e} ± {:.1e}  {}",
-            frame.frame,
-            frame.value,
-            frame.sigma_d,
-            "#".repeat(length)
-        )?;
+        let bar = "#".repeat(length);
+        writeln!(out, "    frame {:>3} {:>+10.2e} ± {:.1e}  {bar}", frame.frame, frame.value, frame.sigma_d)?;
     }
     Ok(())
 }
@@ -196,10 +191,7 @@ const SLOPES_LISTED: usize = 25;
 
 /// The spectrum as text; ends with an empty line. `name` is the burst's.
 pub fn spectrum_text(spectrum: &Spectrum, name: &str) -> String {
-    let mut text = String::new();
-    // Writing into a string cannot fail.
-    let _ = write_spectrum(&mut text, spectrum, name);
-    text
+    written(|text| write_spectrum(text, spectrum, name))
 }
 
 fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt::Result {
@@ -244,19 +236,12 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
         writeln!(out, "  and {} with less", counted(hidden, "more slope"))?;
     }
     for alias in &spectrum.aliases {
-        let [u, v] = alias.places[0];
-        writeln!(
-            out,
-            "  repeats itself  every {} px around ({}, {}){}",
-            number(alias.period_px, 1),
-            number(u, 0),
-            number(v, 0),
-            if alias.places.len() > 1 {
-                format!(" and at {}", counted(alias.places.len() - 1, "more place"))
-            } else {
-                String::new()
-            }
-        )?;
+        let (period, [u, v]) = (number(alias.period_px, 1), alias.places[0].map(|x| number(x, 0)));
+        write!(out, "  repeats itself  every {period} px around ({u}, {v})")?;
+        if alias.places.len() > 1 {
+            write!(out, " and at {}", counted(alias.places.len() - 1, "more place"))?;
+        }
+        writeln!(out)?;
     }
     if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
         writeln!(out, "  {}", fits.sentence)?;

@@ -1,8 +1,5 @@
-//! The response at one place over slope and scale, finer than the grid: where a blob peaks, and whether it would peak
-//! beyond the slopes that are searched.
-//!
-//! Values are D in units of its noise, with its sign. They are computed from the frames, shifted by each slope
-//! ([`Trail::point_response`]), so they equal those of the search up to interpolation; they do not enter any verdict.
+//! The response at one place over slope and scale, finer than the grid: D in units of its noise, with its sign. It is
+//! computed from the frames ([`Trail::point_response`]), and equals the search's up to interpolation.
 
 use crate::detector::{Slope, SlopeAxis, Trail};
 use crate::monitor::{Cancelled, Monitor};
@@ -31,6 +28,11 @@ pub struct FineAxis {
 }
 
 impl FineAxis {
+    /// Number of slopes for each step of `axis`, up to `wanted`.
+    fn per_step(axis: &SlopeAxis, wanted: usize) -> usize {
+        (MOST / (axis.count + 2)).clamp(1, wanted)
+    }
+
     /// `finer` slopes for each step, and as many beyond both ends; a single slope stays alone.
     fn of(axis: &SlopeAxis, finer: usize) -> Self {
         let grid: Vec<f32> = (0..axis.count).map(|i| axis.value(i as f32)).collect();
@@ -41,9 +43,7 @@ impl FineAxis {
         let values = (-finer..=(axis.count as i64) * finer).map(|k| axis.value(k as f32 / finer as f32)).collect();
         Self { values, grid }
     }
-}
 
-impl FineAxis {
     /// The column of a slope; fractions lie between columns.
     pub fn column_of(&self, slope: f32) -> f32 {
         match self.values[..] {
@@ -149,15 +149,13 @@ pub fn outline(map: &Plane, gate: f32) -> Vec<[(f32, f32); 2]> {
     lines
 }
 
-/// Number of slopes for each step of the grid at which the response is computed, for a line of slopes.
+/// Number of slopes for each step of a line of slopes, and of a plane.
 const FINER: usize = 4;
-/// Number of slopes for each step of the grid, for a plane, where the cost grows with its square.
 const FINER_IN_PLANE: usize = 3;
 /// Maximum number of columns and rows of a map: a probe should not take long on a grid of thousands of slopes.
 const MOST: usize = 121;
 
-/// Computes the response at `place` (input pixels) around `through` (a slope, as coordinates in the grid) and, for two
-/// axes, at `scale` over both.
+/// The response at `place` (input pixels) around `through` (coordinates in the grid); in a plane at `scale` over both.
 pub fn response_map(
     trail: &Trail,
     place: [f32; 2],
@@ -166,10 +164,9 @@ pub fn response_map(
     monitor: &Monitor,
 ) -> Result<ResponseMap, Cancelled> {
     let grid = trail.params().used_slopes();
-    let finer = |axis: &SlopeAxis, wanted: usize| (MOST / (axis.count + 2)).clamp(1, wanted);
     let along_v = grid.u.count == 1 && grid.v.count > 1;
     let axis = if along_v { grid.v } else { grid.u };
-    let per_step = finer(&axis, FINER);
+    let per_step = FineAxis::per_step(&axis, FINER);
     let slopes = FineAxis::of(&axis, per_step);
     let coordinate = |k: usize| if axis.count == 1 { 0.0 } else { k as f32 / per_step as f32 - 1.0 };
     let (i, j) = (through.0 as f32, through.1 as f32);
@@ -177,23 +174,17 @@ pub fn response_map(
         .map(|k| if along_v { grid.at(i, coordinate(k)) } else { grid.at(coordinate(k), j) })
         .collect();
     let levels = trail.space().levels as i32;
-    let scales: Vec<Scale> = trail
-        .octaves()
-        .flat_map(|octave| (0..levels).map(move |level| (octave, level)))
-        .map(|s| scale_of(trail, s))
-        .collect();
+    let scales = trail.octaves().flat_map(|octave| (0..levels).map(move |level| scale_of(trail, (octave, level))));
     let octaves: Vec<i32> = trail.octaves().collect();
     // One patch is used for all levels of an octave.
     let jobs: Vec<(usize, i32)> =
         (0..columns.len()).flat_map(|column| octaves.iter().map(move |&octave| (column, octave))).collect();
-    let values: Vec<Vec<f32>> = jobs
-        .par_iter()
-        .map(|&(column, octave)| {
-            monitor.check()?;
-            Ok(snr_at(trail, (octave, 0..levels), place, columns[column]))
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    let of_levels = levels as usize;
+    let values = |&(column, octave): &(usize, i32)| {
+        monitor.check()?;
+        Ok(snr_at(trail, (octave, 0..levels), place, columns[column]))
+    };
+    let values = jobs.par_iter().map(values).collect::<Result<Vec<Vec<f32>>, Cancelled>>()?;
+    let (scales, of_levels) = (scales.collect::<Vec<_>>(), levels as usize);
     let snr = Plane::from_fn(columns.len(), scales.len(), |column, row| {
         values[column * octaves.len() + row / of_levels][row % of_levels]
     });
@@ -222,9 +213,8 @@ fn slope_plane(
     monitor: &Monitor,
 ) -> Result<SlopePlane, Cancelled> {
     let grid = trail.params().used_slopes();
-    let per_step = |axis: &SlopeAxis| (MOST / (axis.count + 2)).clamp(1, FINER_IN_PLANE);
-    let steps = (per_step(&grid.u), per_step(&grid.v));
-    let (u, v) = (FineAxis::of(&grid.u, steps.0), FineAxis::of(&grid.v, steps.1));
+    let steps = [grid.u, grid.v].map(|axis| FineAxis::per_step(&axis, FINER_IN_PLANE));
+    let (u, v) = (FineAxis::of(&grid.u, steps[0]), FineAxis::of(&grid.v, steps[1]));
     let at = |k: usize, steps: usize| k as f32 / steps as f32 - 1.0;
     let rows: Vec<Vec<f32>> = (0..v.values.len())
         .into_par_iter()
@@ -232,7 +222,7 @@ fn slope_plane(
             (0..u.values.len())
                 .map(|column| {
                     monitor.check()?;
-                    let slope = grid.at(at(column, steps.0), at(row, steps.1));
+                    let slope = grid.at(at(column, steps[0]), at(row, steps[1]));
                     Ok(snr_at(trail, (octave, level..level + 1), place, slope)[0])
                 })
                 .collect()
@@ -242,7 +232,7 @@ fn slope_plane(
     Ok(SlopePlane { scale: scale_of(trail, (octave, level)), u, v, snr })
 }
 
-/// D over its noise at each of the levels, of the mean over all frames; D itself where there is no noise.
+/// D over its noise at each of the levels; D itself where there is no noise.
 pub(super) fn snr_at(
     trail: &Trail,
     (octave, levels): (i32, std::ops::Range<i32>),
@@ -269,9 +259,13 @@ pub(super) fn covering(trail: &Trail, place: [f32; 2], slope: Slope) -> Vec<usiz
     if covering.is_empty() { (0..offsets.len()).collect() } else { covering }
 }
 
-/// The factor by which the response at `scale` grows from a slope on the grid's rim to the slopes a step beyond it: the
-/// largest of those over the one on the rim. `None` for a slope that is not on the rim.
-pub fn beyond_the_rim(trail: &Trail, place: [f32; 2], (octave, level): (i32, i32), slope_index: usize) -> Option<f32> {
+/// The largest response at `scale` up to a step beyond the grid's rim over that at a slope on it; `None` for another.
+pub(super) fn beyond_the_rim(
+    trail: &Trail,
+    place: [f32; 2],
+    (octave, level): (i32, i32),
+    slope_index: usize,
+) -> Option<f32> {
     let grid = trail.params().used_slopes();
     let (i, j) = grid.coordinates(slope_index);
     if !grid.on_rim(i, j) {

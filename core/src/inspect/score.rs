@@ -1,9 +1,8 @@
 //! The rule by which a feature finds a disc: features of a chart against its truth, and the curve over the threshold.
 //!
 //! A feature finds a disc when, at mid-burst, it lies within half the disc's radius plus 1.5 px of the disc's centre
-//! and its scale σ is within a factor of 2 of r/√2. A disc is found once; a feature that finds it again is false, and
-//! so is one that finds no disc. The orientations of one keypoint count as one feature. Features are taken in order of
-//! a [`Ranking`]; a threshold on it keeps the strongest, and each threshold gives one point (false, true) of the curve.
+//! and its scale σ is within a factor of 2 of r/√2. A feature that finds none, or one that is found already, is false.
+//! The orientations of one keypoint count as one feature. Each threshold on a [`Ranking`] gives one point of the curve.
 
 use crate::detector::Feature;
 use crate::synth::{FeatureTruth, Truth};
@@ -68,7 +67,6 @@ pub fn finds(feature: &Feature, disc: &FeatureTruth) -> bool {
     is_of_disc([feature.u, feature.v], feature.sigma, disc)
 }
 
-/// Whether a place and a scale, input pixels, are those of `disc`.
 pub(super) fn is_of_disc([u, v]: [f32; 2], sigma: f32, disc: &FeatureTruth) -> bool {
     let distance = (f64::from(u) - disc.u).hypot(f64::from(v) - disc.v);
     let ratio = f64::from(sigma) / disc.sigma;
@@ -156,19 +154,14 @@ impl Curve {
         Self { points }
     }
 
-    /// The point with the most discs found among those where at most `fraction` (0 … 1) of the detections are false; of
-    /// several, the one with the fewest false. The first point, with no detection, always qualifies.
+    /// The point with the most discs, then the fewest false features, of those with at most a `fraction` (0 … 1) false.
     pub fn at_false_fraction(&self, fraction: f64) -> CurvePoint {
         let within = |p: &&CurvePoint| {
             // A margin for rounding: 10 of 100 are a tenth.
             p.false_features as f64 <= fraction * (p.false_features + p.true_positives) as f64 + 1e-9
         };
-        let best = self
-            .points
-            .iter()
-            .filter(within)
-            .max_by(|a, b| a.true_positives.cmp(&b.true_positives).then(b.false_features.cmp(&a.false_features)));
-        *best.unwrap_or(&self.points[0])
+        let worth = |p: &&CurvePoint| (p.true_positives, std::cmp::Reverse(p.false_features));
+        *self.points.iter().filter(within).max_by_key(worth).unwrap_or(&self.points[0])
     }
 
     /// The maximum number of discs found with at most `count` false features.
@@ -183,8 +176,7 @@ impl Curve {
     }
 }
 
-/// The mean over `curves` of the discs found with at most 0, 1, … `most_false` false features. A curve that ends
-/// earlier (its detector finds no more) keeps its last value. NaN where there is no curve.
+/// The mean over `curves` of the discs found with at most 0, 1, … `most_false` false features. NaN without a curve.
 pub fn mean_curve(curves: &[&Curve], most_false: usize) -> Vec<f64> {
     (0..=most_false)
         .map(|count| curves.iter().map(|c| c.true_positives_at(count) as f64).sum::<f64>() / curves.len() as f64)
@@ -194,24 +186,12 @@ pub fn mean_curve(curves: &[&Curve], most_false: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::Slope;
     use crate::synth::truth::disc_sigma;
     use proptest::prelude::*;
 
     fn feature(u: f64, v: f64, sigma: f64, response: f32) -> Feature {
-        Feature {
-            u: u as f32,
-            v: v as f32,
-            sigma: sigma as f32,
-            orientation: 0.0,
-            slope: Slope::default(),
-            response,
-            snr: 4.0,
-            octave: 0,
-            level: 0,
-            slope_index: 0,
-            at_slope_limit: false,
-        }
+        let [u, v, sigma] = [u, v, sigma].map(|x| x as f32);
+        Feature { u, v, sigma, response, snr: 4.0, ..Feature::default() }
     }
 
     fn disc(u: f64, v: f64, radius: f64) -> FeatureTruth {
@@ -320,9 +300,7 @@ mod tests {
                 };
                 // No threshold that qualifies finds more.
                 let most = curve.points.iter().filter(qualifies).map(|p| p.true_positives).max();
-                let point = curve.at_false_fraction(fraction);
-                prop_assert!(qualifies(&&point));
-                prop_assert_eq!(Some(point.true_positives), most);
+                prop_assert_eq!(Some(curve.at_false_fraction(fraction).true_positives), most);
             }
         }
     }

@@ -1,5 +1,4 @@
-//! From metres to slopes: the range, direction and step that speed, turning, frame rate, lens and depths ask for, and
-//! the depth that a slope then means.
+//! From metres to slopes, and from a slope to its depth.
 //!
 //! A pinhole camera of focal length f (pixels) moves with the speed s (metres per second) parallel to its picture, in a
 //! direction φ (degrees from +u towards +v), and turns to the right with ω (radians per second). A still point at the
@@ -87,9 +86,6 @@ const MAX_COUNT: usize = 1024;
 
 impl SetUp {
     /// Checks the numbers.
-    ///
-    /// # Errors
-    /// The first option that makes no sense, and what would.
     pub fn check(&self) -> Result<(), ParamError> {
         bounds::SPEED.check("speed", self.speed_m_s)?;
         bounds::DIRECTION.check("direction", self.direction_deg)?;

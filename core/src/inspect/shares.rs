@@ -1,38 +1,16 @@
 //! Values of single frames along the motion of a feature: the response of each with its noise (its share), and slices.
 //!
-//! A true feature is in every frame: the responses are level. A ghost — a blob of another motion that shows in the
-//! stack of a wrong slope — responds only in the frames in which the true blob crosses its path, so its responses form
-//! a bump. Whether two keypoints at one place are different is decided by the search itself, from the frames in which
-//! their paths are apart (`two_motions`); the number here is only for information.
-//!
-//! A slice is taken along a line of pixels and has one row for each frame (the epipolar-plane image, *Reslice* in
-//! ImageJ). Content that moves along the line is slanted in it.
+//! A true feature is in every frame: the responses are level. A ghost, a blob of another motion, responds only in the
+//! frames in which the true blob crosses its path, so its responses form a bump. A slice is taken along a line of
+//! pixels and has one row for each frame (the epipolar-plane image, *Reslice* in ImageJ).
 
 use crate::detector::coherence::{Evenness, FrameResponse, Shape, evenness_of, responding};
-use crate::detector::{Slope, Trail};
+use crate::detector::{Slope, SlopeGrid, Trail};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::sample::{bilinear, sample_patch};
 use serde::Serialize;
 use std::sync::Arc;
-
-/// Response of one frame along a feature's motion.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FrameShare {
-    /// Index of the frame in the burst.
-    pub frame: usize,
-    /// Position of the feature in the frame, input pixels.
-    pub pos_frame: [f32; 2],
-    /// Whether the frame shows the place and was used.
-    pub covers: bool,
-    /// D of this frame alone, fraction of full scale.
-    pub value: f32,
-    /// Noise of that D.
-    pub sigma_d: f32,
-    /// Pixels around the position; NaN beyond the frame.
-    #[serde(skip)]
-    pub patch: Plane,
-}
 
 /// Shares of all frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -47,8 +25,11 @@ pub struct Shares {
     pub slope: Slope,
     /// Scale σ, input pixels.
     pub sigma: f32,
-    /// Shares of the frames, in time order.
-    pub frames: Vec<FrameShare>,
+    /// Responses of the frames, in time order.
+    pub frames: Vec<FrameResponse>,
+    /// Pixels around the position in each frame; NaN beyond the frame.
+    #[serde(skip)]
+    pub patches: Vec<Plane>,
     /// Evenness of the responses. Their mean is D of the stack.
     #[serde(flatten)]
     pub evenness: Evenness,
@@ -60,6 +41,7 @@ pub struct Shares {
 
 const PATCH_SIDE: usize = 33;
 const PATCH_SIGMAS: f32 = 4.0;
+
 /// Shares of all frames along the motion through `place` (input pixels, at mid-burst) at `slope`.
 pub fn shares(
     trail: &Trail,
@@ -71,23 +53,21 @@ pub fn shares(
     let (planes, ..) = trail.frames();
     let sigma = trail.space().sigma_image(octave, f64::from(level)) as f32;
     let half_px = PATCH_SIGMAS * sigma;
-    let answers = trail.frame_responses((octave, level), place, slope, monitor)?;
-    let share = |(plane, &answer): (&Arc<Plane>, &FrameResponse)| {
-        let FrameResponse { frame, pos_frame, covers, value, sigma_d } = answer;
-        let patch = sample_patch(plane, (pos_frame[0], pos_frame[1]), half_px, 0.0, PATCH_SIDE);
-        FrameShare { frame, pos_frame, covers, value, sigma_d, patch }
+    let frames = trail.frame_responses((octave, level), place, slope, monitor)?;
+    let patch = |(plane, response): (&Arc<Plane>, &FrameResponse)| {
+        sample_patch(plane, response.pos_frame.into(), half_px, 0.0, PATCH_SIDE)
     };
-    let frames: Vec<FrameShare> = planes.iter().zip(&answers).map(share).collect();
+    let patches = planes.iter().zip(&frames).map(patch).collect();
     monitor.check()?;
-    let evenness = evenness_of(&answers);
+    let evenness = evenness_of(&frames);
     let meaning = meaning(&frames, &evenness);
     let patch_px = 2.0 * half_px;
-    Ok(Shares { octave, level, pos_image: place, slope, sigma, frames, evenness, meaning, patch_px })
+    Ok(Shares { octave, level, pos_image: place, slope, sigma, frames, patches, evenness, meaning, patch_px })
 }
 
-fn meaning(frames: &[FrameShare], evenness: &Evenness) -> String {
+fn meaning(frames: &[FrameResponse], evenness: &Evenness) -> String {
     let number = evenness.coherence.map_or_else(String::new, |c| format!("coherence {c:.2}: "));
-    let covering: Vec<&FrameShare> = frames.iter().filter(|f| f.covers).collect();
+    let covering: Vec<&FrameResponse> = frames.iter().filter(|f| f.covers).collect();
     match evenness.shape {
         Shape::Level => format!("{number}all frames respond alike, as for an object with this motion"),
         Shape::Uneven => format!("{number}the frames differ by more than their noise, but no part of them stands out"),
@@ -96,11 +76,8 @@ fn meaning(frames: &[FrameShare], evenness: &Evenness) -> String {
             let on = covering.iter().zip(responding(&answers)).filter(|(_, responds)| *responds);
             let on: Vec<usize> = on.map(|(frame, _)| frame.frame).collect();
             let (first, last) = (on.first().copied().unwrap_or(0), on.last().copied().unwrap_or(0));
-            let which = if first == last {
-                format!("frame {first} responds")
-            } else {
-                format!("frames {first} to {last} respond")
-            };
+            let several = format!("frames {first} to {last} respond");
+            let which = if first == last { format!("frame {first} responds") } else { several };
             format!("{number}only {which}, as for a ghost: an object with another motion crosses here")
         }
         Shape::Unclear if covering.len() < 3 => "too few frames show the place to compare them".to_owned(),
@@ -135,8 +112,7 @@ impl Slice {
 
 /// Cuts the slice through `place` (input pixels) along `direction` (u, v), `half_px` pixels to each side.
 pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize) -> Slice {
-    let length = direction[0].hypot(direction[1]);
-    let direction = if length > 0.0 { direction.map(|x| x / length) } else { [1.0, 0.0] };
+    let direction = direction_of(Slope::new(direction[0], direction[1]));
     let (planes, kept, frame_count) = trail.frames();
     let t0 = 0.5 * (frame_count as f32 - 1.0);
     let at = |column: usize, row: usize| {
@@ -158,6 +134,14 @@ pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize
 pub fn direction_of(slope: Slope) -> [f32; 2] {
     let length = slope.magnitude();
     if length > 0.0 { [slope.u / length, slope.v / length] } else { [1.0, 0.0] }
+}
+
+/// The directions, of length 1, of the axes of `grid` that have several slopes.
+pub(super) fn directions(grid: &SlopeGrid) -> impl Iterator<Item = [f32; 2]> {
+    let origin = grid.at(0.0, 0.0);
+    let axes = [(grid.u.count, grid.at(1.0, 0.0)), (grid.v.count, grid.at(0.0, 1.0))];
+    let towards = move |to: Slope| direction_of(Slope::new(to.u - origin.u, to.v - origin.v));
+    axes.into_iter().filter(|(count, _)| *count > 1).map(move |(_, to)| towards(to))
 }
 
 /// The direction perpendicular to `direction`, a quarter turn from +u towards +v.

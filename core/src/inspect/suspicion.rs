@@ -1,11 +1,9 @@
-//! Kept features that look wrong: a second one on a blob, a ghost of another motion, one whose slope lies beyond the
-//! range, an alias of periodic texture. Each suspicion comes with its evidence in numbers; people decide whether it is
-//! right.
+//! Kept features that look wrong, with the evidence in numbers; people decide whether a suspicion is right.
 
 use super::fate::apart_sigmas;
 use super::remedy::{nearest_slope, widened_towards};
 use super::response::{beyond_the_rim, covering, snr_at};
-use super::shares::direction_of;
+use super::shares::directions;
 use super::texture::{Period, dirichlet, period_along};
 use super::words::{number, rounded_up, slope_text};
 use crate::detector::coherence::{Evenness, Shape};
@@ -56,7 +54,6 @@ impl Suspicion {
 
 /// Distance, in σ of the stronger one, within which two features are suspected to share a blob.
 const NEAR_SIGMAS: f32 = 2.0;
-/// Ratio of scales within which two features are suspected to share a blob.
 const NEAR_SCALES: f32 = 2.0;
 /// Distance, in σ, within which the paths of a ghost and of its source cross.
 const CROSSES_SIGMAS: f32 = 2.0;
@@ -73,17 +70,14 @@ const SHORTEST_PERIOD_PX: f32 = 2.0;
 const TEXTURE_LEAST_PX: usize = 24;
 const TEXTURE_MOST_PX: usize = 64;
 
-/// Suspicions about a kept candidate whose frames respond with `evenness`, each with the change that would correct it.
-/// Empty for one that became no feature.
+/// Suspicions about a kept candidate whose frames respond with `evenness`, each with a change that would correct it.
 pub fn suspicions(
     trail: &Trail,
     fate: &Fate,
     evenness: &Evenness,
     monitor: &Monitor,
 ) -> Result<Vec<Suspicion>, Cancelled> {
-    let Some(&index) = fate.features.first() else {
-        return Ok(Vec::new());
-    };
+    let Some(&index) = fate.features.first() else { return Ok(Vec::new()) };
     let mut found = suspicions_of_feature(trail, index, evenness, monitor)?;
     for suspicion in found.iter_mut().filter(|suspicion| suspicion.kind == Kind::Duplicate) {
         suspicion.change = suspicion.other.and_then(|other| wider_distinct(trail, index, other));
@@ -104,13 +98,11 @@ pub fn suspicions_of_feature(
     Ok(found.into_iter().flatten().chain(alias(trail, &feature, monitor)?).collect())
 }
 
-/// The single change after which feature `index` is a duplicate of feature `other`.
 fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChange> {
     let params = trail.params();
     let (own, stronger) = (trail.keypoint_of_feature(index), trail.keypoint_of_feature(other));
     let Distinct::Radius(radius) = params.distinct else {
-        let default = DetectorParams::default().distinct;
-        return Some(ParamChange::new(doc::DISTINCT, default));
+        return Some(ParamChange::new(doc::DISTINCT, DetectorParams::default().distinct));
     };
     let (a, b) = (trail.keypoints()[stronger], trail.keypoints()[own]);
     let (apart, scales) = (apart_sigmas(&a, &b), (a.in_image().2, b.in_image().2));
@@ -118,11 +110,10 @@ fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChan
     let ratio = rounded_up(1.001 * f64::from((scales.0 / scales.1).max(scales.1 / scales.0)), 3);
     let by_radius = wider > f64::from(radius) && !trail.would_stay(own, wider as f32, params.distinct_scale);
     let by_ratio = || ratio > f64::from(params.distinct_scale) && !trail.would_stay(own, radius, ratio as f32);
-    match () {
-        () if by_radius => Some(ParamChange::new(doc::DISTINCT, wider)),
-        () if by_ratio() => Some(ParamChange::new(doc::DISTINCT_SCALE, ratio)),
-        () => None,
+    if by_radius {
+        return Some(ParamChange::new(doc::DISTINCT, wider));
     }
+    by_ratio().then(|| ParamChange::new(doc::DISTINCT_SCALE, ratio))
 }
 
 /// Distance, in input pixels, of the paths of two features in each frame that took part.
@@ -137,15 +128,13 @@ fn path_distances<'t>(trail: &'t Trail, a: &Feature, b: &Feature) -> impl Iterat
     })
 }
 
-/// A stronger feature that lies on this one in most frames shows the same blob.
 fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion> {
-    let own = trail.keypoint_of_feature(index);
-    let features = &trail.detection().features;
+    let (own, features) = (trail.keypoint_of_feature(index), &trail.detection().features);
     let on_it = |other: &Feature| {
         let distances = path_distances(trail, other, feature);
         2 * distances.filter(|px| *px < NEAR_SIGMAS * other.sigma).count() > trail.frames().1.len()
     };
-    let nearest = features[..index]
+    let (other, apart, _) = features[..index]
         .iter()
         .enumerate()
         .map(|(other, f)| (other, (f.u - feature.u).hypot(f.v - feature.v) / f.sigma, f.sigma / feature.sigma))
@@ -155,10 +144,8 @@ fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion
             f.response.signum() == feature.response.signum() && trail.keypoint_of_feature(*other) != own && on_it(f)
         })
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let (other, apart, _) = nearest;
     let stronger = &features[other];
-    let evidence = same_blob(other, stronger, feature, apart);
-    let suspicion = Suspicion::new(Kind::Duplicate, apart, evidence);
+    let suspicion = Suspicion::new(Kind::Duplicate, apart, same_blob(other, stronger, feature, apart));
     Some(Suspicion { other: Some(other), other_slope: Some(stronger.slope), ..suspicion })
 }
 
@@ -225,11 +212,8 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
     (rise > RISES).then(|| Suspicion { change: Some(change), ..Suspicion::new(Kind::AtLimit, rise, evidence) })
 }
 
-/// An alias: another slope of the range, whole periods of the texture away, responds nearly as strongly, or more.
 fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<Suspicion>, Cancelled> {
-    let Some((period, direction)) = period_at(trail, feature, monitor)? else {
-        return Ok(None);
-    };
+    let Some((period, direction)) = period_at(trail, feature, monitor)? else { return Ok(None) };
     let grid = trail.params().used_slopes();
     let scale = (feature.octave, feature.level..feature.level + 1);
     let snr = |slope: Slope| snr_at(trail, scale.clone(), [feature.u, feature.v], slope)[0];
@@ -270,15 +254,10 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
 /// The clearest period around a feature, in the stack at its own slope, and the direction of the grid that has it.
 fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<(Period, [f32; 2])>, Cancelled> {
     let grid = trail.params().used_slopes();
-    let axis = |count: usize, towards: Slope, from: Slope| {
-        (count > 1).then(|| direction_of(Slope::new(towards.u - from.u, towards.v - from.v)))
-    };
-    let origin = grid.at(0.0, 0.0);
-    let directions = [axis(grid.u.count, grid.at(1.0, 0.0), origin), axis(grid.v.count, grid.at(0.0, 1.0), origin)];
     // No other slope is a period away where the searched range is shorter than any period.
     let along = |[du, dv]: [f32; 2], slope: Slope| (slope.u - feature.slope.u) * du + (slope.v - feature.slope.v) * dv;
     let reaches = |direction: &[f32; 2]| grid.slopes().any(|slope| along(*direction, slope).abs() > SHORTEST_PERIOD_PX);
-    let directions: Vec<[f32; 2]> = directions.into_iter().flatten().filter(reaches).collect();
+    let directions: Vec<[f32; 2]> = directions(&grid).filter(reaches).collect();
     if directions.is_empty() {
         return Ok(None);
     }
@@ -288,8 +267,7 @@ fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Opti
     Ok(found.max_by(|a, b| a.0.correlation.total_cmp(&b.0.correlation)))
 }
 
-/// The motion stack at `slope` in a square around a place, less its value in the middle, and the place's position in
-/// it. The square is smaller at the border of the image.
+/// The motion stack at `slope` around a place, less its value in the middle, and the place's position in it.
 pub(super) fn stack_around(
     trail: &Trail,
     [u, v]: [f32; 2],
@@ -313,37 +291,19 @@ pub(super) fn stack_around(
 mod tests {
     use super::*;
 
-    fn feature(sigma: f32, response: f32, snr: f32) -> Feature {
-        Feature {
-            u: 10.0,
-            v: 20.0,
-            sigma,
-            orientation: 0.0,
-            slope: Slope::new(-1.5, 0.0),
-            response,
-            snr,
-            octave: 0,
-            level: 1,
-            slope_index: 0,
-            at_slope_limit: false,
+    #[test]
+    fn the_stronger_one_has_the_larger_of_the_numbers_and_its_scale_is_compared_with_this_ones() {
+        for (stronger, other, says) in [
+            ((2.0, -0.02, 9.0), (3.6, -0.01, 8.0), "has 0.56 times the scale"),
+            ((3.6, -0.01, 8.0), (2.0, -0.02, 9.0), "has 1.8 times the scale"),
+            ((2.0, -0.02, 9.0), (2.0, -0.03, 8.0), "feature 3, which is stronger (SNR 9 against 8), lies 1.4 σ away"),
+            // Features rank by |D|·√SNR: with less SNR, its |D| is the larger.
+            ((2.0, -0.04, 7.0), (2.0, 0.03, 8.0), "stronger (|D| 4.00e-2 against 3.00e-2)"),
+        ] {
+            let [stronger, other] =
+                [stronger, other].map(|(sigma, response, snr)| Feature { sigma, response, snr, ..Feature::default() });
+            let text = same_blob(3, &stronger, &other, 1.4);
+            assert!(text.contains(says), "{text}");
         }
-    }
-
-    #[test]
-    fn a_ratio_of_scales_is_that_of_the_other_one_to_this_one() {
-        let (fine, coarse) = (feature(2.0, -0.02, 9.0), feature(3.6, -0.01, 8.0));
-        let says = |a: &Feature, b: &Feature| same_blob(0, a, b, 1.4);
-        assert!(says(&fine, &coarse).contains("has 0.56 times the scale"), "{}", says(&fine, &coarse));
-        assert!(says(&coarse, &fine).contains("has 1.8 times the scale"), "{}", says(&coarse, &fine));
-    }
-
-    #[test]
-    fn the_stronger_one_has_the_larger_of_the_numbers_given() {
-        let says = |a, b| same_blob(3, &a, &b, 1.4);
-        let by_snr = says(feature(2.0, -0.02, 9.0), feature(2.0, -0.03, 8.0));
-        assert!(by_snr.starts_with("feature 3, which is stronger (SNR 9 against 8), lies 1.4 σ away"), "{by_snr}");
-        // Features rank by |D|·√SNR: with less SNR, its |D| is the larger.
-        let by_response = says(feature(2.0, -0.04, 7.0), feature(2.0, 0.03, 8.0));
-        assert!(by_response.contains("stronger (|D| 4.00e-2 against 3.00e-2)"), "{by_response}");
     }
 }

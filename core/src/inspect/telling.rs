@@ -1,6 +1,5 @@
-//! The fate of a sample: the value and the limit of each test, and the rival.
-//!
-//! The verdict is the search's own ([`crate::detector::Judgement`]); this only says what it compared.
+//! The fate of a sample: the value and the limit of each test, and the rival. The verdict is the search's own
+//! ([`crate::detector::Judgement`]); this only says what it compared.
 
 use super::fate::{Fate, Outcome, Rival, TestReport, apart_sigmas};
 use crate::detector::feature::Keypoint;
@@ -21,16 +20,9 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
     let first_failed = judgement.rejected_by.or_else(|| [Test::Duplicate, Test::MaxFeatures].into_iter().find(fails));
     let pixel = octave_pixel(sample.octave);
     let grid = trail.params().used_slopes();
-    let (pos_image, sigma) = match &judgement.would_be {
-        Some(k) => {
-            let (u, v, sigma) = k.in_image();
-            ([u, v], sigma)
-        }
-        None => (
-            [sample.x as f32 * pixel, sample.y as f32 * pixel],
-            trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32,
-        ),
-    };
+    let own_sigma = trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
+    let own = (sample.x as f32 * pixel, sample.y as f32 * pixel, own_sigma);
+    let (u, v, sigma) = judgement.would_be.as_ref().map_or(own, Keypoint::in_image);
     let (i, j) = grid.coordinates(sample.slope_index);
     let found = &trail.detection().features;
     let features: Vec<usize> =
@@ -41,7 +33,7 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
         level: sample.level,
         slope_index: sample.slope_index,
         sample: [sample.x, sample.y],
-        pos_image: refined.map_or(pos_image, |f| [f.u, f.v]),
+        pos_image: refined.map_or([u, v], |f| [f.u, f.v]),
         sigma: refined.map_or(sigma, |f| f.sigma),
         slope: refined.map_or_else(|| grid.slope(sample.slope_index), |f| f.slope),
         value: judgement.value,
@@ -58,35 +50,23 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
     super::remedy::explained(trail, judgement, fate)
 }
 
-/// The margin of a judged sample in one test (see [`TestReport::margin`]); `around` holds the sample.
-pub fn margin_of(
-    trail: &Trail,
-    around: &Neighbourhood,
-    sample: &Sample,
-    judgement: &Judgement,
-    test: Test,
-) -> Option<f64> {
-    Telling::new(trail, around, sample, judgement).report(test).margin()
-}
-
 pub(super) fn over(value: f32, noise: f32) -> f32 {
     if noise > 0.0 { value / noise } else { f32::INFINITY }
 }
 
-/// The detection's keypoint that a judged sample became.
 pub(super) fn keypoint_of(trail: &Trail, judgement: &Judgement) -> Option<usize> {
     judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample))
 }
 
 fn outcome(is_asked: bool, passes: bool) -> Outcome {
-    match (is_asked, passes) {
-        (false, _) => Outcome::NotAsked,
-        (true, true) => Outcome::Passes,
-        (true, false) => Outcome::Fails,
+    match passes {
+        _ if !is_asked => Outcome::NotAsked,
+        true => Outcome::Passes,
+        false => Outcome::Fails,
     }
 }
 
-struct Telling<'a> {
+pub(super) struct Telling<'a> {
     trail: &'a Trail,
     around: &'a Neighbourhood,
     sample: &'a Sample,
@@ -95,11 +75,11 @@ struct Telling<'a> {
 }
 
 impl<'a> Telling<'a> {
-    fn new(trail: &'a Trail, around: &'a Neighbourhood, sample: &'a Sample, judgement: &'a Judgement) -> Self {
+    pub fn new(trail: &'a Trail, around: &'a Neighbourhood, sample: &'a Sample, judgement: &'a Judgement) -> Self {
         Self { trail, around, sample, judgement, keypoint: keypoint_of(trail, judgement) }
     }
 
-    fn report(&self, test: Test) -> TestReport {
+    pub fn report(&self, test: Test) -> TestReport {
         match test {
             Test::PeakThreshold => {
                 let (value, limit) = (self.judgement.value.abs(), FIRST_PEAK_PART * self.trail.params().peak_threshold);
@@ -177,16 +157,11 @@ impl<'a> Telling<'a> {
         let grid = params.used_slopes();
         let others = compared_slopes(&grid, self.sample.slope_index, neighbours);
         let strongest = others.map(|other| self.strongest(other, &[index - 1, index, index + 1]));
-        match strongest.max_by(|a, b| a.value.total_cmp(&b.value)) {
-            None => {
-                let value = f64::from(self.judgement.value.abs());
-                TestReport::new(Test::SlopeExtremum, Outcome::NotAsked, Some(value), None)
-            }
-            Some(rival) => {
-                let passes = !self.judgement.is_beaten;
-                self.compared(Test::SlopeExtremum, joint, passes, rival.value.into(), rival)
-            }
-        }
+        let Some(rival) = strongest.max_by(|a, b| a.value.total_cmp(&b.value)) else {
+            let value = f64::from(self.judgement.value.abs());
+            return TestReport::new(Test::SlopeExtremum, Outcome::NotAsked, Some(value), None);
+        };
+        self.compared(Test::SlopeExtremum, joint, !self.judgement.is_beaten, rival.value.into(), rival)
     }
 
     fn fitted(&self, test: Test) -> TestReport {
@@ -238,18 +213,15 @@ impl<'a> Telling<'a> {
         };
         let stronger = by.map(|by| self.trail.keypoints()[by]);
         let distance = stronger.zip(would_be).map(|(stronger, own)| f64::from(apart_sigmas(&stronger, &own)));
-        let rival = by.zip(stronger).map(|(by, stronger)| self.rival_keypoint(by, &stronger));
+        let count = self.trail.detection().features.len();
+        let rival = by.zip(stronger).map(|(by, stronger)| {
+            let (u, v, sigma) = stronger.in_image();
+            let feature = self.trail.ranks_of(by).find(|rank| *rank < count);
+            Rival { pos_image: [u, v], sigma, slope: stronger.slope, value: stronger.value, feature }
+        });
         TestReport { rival, ..TestReport::new(Test::Duplicate, outcome, distance, radius) }
     }
 
-    fn rival_keypoint(&self, index: usize, keypoint: &Keypoint) -> Rival {
-        let (u, v, sigma) = keypoint.in_image();
-        let count = self.trail.detection().features.len();
-        let feature = self.trail.ranks_of(index).find(|rank| *rank < count);
-        Rival { pos_image: [u, v], sigma, slope: keypoint.slope, value: keypoint.value, feature }
-    }
-
-    /// Whether it is a keypoint that is cut before it is compared with others.
     fn is_cut(&self) -> bool {
         self.keypoint.is_some_and(|keypoint| self.trail.is_cut(keypoint))
     }
@@ -269,7 +241,6 @@ impl<'a> Telling<'a> {
     }
 }
 
-/// The strongest of some samples around a candidate.
 struct Strongest {
     slope_index: usize,
     /// Column, row, and index of the level.

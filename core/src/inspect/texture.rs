@@ -16,9 +16,7 @@ pub struct Period {
     pub correlation: f32,
 }
 
-/// Smallest period that is searched, pixels.
 const FINEST_PX: usize = 3;
-/// Minimum correlation of a periodic texture.
 const MIN_CORRELATION: f32 = 0.35;
 /// Part of its height below which the correlation must fall between two repetitions.
 const TROUGH: f32 = 0.3;
@@ -78,8 +76,7 @@ fn profile(plane: &Plane, centre: [f32; 2], [du, dv]: [f32; 2], beside: f32, hal
 }
 
 /// The mean of `frames` frames of a wave of period `period_px` px, when each is `slope_error` px/frame off: the
-/// Dirichlet kernel |sin(N·ω·δ/2) / (N·sin(ω·δ/2))|, ω = 2π/p. It is 1 at an error of 0 and at every whole multiple of
-/// p.
+/// Dirichlet kernel |sin(N·ω·δ/2) / (N·sin(ω·δ/2))|, ω = 2π/p.
 pub fn dirichlet(frames: usize, period_px: f64, slope_error: f64) -> f64 {
     let n = frames as f64;
     let half = std::f64::consts::PI * slope_error / period_px;
@@ -103,12 +100,10 @@ mod tests {
             assert!((found.px / period - 1.0).abs() < 0.02 && found.correlation > 0.8, "{period}: {found:?}");
             assert_eq!(period_along(&plane, [80.0, 60.0], [0.0, 1.0], 40), None);
         }
-        let mut seen = 0;
         for _ in 0..20 {
             let plane = Plane::from_fn(160, 120, |_, _| noise.normal() as f32);
-            seen += usize::from(period_along(&plane, [80.0, 60.0], [1.0, 0.0], 40).is_some());
+            assert_eq!(period_along(&plane, [80.0, 60.0], [1.0, 0.0], 40), None);
         }
-        assert_eq!(seen, 0);
         let blob =
             Plane::from_fn(160, 120, |u, v| (-((u as f32 - 80.0).powi(2) + (v as f32 - 60.0).powi(2)) / 50.0).exp());
         assert_eq!(period_along(&blob, [80.0, 60.0], [1.0, 0.0], 40), None);

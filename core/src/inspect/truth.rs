@@ -1,7 +1,5 @@
-//! Found, missed, repeated, and false or elsewhere: the features of a burst compared with its truth, with the reason of
-//! each miss.
-//!
-//! A disc is found by the rule of [`crate::inspect::score`].
+//! The features of a burst compared with its truth by the rule of [`crate::inspect::score`], with the reason of each
+//! miss.
 
 use super::probe::fates_near;
 use super::{Fate, ProbeCache};
@@ -60,10 +58,9 @@ pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
 /// The truth of a burst, if it has one: the `truth.json` in its folder or case, or that of a built-in burst.
 pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
     let [source] = &burst.sources[..] else {
-        let built_in = burst.sources.is_empty();
-        let is_demo = built_in && burst.name == DEMO;
-        let example = Example::named(&burst.name).filter(|_| built_in);
-        return Ok(is_demo.then(demo_truth).or_else(|| example.map(Example::truth)));
+        let name = Some(&burst.name).filter(|_| burst.sources.is_empty());
+        let demo = name.filter(|name| *name == DEMO).map(|_| demo_truth());
+        return Ok(demo.or_else(|| name.and_then(|name| Example::named(name)).map(Example::truth)));
     };
     let (path, truth) = if is_case(source) {
         let unread = |error: case::CaseError| TruthError::Json { path: source.clone(), reason: error.to_string() };
@@ -102,7 +99,7 @@ pub struct Miss {
 }
 
 /// Comparison of features with the truth.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct AgainstTruth {
     /// (feature, disc) for each disc found.
     pub found: Vec<(usize, usize)>,
@@ -140,13 +137,7 @@ impl AgainstTruth {
 pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Result<AgainstTruth, Cancelled> {
     let features = &cache.detection().features;
     let judged = judge(features, truth, Ranking::Strength);
-    let mut out = AgainstTruth {
-        found: Vec::new(),
-        missed: Vec::new(),
-        repeated: Vec::new(),
-        elsewhere: Vec::new(),
-        is_whole_truth: truth.kind == TruthKind::Chart,
-    };
+    let mut out = AgainstTruth { is_whole_truth: truth.kind == TruthKind::Chart, ..AgainstTruth::default() };
     for one in &judged {
         match one.disc {
             Some(disc) => out.found.push((one.feature, disc)),

@@ -1,12 +1,11 @@
 //! Reason why a feature is not matched, or is matched as it is.
 //!
-//! To be matched, a feature of A must pass three steps: its nearest descriptor in B must be clearly nearer than the
-//! second (ratio test), B's feature must choose it too (mutual check), and the pair must fit the geometry. This module
-//! reports the step at which it was lost, and, where a geometry is known, whether B has a keypoint at the expected
-//! place, and why guided matching left it.
+//! A feature of A passes three steps: ratio test, mutual check, and geometry. This module reports the step at which it
+//! was lost, and, where a geometry is known, whether B has a keypoint at the expected place, and why guided matching
+//! left it.
 
-use crate::detector::{Descriptor, Detection, Feature, Slope};
-use crate::matching::putative::{Nearest, nearest_two};
+use crate::detector::{Detection, Feature, Slope};
+use crate::matching::putative::{Nearest, distance_squared, nearest_two};
 use crate::matching::{GUIDED_RATIO, MatchParams, MatchResult, MatchSide, TwoViewModel, nearest_along};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
@@ -59,8 +58,7 @@ pub struct Unmatched {
     pub candidates: Vec<Rivalry>,
     /// The feature of A that B's nearest would choose instead, where the mutual check failed.
     pub preferred: Option<usize>,
-    /// Expected place in B by the geometry: one place, or a line through these; empty where none is known, and where it
-    /// lies outside the picture.
+    /// Expected place in B by the geometry: one place, or a line through these; empty where none is known or visible.
     pub expected: Vec<[f64; 2]>,
     /// Features of B there, nearest descriptor first, with their rank among all of B.
     pub there: Vec<(usize, usize)>,
@@ -101,7 +99,6 @@ impl ComparedPair<'_> {
         place(&self.b.features[index])
     }
 
-    /// The features of B at the place that the geometry expects for feature `index` of A, and of its size.
     fn there(&self, model: &TwoViewModel, index: usize) -> Vec<usize> {
         let own = &self.a.features[index];
         let limit = f64::from(self.params.max_error_px);
@@ -112,14 +109,6 @@ impl ComparedPair<'_> {
                     && model.error_px(self.place_a(index), self.place_b(other)) <= limit
             })
             .collect()
-    }
-
-    fn matched(&self) -> Vec<Option<usize>> {
-        let mut matched = vec![None; self.a.features.len()];
-        for (number, m) in self.result.matches.iter().enumerate() {
-            matched[m.a] = Some(number);
-        }
-        matched
     }
 }
 
@@ -139,7 +128,6 @@ pub struct NearestOfBoth {
 pub struct Losses<'a> {
     pair: ComparedPair<'a>,
     nearest: Arc<NearestOfBoth>,
-    matched: Vec<Option<usize>>,
 }
 
 impl<'a> Losses<'a> {
@@ -152,7 +140,7 @@ impl<'a> Losses<'a> {
 
     /// The losses of `pair` with the nearest features from an earlier computation.
     pub fn again(pair: ComparedPair<'a>, nearest: Arc<NearestOfBoth>) -> Self {
-        Self { pair, nearest, matched: pair.matched() }
+        Self { pair, nearest }
     }
 
     /// The nearest features, for [`Self::again`].
@@ -161,19 +149,13 @@ impl<'a> Losses<'a> {
     }
 
     /// The step at which feature `index` of A was lost.
-    ///
-    /// # Panics
-    /// When A has no such feature: a mistake of the caller.
     pub fn lost(&self, index: usize) -> Lost {
-        let Self { pair, nearest, matched } = self;
-        let NearestOfBoth { of_a, of_b } = &**nearest;
-        if let Some(number) = matched[index] {
+        let (pair, NearestOfBoth { of_a, of_b }) = (&self.pair, &*self.nearest);
+        if let Ok(number) = pair.result.matches.binary_search_by_key(&index, |m| m.a) {
             let inlier = pair.result.verification.as_ref().is_none_or(|v| v.inlier[number]);
             return if inlier { Lost::Not } else { Lost::Geometry };
         }
-        let Some(nearest) = of_a.get(index) else {
-            return Lost::NoKeypoint;
-        };
+        let Some(nearest) = of_a.get(index) else { return Lost::NoKeypoint };
         if pair.model().is_some_and(|model| pair.there(model, index).is_empty()) {
             return Lost::NoKeypoint;
         }
@@ -198,56 +180,44 @@ impl<'a> Losses<'a> {
         Ok(counts)
     }
 
-    /// Explains the match of feature `index` of A or its absence; lists the `count` nearest of B.
-    ///
-    /// # Panics
-    /// When A has no such feature: a mistake of the caller.
+    /// Explains the match of feature `index` of A or its absence; lists the `count` nearest of B. Panics
+    /// when A has no such feature: a mistake of the caller.
     pub fn of(&self, index: usize, count: usize) -> Unmatched {
-        unmatched(self, index, count)
+        let NearestOfBoth { of_a, of_b } = &*self.nearest;
+        let (pair, lost) = (self.pair, self.lost(index));
+        let distance = |d| f64::from(distance_squared(&pair.a.descriptors[index], d)).sqrt() as f32;
+        let mut order: Vec<(usize, f32)> = pair.b.descriptors.iter().map(distance).enumerate().collect();
+        // Of equally near ones the first counts as the nearest, as in matching.
+        order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        let model = pair.model();
+        let first = order.first().map(|(other, _)| pair.b.features[*other]);
+        let candidate = |(rank, &(feature, distance)): (usize, &(usize, f32))| {
+            let f = &pair.b.features[feature];
+            let next = order.get(rank + 1).map(|(_, next)| *next);
+            let apart = |first: &Feature| (f.u - first.u).hypot(f.v - first.v) / first.sigma.max(f.sigma);
+            Rivalry {
+                feature,
+                distance,
+                ratio: next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 }),
+                error_px: model.map(|model| model.error_px(pair.place_a(index), pair.place_b(feature)) as f32),
+                slope: f.slope,
+                is_same_blob: first.is_some_and(|first| apart(&first) < SAME_BLOB_SIGMAS),
+            }
+        };
+        let candidates: Vec<Rivalry> = order.iter().take(count).enumerate().map(candidate).collect();
+        let there = model.map(|model| pair.there(model, index)).unwrap_or_default();
+        let ranked = order.iter().enumerate().filter(|(_, (other, _))| there.contains(other));
+        let there: Vec<(usize, usize)> = ranked.map(|(rank, (other, _))| (*other, rank)).collect();
+        let preferred = of_a.get(index).filter(|_| lost == Lost::MutualCheck).map(|nearest| of_b[nearest.index].index);
+        let expected = model.map(|model| model.locus_in_b(pair.place_a(index), pair.size_b)).unwrap_or_default();
+        let leaves = model.is_some() && expected.is_empty();
+        let sentence = if lost == Lost::NoKeypoint && leaves {
+            "the geometry puts it outside the other picture".to_owned()
+        } else {
+            sentence(&pair, index, lost, &candidates, preferred, &there) + &along_geometry(&pair, index, lost)
+        };
+        Unmatched { lost, candidates, preferred, expected, there, sentence }
     }
-}
-
-fn unmatched(losses: &Losses<'_>, index: usize, count: usize) -> Unmatched {
-    let NearestOfBoth { of_a, of_b } = &*losses.nearest;
-    let (pair, lost) = (losses.pair, losses.lost(index));
-    let own = &pair.a.descriptors[index];
-    let mut order: Vec<(usize, f32)> =
-        pair.b.descriptors.iter().enumerate().map(|(other, d)| (other, distance(own, d))).collect();
-    // Of equally near ones the first counts as the nearest, as in matching.
-    order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-    let model = pair.model();
-    let first = order.first().map(|(other, _)| pair.b.features[*other]);
-    let candidate = |(rank, &(feature, distance)): (usize, &(usize, f32))| {
-        let f = &pair.b.features[feature];
-        let next = order.get(rank + 1).map(|(_, next)| *next);
-        let apart = |first: &Feature| (f.u - first.u).hypot(f.v - first.v) / first.sigma.max(f.sigma);
-        Rivalry {
-            feature,
-            distance,
-            ratio: next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 }),
-            error_px: model.map(|model| model.error_px(pair.place_a(index), pair.place_b(feature)) as f32),
-            slope: f.slope,
-            is_same_blob: first.is_some_and(|first| apart(&first) < SAME_BLOB_SIGMAS),
-        }
-    };
-    let candidates: Vec<Rivalry> = order.iter().take(count).enumerate().map(candidate).collect();
-    let there = model.map(|model| pair.there(model, index)).unwrap_or_default();
-    let ranked = order.iter().enumerate().filter(|(_, (other, _))| there.contains(other));
-    let there: Vec<(usize, usize)> = ranked.map(|(rank, (other, _))| (*other, rank)).collect();
-    let preferred = of_a.get(index).filter(|_| lost == Lost::MutualCheck).map(|nearest| of_b[nearest.index].index);
-    let expected = model.map(|model| model.locus_in_b(pair.place_a(index), pair.size_b)).unwrap_or_default();
-    let leaves = model.is_some() && expected.is_empty();
-    let sentence = if lost == Lost::NoKeypoint && leaves {
-        "the geometry puts it outside the other picture".to_owned()
-    } else {
-        sentence(&pair, index, lost, &candidates, preferred, &there) + &along_geometry(&pair, index, lost)
-    };
-    Unmatched { lost, candidates, preferred, expected, there, sentence }
-}
-
-fn distance(a: &Descriptor, b: &Descriptor) -> f32 {
-    let squared: u32 = a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b)).pow(2)).sum();
-    f64::from(squared).sqrt() as f32
 }
 
 /// Name of a feature by its rank in strength, from 1, as in tables.
@@ -255,12 +225,9 @@ fn rank_name(index: usize) -> String {
     format!("feature #{}", index + 1)
 }
 
-/// Why guided matching did not find it either; empty without guided matching.
 fn along_geometry(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     let is_lost_before = matches!(lost, Lost::RatioTest | Lost::MutualCheck);
-    let Some(model) = pair.model().filter(|_| pair.params.guided && is_lost_before) else {
-        return String::new();
-    };
+    let Some(model) = pair.model().filter(|_| pair.params.guided && is_lost_before) else { return String::new() };
     let places: Vec<[f64; 2]> = (0..pair.b.features.len()).map(|other| pair.place_b(other)).collect();
     let to = MatchSide { places: &places, descriptors: &pair.b.descriptors };
     match nearest_along((pair.place_a(index), pair.a.descriptors[index]), to, model, pair.params) {

@@ -1,5 +1,4 @@
-//! Likely nature of each feature: real, a ghost, an alias, a duplicate, or none that can be told. The evidence is that
-//! of the probe: the evenness of the frames' responses, and the [suspicions](super::suspicion).
+//! Likely nature of each feature, from the evenness of the frames' responses and the [suspicions](super::suspicion).
 
 use super::suspicion::{Kind, Suspicion, suspicions_of_feature};
 use crate::detector::Trail;
@@ -51,8 +50,7 @@ impl Verdict {
         }
     }
 
-    /// The verdict that follows from the evenness of the frames' responses and the suspected faults. A ghost comes
-    /// first: a ghost beside its source is no duplicate of it.
+    /// A ghost comes first: a ghost beside its source is no duplicate of it.
     pub fn of(evenness: &Evenness, suspected: &[Kind]) -> Self {
         let is_suspected = |kind: Kind| suspected.contains(&kind);
         match evenness.shape {

@@ -75,19 +75,13 @@ pub fn counted(count: usize, what: &str) -> String {
 /// A sentence in which features are counted from 1, as in the window; commands count them from 0.
 pub fn counted_from_one(text: &str) -> String {
     const WORD: &str = "feature ";
-    let mut out = String::with_capacity(text.len() + 4);
-    let mut rest = text;
-    while let Some(at) = rest.find(WORD) {
-        let (before, after) = rest.split_at(at + WORD.len());
-        out.push_str(before);
-        let digits = after.find(|c: char| !c.is_ascii_digit()).unwrap_or(after.len());
-        match after[..digits].parse::<usize>() {
-            Ok(index) => out.push_str(&(index + 1).to_string()),
-            Err(_) => out.push_str(&after[..digits]),
-        }
-        rest = &after[digits..];
-    }
-    out + rest
+    let mut parts = text.split(WORD);
+    let start = parts.next().unwrap_or_default().to_owned();
+    parts.fold(start, |text, part| {
+        let (digits, rest) = part.split_at(part.find(|c: char| !c.is_ascii_digit()).unwrap_or(part.len()));
+        let number = digits.parse::<usize>().map_or_else(|_| digits.to_owned(), |index| (index + 1).to_string());
+        text + WORD + &number + rest
+    })
 }
 
 #[cfg(test)]

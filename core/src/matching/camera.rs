@@ -1,9 +1,8 @@
 //! A camera's intrinsics: mapping between directions in space and pixels.
 //!
-//! Models, names and the order of the parameters are COLMAP's, and so is the convention of the principal point: **the
-//! centre of the first pixel is (0.5, 0.5)** there, so that parameters can be taken from COLMAP's files as they are.
-//! [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels in Burstscope's convention, where it is (0,
-//! 0), and add the half pixel themselves.
+//! Models, names and the order of the parameters are COLMAP's, and so is the principal point: **the centre of the first
+//! pixel is (0.5, 0.5)** there. [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels in Burstscope's
+//! convention, where it is (0, 0), and add the half pixel themselves.
 
 use crate::detector::ParamError;
 use nalgebra::Matrix3;
@@ -49,7 +48,7 @@ impl CameraModel {
     }
 
     /// The parameters' names, in order.
-    pub fn param_names(self) -> &'static [&'static str] {
+    pub(crate) fn param_names(self) -> &'static [&'static str] {
         self.names().1
     }
 }
@@ -64,17 +63,8 @@ pub struct Camera {
     pub width: usize,
     /// Rows of its images.
     pub height: usize,
-    /// The model's parameters in COLMAP's order, see [`CameraModel::param_names`]; focal lengths and principal point in
-    /// pixels.
+    /// The model's parameters in COLMAP's order; focal lengths and principal point in pixels.
     pub params: Vec<f64>,
-}
-
-/// In COLMAP's convention, pixels.
-struct Pinhole {
-    fx: f64,
-    fy: f64,
-    cx: f64,
-    cy: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -146,9 +136,6 @@ impl Camera {
     }
 
     /// Checks size and parameters. `parameter` names the option that they came from, for the error.
-    ///
-    /// # Errors
-    /// The first value that makes no sense.
     pub fn validate(&self, parameter: &'static str) -> Result<(), ParamError> {
         let fail = |problem: String, remedy: String| Err(ParamError { parameter, problem, remedy });
         let names = self.model.param_names();
@@ -168,13 +155,12 @@ impl Camera {
         Ok(())
     }
 
-    fn pinhole(&self) -> Pinhole {
+    /// fx, fy, cx, cy in COLMAP's convention, pixels.
+    fn pinhole(&self) -> [f64; 4] {
         let p = &self.params;
         match self.model {
-            CameraModel::SimplePinhole | CameraModel::SimpleRadial => {
-                Pinhole { fx: p[0], fy: p[0], cx: p[1], cy: p[2] }
-            }
-            CameraModel::Pinhole | CameraModel::OpenCv => Pinhole { fx: p[0], fy: p[1], cx: p[2], cy: p[3] },
+            CameraModel::SimplePinhole | CameraModel::SimpleRadial => [p[0], p[0], p[1], p[2]],
+            CameraModel::Pinhole | CameraModel::OpenCv => [p[0], p[1], p[2], p[3]],
         }
     }
 
@@ -189,14 +175,13 @@ impl Camera {
 
     /// Focal lengths (fx, fy), pixels.
     pub fn focal_px(&self) -> [f64; 2] {
-        let Pinhole { fx, fy, .. } = self.pinhole();
+        let [fx, fy, ..] = self.pinhole();
         [fx, fy]
     }
 
-    /// The matrix K, which maps directions (x, y, 1) to pixels (u, v, 1) in Burstscope's convention, without
-    /// distortion.
+    /// The matrix K from directions (x, y, 1) to pixels (u, v, 1) in Burstscope's convention, without distortion.
     pub fn matrix(&self) -> Matrix3<f64> {
-        let Pinhole { fx, fy, cx, cy } = self.pinhole();
+        let [fx, fy, cx, cy] = self.pinhole();
         Matrix3::new(fx, 0.0, cx - FIRST_PIXEL, 0.0, fy, cy - FIRST_PIXEL, 0.0, 0.0, 1.0)
     }
 
@@ -205,21 +190,16 @@ impl Camera {
         self.distortion() == Distortion::default()
     }
 
-    /// The direction (x, y, 1) seen at the pixel (u, v), with the distortion removed.
-    ///
-    /// # Panics
-    /// For a camera that [`Self::validate`] refuses.
+    /// The direction (x, y, 1) seen at the pixel (u, v), with the distortion removed. Panics for a camera that
+    /// [`Self::validate`] refuses.
     pub fn direction_of(&self, [u, v]: [f64; 2]) -> [f64; 2] {
-        let Pinhole { fx, fy, cx, cy } = self.pinhole();
+        let [fx, fy, cx, cy] = self.pinhole();
         self.distortion().remove([(u + FIRST_PIXEL - cx) / fx, (v + FIRST_PIXEL - cy) / fy])
     }
 
-    /// The pixel (u, v) at which the direction (x, y, 1) is seen.
-    ///
-    /// # Panics
-    /// For a camera that [`Self::validate`] refuses.
+    /// The pixel (u, v) at which the direction (x, y, 1) is seen. Panics for a camera that [`Self::validate`] refuses.
     pub fn pixel_of(&self, direction: [f64; 2]) -> [f64; 2] {
-        let Pinhole { fx, fy, cx, cy } = self.pinhole();
+        let [fx, fy, cx, cy] = self.pinhole();
         let [x, y] = self.distortion().apply(direction);
         [fx * x + cx - FIRST_PIXEL, fy * y + cy - FIRST_PIXEL]
     }
@@ -236,8 +216,7 @@ impl fmt::Display for Camera {
 impl FromStr for Camera {
     type Err = String;
 
-    /// Reads a model, its width and height and its parameters, separated by spaces or commas, as in a line of COLMAP's
-    /// `cameras.txt` without the number in front.
+    /// Reads what `Display` writes, separated by spaces or commas: a line of COLMAP's `cameras.txt` without its number.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut words = text.split([' ', ',', '\t']).filter(|word| !word.is_empty());
         let names = || CameraModel::ALL.map(CameraModel::name).join(", ");
@@ -303,17 +282,13 @@ mod tests {
     }
 
     #[test]
-    fn files_hold_it_by_colmaps_names() {
+    fn files_hold_it_by_colmaps_names_and_hopeless_distortion_ends_without_nan() {
         let text = toml::to_string(&opencv()).expect("plain values");
         assert!(text.contains("model = \"OPENCV\""), "{text}");
         assert_eq!(toml::from_str::<Camera>(&text), Ok(opencv()));
         for model in CameraModel::ALL {
             assert_eq!(serde_json::to_value(model).ok(), Some(serde_json::Value::from(model.name())));
         }
-    }
-
-    #[test]
-    fn hopeless_distortion_ends_without_nan() {
         let camera: Camera = "SIMPLE_RADIAL 640 480 100 320 240 -3".parse().expect("a camera");
         for pixel in [[0.0, 0.0], [1e6, -1e6], [320.0, 0.0]] {
             assert!(camera.direction_of(pixel).iter().all(|x| x.is_finite()));

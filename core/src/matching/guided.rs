@@ -1,18 +1,15 @@
 //! Guided matching: a second search for matches, among the features that agree with a geometry found before.
 //!
-//! The ratio test compares the nearest descriptor with the second nearest of the whole other image, and so loses right
-//! matches where noise makes descriptors alike. Once the sure matches have given a geometry, a feature has to be
-//! compared only with those in a band around its epipolar line (or at its place under a homography), a hundredth of the
-//! image: a looser ratio is then as safe. COLMAP's guided matching does the same with the ratio unchanged.
-//!
-//! It is off by default: where the sure matches of a pair gave a wrong geometry, hundreds of guided ones agree with
-//! that, and a reconstruction from all pairs has wrong poses (docs/MEASUREMENTS.md).
+//! A feature is compared only with those in a band around its epipolar line (or at its place under a homography), a
+//! hundredth of the image: a looser ratio is then as safe. It is off by default: where the sure matches of a pair gave
+//! a wrong geometry, hundreds of guided ones agree with that, and a reconstruction has wrong poses
+//! (docs/MEASUREMENTS.md).
 //!
 //! Orientations of one keypoint count as one: they are no rivals of each other, and a pair of places is matched once.
 
 use super::geometry::GuidingBand;
 use super::params::MatchParams;
-use super::putative::Nearest;
+use super::putative::{Nearest, distance_squared};
 use super::{Match, MatchSide, TwoViewModel};
 use crate::detector::Descriptor;
 use crate::monitor::{Cancelled, Monitor};
@@ -22,8 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Maximum ratio within the band, where [`MatchParams::ratio`] is lower.
 pub const GUIDED_RATIO: f32 = 0.9;
 
-/// Max error of guided matches, as a part of that of the sure ones: half of it gives fewer wrong matches and better
-/// poses (docs/MEASUREMENTS.md).
+/// Max error of guided matches, as a part of that of the sure ones (docs/MEASUREMENTS.md).
 const GUIDED_ERROR: f32 = 0.5;
 
 /// The parameters of guided matching after sure matches with `params`.
@@ -34,9 +30,6 @@ pub(super) fn guided_params(params: &MatchParams) -> MatchParams {
 /// Finds the matches that agree with `model` to [`MatchParams::max_error_px`], in the order of A's features: nearest
 /// within the band, with a ratio of at most [`GUIDED_RATIO`] to the nearest one at another place in the band, and, with
 /// the mutual check, both ways.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn guided_matches(
     a: MatchSide<'_>,
     b: MatchSide<'_>,
@@ -90,8 +83,7 @@ pub(super) fn with_others(guided: Vec<Match>, putative: &[Match]) -> Vec<Match> 
     all
 }
 
-/// For each feature of `from` the nearest one of `to` within `band`, and the nearest one at another place; `None` where
-/// the band holds none.
+/// For each feature of `from` the nearest one of `to` within `band`, and the nearest one at another place.
 fn nearest_in_band(
     from: MatchSide<'_>,
     to: MatchSide<'_>,
@@ -124,10 +116,6 @@ fn nearest_in_band(
     from.descriptors.par_iter().enumerate().with_min_len(32).map(nearest).collect()
 }
 
-fn distance_squared(a: &Descriptor, b: &Descriptor) -> u32 {
-    a.iter().zip(b).map(|(&a, &b)| (i32::from(a) - i32::from(b)).pow(2) as u32).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -135,9 +123,11 @@ mod tests {
     use crate::matching::{MatchParams, match_features};
     use crate::synth::random::Stream;
 
+    type Features = (Vec<[f64; 2]>, Vec<Descriptor>);
+
     /// A scene of `count` points in both images, whose descriptors differ by noise, and `others` in each image alone;
     /// many descriptors are alike, so that few are clearly nearest in the whole image.
-    fn noisy_pair(count: usize, others: usize) -> [(Vec<[f64; 2]>, Vec<Descriptor>); 2] {
+    fn noisy_pair(count: usize, others: usize) -> [Features; 2] {
         let mut random = Stream::new(0, 3);
         let scene = scene_in_space(&mut random, count);
         let kinds: Vec<Descriptor> =
@@ -164,17 +154,18 @@ mod tests {
         [a, b]
     }
 
-    fn side(of: &(Vec<[f64; 2]>, Vec<Descriptor>)) -> MatchSide<'_> {
+    fn side(of: &Features) -> MatchSide<'_> {
         MatchSide { places: &of.0, descriptors: &of.1 }
+    }
+
+    fn matched([a, b]: &[Features; 2], params: &MatchParams) -> crate::matching::MatchResult {
+        match_features(side(a), side(b), params, &Monitor::default()).expect("valid parameters")
     }
 
     #[test]
     fn guided_matching_finds_what_the_ratio_test_lost() {
-        let [a, b] = noisy_pair(600, 600);
-        let found = |guided: bool| {
-            let params = MatchParams { guided, max_error_px: 2.0, ..MatchParams::default() };
-            match_features(side(&a), side(&b), &params, &Monitor::default()).expect("valid parameters")
-        };
+        let pair = noisy_pair(600, 600);
+        let found = |guided| matched(&pair, &MatchParams { guided, max_error_px: 2.0, ..MatchParams::default() });
         // The first 600 features of both images belong together.
         let right = |guided: bool| {
             let result = found(guided);
@@ -194,17 +185,18 @@ mod tests {
 
     #[test]
     fn orientations_of_one_place_count_once() {
-        let [a, b] = noisy_pair(300, 0);
-        let twice = |(places, descriptors): &(Vec<[f64; 2]>, Vec<Descriptor>)| {
+        let pair = noisy_pair(300, 0);
+        let twice = |(places, descriptors): &Features| {
             let turned = descriptors.iter().map(|d| d.map(|x| x.saturating_add(1)));
             ([&places[..], places].concat(), descriptors.iter().copied().chain(turned).collect::<Vec<Descriptor>>())
         };
         let params = MatchParams { max_error_px: 2.0, ratio: 1.0, ..MatchParams::default() };
-        let alone = match_features(side(&a), side(&b), &params, &Monitor::default()).expect("valid");
-        let model = alone.verification.and_then(|v| v.model).expect("a model");
-        let guided =
-            |a: &_, b: &_| guided_matches(side(a), side(b), &model, &params, &Monitor::default()).expect("done");
-        let (once, both) = (guided(&a, &b), guided(&twice(&a), &twice(&b)));
+        let model = matched(&pair, &params).verification.and_then(|v| v.model).expect("a model");
+        let guided = |a: &Features, b: &Features| {
+            guided_matches(side(a), side(b), &model, &params, &Monitor::default()).expect("done")
+        };
+        let [a, b] = &pair;
+        let (once, both) = (guided(a, b), guided(&twice(a), &twice(b)));
         assert!(once.len() > 200, "{}", once.len());
         let places = |matches: &[Match]| matches.iter().map(|m| (m.a % 300, m.b % 300)).collect::<BTreeSet<_>>();
         assert_eq!(places(&both).len(), both.len());
@@ -214,11 +206,10 @@ mod tests {
 
     #[test]
     fn threads_change_nothing() {
-        let [a, b] = noisy_pair(300, 300);
+        let pair = noisy_pair(300, 300);
         let with = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            let params = MatchParams { guided: true, ..MatchParams::default() };
-            pool.install(|| match_features(side(&a), side(&b), &params, &Monitor::default()))
+            pool.install(|| matched(&pair, &MatchParams { guided: true, ..MatchParams::default() }))
         };
         assert_eq!(with(1), with(2));
     }

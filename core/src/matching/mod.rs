@@ -2,21 +2,16 @@
 //!
 //! A *putative match* pairs a feature of image A with the feature of image B whose descriptor is nearest to its own, if
 //! that is clearly nearer than the second nearest (the ratio test of Lowe, "Distinctive Image Features from
-//! Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest.
-//!
-//! An *inlier* is a putative match that agrees with a geometry of the two views on which most others agree too.
-//!
-//! The data flow: descriptors → [`putative`] (exact nearest neighbours, ratio test, mutual check) → [`geometry`]
-//! (robust estimation, inliers) → [`MatchCounts`] (the numbers of the paper). Where it is asked for, [`guided_matches`]
-//! (again, along that geometry) and [`geometry`] follow before the counts. [`match_detections`] is the composition,
-//! [`params`] holds all parameters of its result, [`camera`] the intrinsics where they are known, [`PairSelection`] the
-//! pairs of images to match.
+//! Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest. An *inlier* is a putative match that
+//! agrees with a geometry of the two views on which most others agree too. [`match_detections`] does it all:
+//! [`putative`] → [`geometry`] → where it is asked for, both again along that geometry ([`guided_matches`]) →
+//! [`MatchCounts`].
 //!
 //! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
 //! match, and precision the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler and
-//! Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features", CVPR 2017). The first two are taken
-//! for each image with its own keypoints and averaged over the images, here A and B. Against many other images, as in
-//! the paper's Table 1, an image's matches with all of them are added up, so that these shares may pass 1.
+//! Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features", CVPR 2017). The first two are means
+//! over the images, here A and B. Against many others, as in the paper's Table 1, an image's matches with all of them
+//! are added up, so that these shares may pass 1.
 
 pub mod camera;
 pub mod geometry;
@@ -30,28 +25,16 @@ pub use guided::{GUIDED_RATIO, guided_matches, nearest_along};
 pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};
 
-use crate::detector::{Descriptor, Detection, Feature, ParamError};
-use crate::monitor::{Cancelled, Monitor};
+use crate::detector::{Descriptor, DetectError, Detection, Feature};
+use crate::monitor::Monitor;
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
 
-/// Reason why matching failed.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum MatchError {
-    /// A parameter makes no sense.
-    #[error(transparent)]
-    Param(#[from] ParamError),
-    /// Matching was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
 /// The matches of two images, A and B.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatchResult {
-    /// The putative matches, in the order of A's features. No feature of A is in two of them, and with the mutual check
-    /// none of B either.
+    /// The putative matches, in the order of A's features; each of A is in one at most, with the mutual check of B too.
     pub matches: Vec<Match>,
     /// Geometry that they agree on; `None` where no geometry was requested.
     pub verification: Option<Verification>,
@@ -71,25 +54,20 @@ pub struct MatchSide<'a> {
 /// Matches the features of two detections and verifies the matches.
 ///
 /// # Errors
-/// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.
+/// [`DetectError::Param`] for parameters that make no sense.
 pub fn match_detections(
     a: &Detection,
     b: &Detection,
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<MatchResult, MatchError> {
-    let places = |features: &[Feature]| -> Vec<[f64; 2]> {
-        features.iter().map(|feature| [f64::from(feature.u), f64::from(feature.v)]).collect()
-    };
-    let (of_a, of_b) = (places(&a.features), places(&b.features));
-    let a = MatchSide { places: &of_a, descriptors: &a.descriptors };
-    match_features(a, MatchSide { places: &of_b, descriptors: &b.descriptors }, params, monitor)
+) -> Result<MatchResult, DetectError> {
+    let place = |feature: &Feature| [feature.u, feature.v].map(f64::from);
+    let places = [a, b].map(|of| of.features.iter().map(place).collect::<Vec<_>>());
+    let a = MatchSide { places: &places[0], descriptors: &a.descriptors };
+    match_features(a, MatchSide { places: &places[1], descriptors: &b.descriptors }, params, monitor)
 }
 
 /// Matches features given by places and descriptors alone, and verifies the matches.
-///
-/// # Errors
-/// As [`match_detections`].
 ///
 /// # Panics
 /// When the numbers of places and descriptors differ: a mistake of the caller.
@@ -98,7 +76,7 @@ pub fn match_features(
     b: MatchSide<'_>,
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<MatchResult, MatchError> {
+) -> Result<MatchResult, DetectError> {
     for side in [&a, &b] {
         assert_eq!(side.places.len(), side.descriptors.len(), "each feature has a place and a descriptor");
     }
@@ -167,8 +145,7 @@ impl MatchCounts {
     }
 }
 
-/// Statistics of many images that were matched with one another, as in the paper's table: of each image, with all
-/// others that it was paired with, and then the mean over the images.
+/// Statistics of many images that were matched with one another, as in the paper's table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ImageCounts {
     /// Mean number of features of an image.
@@ -277,12 +254,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ratios_are_of_each_images_own_keypoints() {
+    fn ratios_are_of_each_images_own_keypoints_and_never_divided_by_zero() {
         let counts = MatchCounts { keypoints_a: 100, keypoints_b: 200, putative: 40, inliers: Some(30) };
         assert_eq!(counts.keypoints_per_image(), 150.0);
         assert!((counts.match_ratio() - (0.4 + 0.2) / 2.0).abs() < 1e-12);
         assert!((counts.match_score().expect("verified") - (0.3 + 0.15) / 2.0).abs() < 1e-12);
         assert_eq!(counts.precision(), Some(0.75));
+        let none = MatchCounts { inliers: Some(0), ..MatchCounts::default() };
+        assert_eq!((none.match_ratio(), none.match_score(), none.precision()), (0.0, Some(0.0), None));
+        let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None };
+        assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.precision()), (1.0, None, None));
     }
 
     #[test]
@@ -297,14 +278,6 @@ mod tests {
         assert_eq!((all.precision, all.verified_pairs), (Some(0.3), 1));
         assert_eq!(ImageCounts::of(&[], &[]), None);
         assert_eq!(ImageCounts::of(&[5], &[]).expect("one image").precision, None);
-    }
-
-    #[test]
-    fn nothing_found_is_no_division_by_zero() {
-        let none = MatchCounts { inliers: Some(0), ..MatchCounts::default() };
-        assert_eq!((none.match_ratio(), none.match_score(), none.precision()), (0.0, Some(0.0), None));
-        let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None };
-        assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.precision()), (1.0, None, None));
     }
 
     #[test]

@@ -1,7 +1,4 @@
-//! The parameters of matching, with their descriptions and checks.
-//!
-//! As with the detector's parameters, the command line, the window and files use these names, and their help texts come
-//! from [`doc`].
+//! The parameters of matching, with their descriptions and checks: the command line, the window and files use [`doc`].
 
 use super::camera::Camera;
 use crate::detector::ParamError;
@@ -91,9 +88,6 @@ impl TextValue for Option<Camera> {
     }
 }
 
-/// Maximum number of samples that may be requested.
-const MAX_ITERATION_COUNT: f64 = 10_000_000.0;
-
 impl MatchParams {
     /// Parameters for a `camera`, where it is known, with the `given` values, as typed on the command line; checked.
     /// With a camera and no geometry, matches are verified by the essential matrix.
@@ -114,9 +108,6 @@ impl MatchParams {
     }
 
     /// Checks the parameters.
-    ///
-    /// # Errors
-    /// The first parameter that makes no sense.
     pub fn validate(&self) -> Result<(), ParamError> {
         doc::ALL.iter().try_for_each(|record| record.check(self))?;
         match &self.camera {
@@ -133,7 +124,7 @@ impl MatchParams {
 
 /// Records of the parameters of matching.
 pub mod doc {
-    use super::{Geometry, MAX_ITERATION_COUNT, MatchParams};
+    use super::{Geometry, MatchParams};
     use crate::detector::params::{Field, Param, ParamDoc, Stage, params};
     use std::ops::Bound::{Excluded, Included, Unbounded};
 
@@ -196,7 +187,7 @@ pub mod doc {
         "Max number of samples of matches that are tried.",
         "Raise it where most matches are wrong, for more time.",
         Param::<MatchParams>::new("N", Stage::Matching, |p| Field::Usize(&mut p.max_iterations))
-            .within((Included(1.0), Included(MAX_ITERATION_COUNT)), "give 1 to 10000000 samples")
+            .within((Included(1.0), Included(1e7)), "give 1 to 10000000 samples")
             .dragged(50.0, 0)
             .used_if(verified);
 
@@ -236,20 +227,21 @@ mod tests {
 
     #[test]
     fn nonsense_is_named() {
-        let good = MatchParams::default;
         let flat = Camera { width: 0, ..Camera::centred(8, 6, 5.0) };
-        let cases = [
-            (MatchParams { ratio: 0.0, ..good() }, "ratio"),
-            (MatchParams { ratio: 1.01, ..good() }, "ratio"),
-            (MatchParams { ratio: f32::NAN, ..good() }, "ratio"),
-            (MatchParams { max_error_px: 0.0, ..good() }, "max-error-px"),
-            (MatchParams { max_error_px: f32::INFINITY, ..good() }, "max-error-px"),
-            (MatchParams { confidence: 1.0, ..good() }, "confidence"),
-            (MatchParams { max_iterations: 0, ..good() }, "max-iterations"),
-            (MatchParams { geometry: Geometry::Essential, ..good() }, "camera"),
-            (MatchParams { camera: Some(flat), ..good() }, "camera"),
+        type Spoil = fn(&mut MatchParams, Camera);
+        let cases: [(&str, Spoil); 8] = [
+            ("ratio", |p, _| p.ratio = f32::NAN),
+            ("ratio", |p, _| p.ratio = 1.01),
+            ("max-error-px", |p, _| p.max_error_px = 0.0),
+            ("max-error-px", |p, _| p.max_error_px = f32::INFINITY),
+            ("confidence", |p, _| p.confidence = 1.0),
+            ("max-iterations", |p, _| p.max_iterations = 0),
+            ("camera", |p, _| p.geometry = Geometry::Essential),
+            ("camera", |p, flat| p.camera = Some(flat)),
         ];
-        for (params, name) in cases {
+        for (name, spoil) in cases {
+            let mut params = MatchParams::default();
+            spoil(&mut params, flat.clone());
             assert_eq!(params.validate().expect_err(name).parameter, name);
         }
     }

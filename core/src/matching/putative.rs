@@ -1,18 +1,14 @@
 //! Putative matches: nearest neighbours that pass the ratio test and the mutual check.
 //!
-//! The two nearest neighbours of each descriptor are exact. The squared distance of two descriptors is |a|² + |b|² −
-//! 2·a·b. All of these are whole numbers of at most 128·255² = 8 323 200, and twice that is below 2²⁴, so `f32` holds
-//! every sum and every partial sum exactly: the result is that of integer arithmetic, whatever the order of the
-//! additions, at the speed of floating-point lanes.
+//! The neighbours are exact: in |a|² + |b|² − 2·a·b all terms are whole numbers of at most 128·255² = 8 323 200, and
+//! twice that is below 2²⁴, so `f32` holds every partial sum exactly, whatever the order of the additions.
 //!
-//! Layout. The searched descriptors are transposed into blocks of `LANES`, element by element, so that one lane is one
-//! descriptor and no sum is taken across lanes. Queries go in groups that stay in the nearest cache together with one
-//! block, and `TILE` of them share each load of the block. Groups run in parallel; each query is searched by one thread
-//! alone, and ties go to the lowest index, so the result does not depend on threads.
+//! The searched descriptors are transposed into blocks of `LANES`, so that one lane is one descriptor. Queries go in
+//! groups that stay in the nearest cache with one block; `TILE` of them share each load of it. Each query is searched
+//! by one thread alone, and ties go to the lowest index, so the result does not depend on threads.
 
-use super::MatchError;
 use super::params::MatchParams;
-use crate::detector::Descriptor;
+use crate::detector::{Descriptor, DetectError};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use multiversion::multiversion;
 use rayon::prelude::*;
@@ -34,28 +30,26 @@ pub struct Match {
     pub ratio: f32,
 }
 
-/// Finds the putative matches of the descriptors of images A and B, in the order of A's.
-///
-/// Each match is a descriptor of A with its nearest one in B, if the ratio of the distances to the nearest and the
-/// second nearest is at most [`MatchParams::ratio`]. With [`MatchParams::mutual`] the descriptor of A must also be the
-/// nearest to that of B, and pass the same test among those of A; the matches of (B, A) are then those of (A, B) with
-/// the sides exchanged, as long as no two distances are equal. Of equally near descriptors the first counts as the
-/// nearest.
-///
-/// # Errors
-/// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.
+/// Finds the putative matches of the descriptors of images A and B, in the order of A's: each with its nearest one in
+/// B, if its ratio is at most [`MatchParams::ratio`], and with [`MatchParams::mutual`] the same the other way round. Of
+/// equally near descriptors the first counts as the nearest.
 pub fn match_descriptors(
     a: &[Descriptor],
     b: &[Descriptor],
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<Vec<Match>, MatchError> {
+) -> Result<Vec<Match>, DetectError> {
     params.validate()?;
     let of_a = nearest_two(a, b, monitor)?;
     let of_b = params.mutual.then(|| nearest_two(b, a, monitor)).transpose()?;
     let back = of_b.as_ref().map(|of_b| move |b: usize| Some(of_b[b]));
     let candidates = of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.matched(a, back));
     Ok(candidates.filter(|m| m.ratio <= params.ratio).collect())
+}
+
+/// |a − b|².
+pub(crate) fn distance_squared(a: &Descriptor, b: &Descriptor) -> u32 {
+    a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b)).pow(2)).sum()
 }
 
 /// Descriptors in a block: one AVX-512 register of `f32`, two of AVX2, four of NEON.
@@ -74,8 +68,7 @@ pub struct Nearest {
     pub index: usize,
     /// Squared Euclidean distance of the nearest, a whole number of at most 128·255².
     pub distance_squared: u32,
-    /// Squared distance of the second nearest, which may equal that of the nearest; `None` where only one descriptor
-    /// was searched.
+    /// Squared distance of the second nearest, at least that of the nearest; `None` where one was searched.
     pub second_distance_squared: Option<u32>,
 }
 
@@ -90,8 +83,7 @@ impl Nearest {
         Some(Match { a, b: self.index, distance, ratio })
     }
 
-    /// Distance of the nearest over that of the second nearest, 0 … 1. It is 1 where both are 0 (they are
-    /// indistinguishable), and 0 where there is no second.
+    /// Distance of the nearest over that of the second nearest, 0 … 1: 1 where both are 0, and 0 without a second.
     pub fn ratio(&self) -> f32 {
         match self.second_distance_squared {
             None => 0.0,
@@ -102,12 +94,7 @@ impl Nearest {
 }
 
 /// Finds, for each of `queries` in order, the nearest and second nearest of `searched` by Euclidean distance. Empty
-/// when `searched` is empty.
-///
-/// Progress is reported as [`Stage::Match`].
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
+/// when `searched` is empty. Progress is reported as [`Stage::Match`].
 pub fn nearest_two(
     queries: &[Descriptor],
     searched: &[Descriptor],
@@ -140,12 +127,10 @@ pub fn nearest_two(
     Ok(groups.concat())
 }
 
-/// |d|².
 fn squared_length(descriptor: &Descriptor) -> u32 {
     descriptor.iter().map(|&x| u32::from(x) * u32::from(x)).sum()
 }
 
-/// Descriptors side by side, one for each lane.
 struct Block {
     elements: [[f32; LANES]; LENGTH],
     /// |d|² of each; infinite in lanes without a descriptor, which then are never the nearest.
@@ -204,7 +189,6 @@ impl State {
         *self = Self { best, second, block };
     }
 
-    /// The nearest of all lanes, for a query of squared length `squared_length`.
     fn nearest(&self, squared_length: u32) -> Nearest {
         let index = |lane: usize| self.block[lane] as usize * LANES + lane;
         let mut winner = 0;
@@ -226,7 +210,6 @@ impl State {
     }
 }
 
-/// Compares a group of queries with the descriptors of one block.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn search_block(tiles: &[[[f32; TILE]; LENGTH]], block: &Block, number: u32, states: &mut [State; GROUP]) {
     for (tile, states) in tiles.iter().zip(states.chunks_exact_mut(TILE)) {
@@ -251,6 +234,10 @@ mod tests {
 
     fn matches(a: &[Descriptor], b: &[Descriptor], params: &MatchParams) -> Vec<Match> {
         match_descriptors(a, b, params, &Monitor::default()).expect("valid and not cancelled")
+    }
+
+    fn nearest(queries: &[Descriptor], searched: &[Descriptor]) -> Vec<Nearest> {
+        nearest_two(queries, searched, &Monitor::default()).expect("not cancelled")
     }
 
     fn at(x: u8, y: u8) -> Descriptor {
@@ -281,13 +268,11 @@ mod tests {
         let params = MatchParams { mutual: false, ..MatchParams::default() };
         assert_eq!(matches(&[at(5, 5)], &[at(5, 5), at(5, 5)], &params), []);
         let off = MatchParams { ratio: 1.0, ..params.clone() };
-        assert_eq!(
-            matches(&[at(5, 5)], &[at(5, 5), at(5, 5)], &off),
-            [Match { a: 0, b: 0, distance: 0.0, ratio: 1.0 }]
-        );
+        let twin = Match { a: 0, b: 0, distance: 0.0, ratio: 1.0 };
+        assert_eq!(matches(&[at(5, 5)], &[at(5, 5), at(5, 5)], &off), [twin]);
         assert_eq!(matches(&[at(5, 5)], &[at(5, 9)], &params), [Match { a: 0, b: 0, distance: 4.0, ratio: 0.0 }]);
         let refused = match_descriptors(&[], &[], &MatchParams { ratio: 0.0, ..params }, &Monitor::default());
-        assert!(matches!(refused, Err(MatchError::Param(_))), "{refused:?}");
+        assert!(matches!(refused, Err(DetectError::Param(_))), "{refused:?}");
     }
 
     fn descriptors(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Descriptor>> {
@@ -306,28 +291,9 @@ mod tests {
             back.sort_by_key(|m| m.a);
             prop_assert_eq!(there, back);
         }
-
-        #[test]
-        fn the_order_of_the_features_does_not_matter(a in descriptors(1..50), b in descriptors(1..50), turn in 0usize..50, mutual: bool) {
-            let params = MatchParams { ratio: 0.98, mutual, ..MatchParams::default() };
-            let mut expected = matches(&a, &b, &params);
-            let (mut turned_a, mut turned_b) = (a.clone(), b.clone());
-            let (by_a, by_b) = (turn % a.len(), turn % b.len());
-            turned_a.rotate_left(by_a);
-            turned_b.rotate_left(by_b);
-            for m in &mut expected {
-                m.a = (m.a + a.len() - by_a) % a.len();
-                m.b = (m.b + b.len() - by_b) % b.len();
-            }
-            expected.sort_by_key(|m| m.a);
-            prop_assert_eq!(matches(&turned_a, &turned_b, &params), expected);
-        }
     }
 
     fn brute_force(queries: &[Descriptor], searched: &[Descriptor]) -> Vec<Nearest> {
-        let distance_squared = |a: &Descriptor, b: &Descriptor| {
-            a.iter().zip(b).map(|(&x, &y)| u32::from(x.abs_diff(y)).pow(2)).sum::<u32>()
-        };
         let nearest = |query: &Descriptor| {
             let mut order: Vec<(u32, usize)> =
                 searched.iter().enumerate().map(|(i, b)| (distance_squared(query, b), i)).collect();
@@ -352,14 +318,12 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(64))]
         #[test]
         fn it_is_brute_force(queries in descriptors(0..70), searched in descriptors(0..70)) {
-            let found = nearest_two(&queries, &searched, &Monitor::default()).expect("not cancelled");
-            prop_assert_eq!(found, brute_force(&queries, &searched));
+            prop_assert_eq!(nearest(&queries, &searched), brute_force(&queries, &searched));
         }
 
         #[test]
         fn ties_go_to_the_lowest_index(queries in coarse(0..40), searched in coarse(1..90)) {
-            let found = nearest_two(&queries, &searched, &Monitor::default()).expect("not cancelled");
-            prop_assert_eq!(found, brute_force(&queries, &searched));
+            prop_assert_eq!(nearest(&queries, &searched), brute_force(&queries, &searched));
         }
     }
 
@@ -369,11 +333,12 @@ mod tests {
         let mut nearly = white;
         nearly[127] = 254;
         for searched in [vec![black], vec![white], vec![black, nearly], vec![nearly, white], vec![black; 33]] {
-            let found = nearest_two(&[black, white, nearly], &searched, &Monitor::default()).expect("not cancelled");
-            assert_eq!(found, brute_force(&[black, white, nearly], &searched));
+            assert_eq!(nearest(&[black, white, nearly], &searched), brute_force(&[black, white, nearly], &searched));
         }
-        let far = nearest_two(&[black], &[white], &Monitor::default()).expect("not cancelled");
-        assert_eq!(far, [Nearest { index: 0, distance_squared: 8_323_200, second_distance_squared: None }]);
+        assert_eq!(
+            nearest(&[black], &[white]),
+            [Nearest { index: 0, distance_squared: 8_323_200, second_distance_squared: None }]
+        );
     }
 
     #[test]
@@ -381,17 +346,5 @@ mod tests {
         let monitor = Monitor::default();
         monitor.cancel();
         assert_eq!(nearest_two(&[[0; 128]], &[[1; 128]], &monitor), Err(Cancelled));
-    }
-
-    #[test]
-    fn threads_change_nothing() {
-        let descriptor = |seed: usize| std::array::from_fn(|i| ((seed * 7919 + i * 104_729) % 251) as u8);
-        let (a, b): (Vec<Descriptor>, Vec<Descriptor>) =
-            ((0..300).map(descriptor).collect(), (150..500).map(descriptor).collect());
-        let with = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| nearest_two(&a, &b, &Monitor::default()))
-        };
-        assert_eq!(with(1), with(2));
     }
 }

@@ -13,9 +13,9 @@
 use super::EvaluateError;
 use super::methods::{BurstMethod, Searches};
 use burstscope_core::burst::Burst;
-use burstscope_core::detector::{Descriptor, Detection, DetectorParams, SlopeGrid};
+use burstscope_core::detector::{Descriptor, DetectError, Detection, DetectorParams, SlopeGrid};
 use burstscope_core::matching::{
-    Geometry, ImageCounts, MatchCounts, MatchError, MatchParams, MatchResult, MatchSide, PairSelection, TwoViewModel,
+    Geometry, ImageCounts, MatchCounts, MatchParams, MatchResult, MatchSide, PairSelection, TwoViewModel,
     match_features,
 };
 use burstscope_core::monitor::{Monitor, Stage};
@@ -69,15 +69,6 @@ impl From<Detection> for Features {
 impl Features {
     fn side(&self) -> MatchSide<'_> {
         MatchSide { places: &self.places, descriptors: &self.descriptors }
-    }
-}
-
-impl From<MatchError> for EvaluateError {
-    fn from(error: MatchError) -> Self {
-        match error {
-            MatchError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            MatchError::Param(param) => Self::Detector(param),
-        }
     }
 }
 
@@ -161,7 +152,7 @@ impl MatchStudy {
             let of_pair = |&(a, b): &(usize, usize)| {
                 match_features(features[a].side(), features[b].side(), &self.matching, &monitor.silent())
             };
-            let found: Result<Vec<MatchResult>, MatchError> = pairs.par_iter().map(of_pair).collect();
+            let found: Result<Vec<MatchResult>, DetectError> = pairs.par_iter().map(of_pair).collect();
             results.push(found.map_err(EvaluateError::from)?);
             step();
         }

@@ -27,7 +27,6 @@ use crate::synth::{SynthError, WriteBurstError};
 use burstscope_core::dataset::DatasetError;
 use burstscope_core::detector::DetectError;
 use burstscope_core::export::ExportError;
-use burstscope_core::matching::MatchError;
 use burstscope_core::monitor::{Cancelled, Monitor};
 use record::Pieces;
 use std::path::PathBuf;
@@ -98,12 +97,6 @@ impl From<SynthError> for FiguresError {
 
 impl From<DetectError> for FiguresError {
     fn from(error: DetectError) -> Self {
-        EvaluateError::from(error).into()
-    }
-}
-
-impl From<MatchError> for FiguresError {
-    fn from(error: MatchError) -> Self {
         EvaluateError::from(error).into()
     }
 }

@@ -7,7 +7,7 @@ use crate::app::project::Model;
 use crate::app::project::datasets::{BurstState, Dataset, Datasets};
 use crate::app::style;
 use crate::burst::{BurstFiles, OpenOptions};
-use crate::dataset::Thumbnail;
+use crate::dataset::BurstPicture;
 use crate::engine::{Engine, Wanted};
 use crate::inspect::words::counted;
 use crate::requests::ThumbnailsRequest;
@@ -332,8 +332,8 @@ impl Thumbnails {
     pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstFiles]) {
         for (source, picture) in self.wanted.take_told().into_iter().filter(|(source, _)| bursts.contains(source)) {
             let shown = match picture {
-                Ok(Thumbnail { width, height, rgb }) => {
-                    let image = ColorImage::from_rgb([width, height], &rgb);
+                Ok(BurstPicture { size, rgb }) => {
+                    let image = ColorImage::from_rgb(size.into(), &rgb);
                     ThumbnailState::Picture(ctx.load_texture(&source.name, image, TextureOptions::LINEAR))
                 }
                 Err(error) => ThumbnailState::Failed(error),

@@ -10,7 +10,8 @@ pub use colmap::{ColmapDone, ColmapRequest};
 
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{
-    BurstEvent, DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind, Thumbnail, thumbnail,
+    BurstEvent, BurstPicture, DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind,
+    thumbnail,
 };
 use crate::detector::SearchParams;
 use crate::matching::{MatchCounts, MatchParams};
@@ -113,7 +114,7 @@ pub struct ThumbnailsRequest {
 impl Request for ThumbnailsRequest {
     type Answer = ();
     /// A burst with its picture, or why there is none.
-    type Told = (BurstFiles, Result<Thumbnail, String>);
+    type Told = (BurstFiles, Result<BurstPicture, String>);
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset

@@ -7,14 +7,10 @@
 //! C(d) = Σ (r − f(d))² / (4σ²) · 2P/(2P + σ²)  +  min over predictions p of |d − p|² / (2τ²)
 //! ```
 //!
-//! The first part is minus the logarithm of the likelihood of d when both tiles show the same signal of power P
-//! (variance of its pixels) under independent noise of variance σ²: differences count, but the less the more of the
-//! tile is noise. P is the tile's variance in excess of σ². The second part keeps shifts near those that the coarser
-//! level found there or beside it. So the noise, which is known, decides how far a tile follows its own pixels: a blank
-//! tile stays with the prediction, a well-lit corner moves to its best match.
-//!
-//! Whole-pixel shifts around the predictions are compared, and a parabola through the costs beside the minimum gives
-//! the fraction of a pixel.
+//! The first part is minus the logarithm of the likelihood of d when both tiles show the same signal of power P (the
+//! tile's variance in excess of σ²) under independent noise of variance σ². The second keeps shifts near those that the
+//! coarser level found there or beside it. So a blank tile stays with the prediction, and a well-lit corner moves to
+//! its best match. A parabola through the costs beside the whole-pixel minimum gives the fraction of a pixel.
 
 use super::tiles::{TILE, TileGrid, first_pixel};
 use crate::monitor::{Cancelled, Monitor};
@@ -37,15 +33,14 @@ const COARSEST_RADIUS: i32 = 4;
 /// Minimum share of a tile's pixels that must lie in both frames for a comparison.
 const MIN_SHARE: f32 = 0.25;
 
-/// Shift of every tile of an image, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ShiftField {
     pub grid: TileGrid,
     pub shifts: Vec<Shift>,
 }
 
-/// Finds the shifts of the tiles of the reference frame, at full resolution. Both frames come as pyramids of the same
-/// sizes; `variance` is the noise variance of one frame.
+/// Shifts of the tiles of the reference, at full resolution, from pyramids of the same sizes; `variance` is the noise
+/// of one frame.
 pub(super) fn align(
     reference: &[Plane],
     frame: &[Plane],
@@ -83,8 +78,8 @@ fn align_level(pair: &FramePair<'_>, coarser: Option<&ShiftField>, monitor: &Mon
     Ok(ShiftField { grid, shifts: rows.concat() })
 }
 
-/// Predictions of the shift of tile (i, j): the shifts, doubled, of the tiles around it on the coarser level; no motion
-/// where there is no coarser level.
+/// Predictions for tile (i, j): the shifts, doubled, of the tiles around it on the coarser level; without one no
+/// motion.
 fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut Vec<Shift>) {
     predictions.clear();
     let Some(ShiftField { grid, shifts }) = coarser else {
@@ -107,14 +102,12 @@ fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut V
     }
 }
 
-/// A level of both frames, and the noise variance of each.
 struct FramePair<'a> {
     reference: &'a Plane,
     frame: &'a Plane,
     variance: f32,
 }
 
-/// A tile and its predictions.
 struct Tile<'a> {
     pair: &'a FramePair<'a>,
     /// Columns and rows of its pixels inside the reference.
@@ -239,18 +232,10 @@ fn squared_difference(
 /// Maximum number of levels, with the image itself: enough to follow motion of up to about 100 pixels.
 const MAX_LEVELS: usize = 5;
 
-/// The image and its coarser copies, finest first; at least one level. Each coarser level's sides are at least a
-/// tile's.
+/// The image and its coarser copies, finest first, none smaller than a tile.
 pub(super) fn pyramid(image: &Plane) -> Vec<Plane> {
-    let mut levels = vec![image.clone()];
-    while levels.len() < MAX_LEVELS {
-        let last = &levels[levels.len() - 1];
-        if last.width().min(last.height()) < 2 * TILE {
-            break;
-        }
-        levels.push(last.halved());
-    }
-    levels
+    let coarser = |finer: &Plane| (finer.width().min(finer.height()) >= 2 * TILE).then(|| finer.halved());
+    std::iter::successors(Some(image.clone()), coarser).take(MAX_LEVELS).collect()
 }
 
 #[cfg(test)]
@@ -259,9 +244,7 @@ mod tests {
 
     #[test]
     fn levels_halve_until_a_tile_is_all_there_is() {
-        let sizes = |width, height| -> Vec<(usize, usize)> {
-            pyramid(&Plane::zeros(width, height)).iter().map(Plane::size).collect()
-        };
+        let sizes = |width, height| pyramid(&Plane::zeros(width, height)).iter().map(Plane::size).collect::<Vec<_>>();
         assert_eq!(sizes(100, 65), [(100, 65), (50, 32), (25, 16)]);
         assert_eq!(sizes(3, 1), [(3, 1)]);
         assert_eq!(sizes(4000, 3000).len(), MAX_LEVELS);

@@ -1,5 +1,4 @@
-//! The cosine transform of a tile: orthonormal, so that white noise of some variance has that variance in every
-//! coefficient.
+//! The cosine transform of a tile: orthonormal, so that white noise has its variance in every coefficient.
 
 use super::tiles::TILE;
 use multiversion::multiversion;

@@ -2,13 +2,9 @@
 //!
 //! After Hasinoff et al., "Burst photography for high dynamic range and low-light imaging on mobile cameras" (2016),
 //! which Ravendran, Bryson and Dansereau, "Burst imaging for light-constrained structure-from-motion" (2022) use for
-//! reconstruction. Written from their description, with two differences that known noise allows: the search weighs a
-//! tile's pixels against the coarser level's shift by the share of signal in the tile, and the shrinkage works on real
-//! cosines.
-//!
-//! The data flow: frames → [`align`] (a shift for each tile of the middle frame, over a pyramid from coarse to fine) →
-//! [`temporal`] (robust mean over time, tile by tile) → one image. [`tiles`] and [`dct`] are shared by these. Each
-//! frame is aligned by itself, without the assumption that the motion is uniform from frame to frame.
+//! reconstruction. Two differences: the search weighs a tile's pixels against the coarser level's shift by the share of
+//! signal in the tile, and the shrinkage works on real cosines. Frames → [`align`] (a shift for each tile of the middle
+//! frame, over a pyramid; each frame by itself) → [`temporal`] (robust mean over time, tile by tile) → one image.
 
 mod align;
 mod dct;
@@ -23,15 +19,11 @@ use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use std::ops::Range;
 
-/// Minimum noise assumed of a frame, fraction of full scale: the quantisation noise of 16 bit, so that noiseless frames
-/// cause no division by zero.
+/// Minimum noise assumed of a frame, fraction of full scale: the quantisation noise of 16 bit.
 const MIN_NOISE: f32 = 1.0 / 65535.0 / 3.464_101_6;
 
 /// Merges the frames `used` of `burst` into a burst of one frame, aligned to the middle one of them (of N frames the
 /// one with index N/2, on which SIFT on a single frame runs).
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 ///
 /// # Panics
 /// When `used` holds no frame or reaches past the burst: a mistake of the caller.
@@ -50,8 +42,7 @@ pub fn merge_burst(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
     Ok(merged)
 }
 
-/// The frames merged in the geometry of the middle one; `noise` is the standard deviation of the noise of one frame,
-/// above 0.
+/// The frames merged in the geometry of the middle one; `noise` is the standard deviation in one frame, above 0.
 fn merge_frames(frames: &[&Plane], noise: f32, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let middle = frames.len() / 2;
     let reference = frames[middle];

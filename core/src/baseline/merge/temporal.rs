@@ -7,14 +7,11 @@
 //! T₀ − 1/N · Σ (1 − A)·D,    D = T₀ − T,    A = E / (E + c·2σ²),    E = max(0, D² − b·2σ²)
 //! ```
 //!
-//! coefficient by coefficient. A difference as large as noise makes it (its variance is 2σ²) is averaged away; a far
-//! larger one is a wrong alignment or independent motion, and the reference's value is kept. This is the pairwise
-//! Wiener-like shrinkage of Hasinoff et al., on cosines instead of complex waves, and with a dead zone: they have b = 0
-//! and c = 8, which keeps so much of the reference's own noise that ten frames lower the noise 2.5 times instead of
-//! 3.16. With the values here it is 3.02 times, and a difference counts half at the same size. Neighbouring tiles are
-//! blended under a raised-cosine window.
-//!
-//! Where a frame does not show a place, the mean of the frames that do replaces it.
+//! coefficient by coefficient: differences of the size of noise (variance 2σ²) are averaged away, far larger ones, of
+//! wrong alignment or independent motion, are not. This is the Wiener-like shrinkage of Hasinoff et al. with a dead
+//! zone: with their b = 0 and c = 8 ten frames lower the noise 2.5 times, with the values here 3.02 times of at most
+//! 3.16. Tiles are blended under a raised-cosine window. Where a frame does not show a place, the mean of those that do
+//! is used.
 
 use super::align::ShiftField;
 use super::dct::{Block, basis, transform, transposed};
@@ -24,13 +21,11 @@ use crate::plane::Plane;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-/// b: a squared difference up to this many times the variance of differences of noise counts as noise; 1.4 % of the
-/// differences of noise alone are larger.
+/// b: squared differences up to this many times the variance of those of noise count as noise: all but 1.4 % of them.
 const DEAD_ZONE: f32 = 6.0;
 /// c: the excess counts half where it is this many times that variance.
 const SOFTNESS: f32 = 2.0;
 
-/// A frame to be merged, with its shifts for the tiles of the reference.
 pub(super) struct Aligned<'a> {
     pub frame: &'a Plane,
     pub shifts: ShiftField,
@@ -45,15 +40,8 @@ pub(super) fn merge_tiles(
 ) -> Result<Plane, Cancelled> {
     let (width, height) = reference.size();
     let grid = TileGrid::of((width, height));
-    let merging = Merging {
-        reference,
-        others,
-        grid,
-        variance: 2.0 * variance,
-        forward: basis(),
-        back: transposed(&basis()),
-        window: window(),
-    };
+    let (forward, back) = (basis(), transposed(&basis()));
+    let merging = Merging { reference, others, grid, variance: 2.0 * variance, forward, back, window: window() };
     // Each row of tiles is faded out above and below; two of them make a strip of the image.
     let rows: Vec<Plane> = (0..grid.rows)
         .into_par_iter()
@@ -139,7 +127,6 @@ fn shrink(differences: &Block, variance: f32, sum: &mut Block) {
     }
 }
 
-/// For each pixel of a tile, whether a frame shows it.
 type Covered = [[bool; TILE]; TILE];
 
 /// The pixels of a tile; beyond the image the nearest pixel is repeated.
@@ -152,8 +139,7 @@ fn pixels(plane: &Plane, at: (i64, i64)) -> Block {
     })
 }
 
-/// The pixels of another frame that correspond to those of [`pixels`], and, unless all are inside that frame, which of
-/// them are.
+/// The pixels of another frame that correspond to [`pixels`], and which of them it shows, unless it shows all.
 fn shifted_pixels(
     frame: &Plane,
     at: (i64, i64),

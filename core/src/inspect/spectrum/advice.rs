@@ -1,8 +1,5 @@
-//! Advice on the slopes: each piece is a number, a sentence, and the change that applies it. There is none when none
-//! is needed.
-//!
-//! On direction, range and step: the judgement of the slopes. On aliases that the range need not include. On the
-//! frames: frames that add nothing, and frames that much of the picture has left.
+//! Advice: that of the judgement on direction, range and step; on aliases that the range need not include; on frames
+//! that add nothing, and on frames that much of the picture has left.
 
 use super::judgement::Judging;
 use super::{Alias, Spectrum, coverage_share};
@@ -51,16 +48,12 @@ pub(super) fn advice(cache: &ProbeCache, spectrum: &Spectrum) -> Vec<SlopeAdvice
     let judging = Judging::new(cache.detection(), cache.params(), Some(&spectrum.finding), &spectrum.evidence);
     let Some(judging) = judging else { return Vec::new() };
     let telling = Telling { cache, spectrum, judging };
-    let mut advice = Vec::new();
-    advice.extend(telling.frames());
     let judged = spectrum.judgement.as_ref().and_then(|judgement| judgement.advice.clone());
     // Missing slopes come before superfluous ones.
-    let (superfluous, missing): (Vec<_>, Vec<_>) = judged.into_iter().partition(|one| one.subject == Subject::Cost);
-    advice.extend(missing);
-    advice.extend(telling.coverage());
-    advice.extend(telling.aliases());
-    advice.extend(superfluous);
-    advice
+    let is_superfluous = judged.as_ref().is_some_and(|one| one.subject == Subject::Cost);
+    let (missing, superfluous) = if is_superfluous { (None, judged) } else { (judged, None) };
+    let all = [telling.frames(), missing, telling.coverage(), telling.aliases(), superfluous];
+    all.into_iter().flatten().collect()
 }
 
 struct Telling<'a> {
@@ -107,7 +100,7 @@ impl Telling<'_> {
         };
         let second = !of_first(alias.direction);
         let (parameter, axis) = if second { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) };
-        let (min, max) = self.judging.reach(second)?;
+        let (min, max) = self.judging.reach_of(second, |_| true)?;
         let margin = 0.5 * (0.9 * alias.period_px - (max - min));
         if margin < 0.0 || axis.step() <= 0.0 {
             return None;
@@ -125,32 +118,27 @@ impl Telling<'_> {
     fn frames(&self) -> Option<SlopeAdvice> {
         let finding = &self.spectrum.finding;
         let frames = self.spectrum.frames;
-        let left = match finding.verdict {
+        let (left, why) = match finding.verdict {
             SlopeVerdict::NotStraight => {
                 // The deviation of a bent motion grows with the square of the time.
                 let off = finding.deviation_px.filter(|off| *off > STRAIGHT_PX)?;
-                (frames as f32 * (STRAIGHT_PX / off).sqrt()) as usize
+                let px = number(off, 1);
+                let why = match finding.warnings[..] {
+                    [] => format!("the motion is not straight: it deviates from a uniform one by up to {px} px"),
+                    _ => finding.irregularities(),
+                };
+                ((frames as f32 * (STRAIGHT_PX / off).sqrt()) as usize, why)
             }
             SlopeVerdict::Film => {
                 let (width, height) = self.cache.burst.size();
-                let part = finding.moved_px / width.min(height) as f32;
-                (frames as f32 * 0.25 / part.max(0.25)) as usize
+                let (part, px) = (finding.moved_px / width.min(height) as f32, number(finding.moved_px, 0));
+                let why = format!("the picture moves by {px} px over the frames, more than a third of it");
+                ((frames as f32 * 0.25 / part.max(0.25)) as usize, why)
             }
             _ => return None,
         };
         let left = left.clamp(2, frames);
         let fewer = frames - left;
-        let why = match finding.verdict {
-            SlopeVerdict::Film => format!(
-                "the picture moves by {} px over the frames, more than a third of it",
-                number(finding.moved_px, 0)
-            ),
-            _ if !finding.warnings.is_empty() => finding.irregularities(),
-            _ => format!(
-                "the motion is not straight: it deviates from a uniform one by up to {} px",
-                number(finding.deviation_px.unwrap_or(0.0), 1)
-            ),
-        };
         (fewer > 0).then(|| SlopeAdvice {
             subject: Subject::Frames,
             number: fewer as f64,

@@ -1,11 +1,9 @@
-//! Judgement of the slopes of a search: one sentence, and one set of changes that mends whatever is wrong. The table of
-//! features, the tab *Slopes*, the lessons and the commands `slopes` and `detect` all show this sentence.
-//!
-//! Two things speak. The *evidence* of the frames says where motion is, beyond the searched slopes too. The features
-//! *at the limit* ([`crate::detector::limit`]) say it by their own response; they decide only where the frames show
-//! nothing clear. The changes lead straight to what was found: direction, range and step of both axes at once.
+//! Judgement of the slopes of a search: one sentence, and one set of changes that mends whatever is wrong: direction,
+//! range and step of both axes at once. The *evidence* of the frames decides; the features *at the limit*
+//! ([`crate::detector::limit`]) only where the frames show nothing clear.
 
 use super::{SlopeAdvice, Subject};
+use crate::detector::advice::grouped;
 use crate::detector::limit::response_loss;
 use crate::detector::params::doc;
 use crate::detector::scale_space::ScaleSpace;
@@ -26,9 +24,8 @@ const OFF_LINE_PART: f32 = 0.2;
 const BEYOND: f32 = 0.08;
 /// Part of the slopes that suffices, up to which the search is said to cost too much.
 const NEEDED: f64 = 0.4;
-/// Part of the stronger half of the features at the limit from which a wider range is advised where the frames show
-/// nothing clear. It is at most 0.036 for motions inside the range (at a corner of a plane; 0.012 elsewhere), and 0.12
-/// or more for motions half a step beyond it, on textures, the demo and noise.
+/// Part of the stronger half of the features at the limit from which a wider range is advised. It is at most 0.036 for
+/// motions inside the range (0.012 but for the corners of planes), and 0.12 or more half a step beyond it.
 const AT_LIMIT: f64 = 0.08;
 /// Part of those that must lie at one end of an axis for the axis to be widened there.
 const OF_THOSE: f64 = 0.25;
@@ -68,7 +65,7 @@ pub(super) struct Judging<'a> {
 }
 
 impl<'a> Judging<'a> {
-    /// Inputs for a search with slopes; `None` for another.
+    /// `None` for a search without slopes.
     pub fn new(
         detection: &'a Detection,
         params: &'a DetectorParams,
@@ -82,7 +79,6 @@ impl<'a> Judging<'a> {
         has_slopes.then_some(Self { detection, params, finding, evidence, grid: params.used_slopes(), frames, sigma })
     }
 
-    /// The sentence, and the advice.
     pub fn judgement(&self) -> SlopeJudgement {
         let features = self.detection.features.len();
         let at_limit = self.detection.features.iter().filter(|f| f.at_slope_limit).count();
@@ -90,11 +86,7 @@ impl<'a> Judging<'a> {
             (_, 0) => String::new(),
             (0, _) => format!("; none of {} lies at the limit", counted(features, "feature")),
             (1, _) => format!("; 1 of {} lies at the limit", counted(features, "feature")),
-            _ => format!(
-                "; {} of {} lie at the limit",
-                crate::detector::advice::grouped(at_limit as u64),
-                counted(features, "feature")
-            ),
+            _ => format!("; {} of {} lie at the limit", grouped(at_limit as u64), counted(features, "feature")),
         };
         let advice = self.advice().map(|advice| SlopeAdvice { sentence: advice.sentence + &clause, ..advice });
         let sentence = advice.as_ref().map_or_else(
@@ -130,9 +122,9 @@ impl<'a> Judging<'a> {
 
     /// The part of the evidence that satisfies `holds`.
     pub fn part(&self, holds: impl Fn(&SlopeEvidence) -> bool) -> f32 {
-        let sum = |evidence: &mut dyn Iterator<Item = &SlopeEvidence>| evidence.map(|e| e.significance).sum::<f32>();
-        let all = sum(&mut self.evidence.iter());
-        if all > 0.0 { sum(&mut self.evidence.iter().filter(|e| holds(e))) / all } else { 0.0 }
+        let all = self.evidence.iter().map(|e| e.significance).sum::<f32>();
+        let part = self.evidence.iter().filter(|e| holds(e)).map(|e| e.significance).sum::<f32>();
+        if all > 0.0 { part / all } else { 0.0 }
     }
 
     /// The coordinate of the evidence along an axis of the grid, px/frame.
@@ -143,26 +135,21 @@ impl<'a> Judging<'a> {
     }
 
     /// The range, along an axis, of the evidence that satisfies `holds`.
-    fn reach_of(&self, second: bool, holds: impl Fn(f32) -> bool) -> Option<(f32, f32)> {
+    pub fn reach_of(&self, second: bool, holds: impl Fn(f32) -> bool) -> Option<(f32, f32)> {
         let values = self.evidence.iter().map(|e| self.along(e, second)).filter(|x| holds(*x));
         let (min, max) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         (min <= max).then_some((min, max))
     }
 
-    /// The range of the evidence along an axis.
-    pub fn reach(&self, second: bool) -> Option<(f32, f32)> {
-        self.reach_of(second, |_| true)
-    }
-
-    /// The axes with several slopes: whether it is the second, and the axis.
+    /// The axes with several slopes, and whether each is the second.
     fn axes(&self) -> impl Iterator<Item = (bool, SlopeAxis)> {
         [(false, self.grid.u), (true, self.grid.v)].into_iter().filter(|(_, axis)| axis.count > 1)
     }
 
     fn changes_to(&self, wanted: SlopeGrid) -> Vec<ParamChange> {
         let grid = self.grid;
-        let u = (wanted.u != grid.u).then(|| ParamChange::new(doc::SLOPES_U, wanted.u));
-        let v = (wanted.v != grid.v).then(|| ParamChange::new(doc::SLOPES_V, wanted.v));
+        let axis = |parameter, own, wanted| (wanted != own).then(|| ParamChange::new(parameter, wanted));
+        let (u, v) = (axis(doc::SLOPES_U, grid.u, wanted.u), axis(doc::SLOPES_V, grid.v, wanted.v));
         let turned = wanted.direction_deg != grid.direction_deg;
         let direction = turned.then(|| ParamChange::new(doc::SLOPE_DIRECTION, wanted.direction_deg));
         [u, v, direction].into_iter().flatten().collect()
@@ -270,7 +257,7 @@ impl<'a> Judging<'a> {
         }
     }
 
-    /// Advice from the features at the limit, where the frames show nothing clear.
+    /// Where the frames show nothing clear.
     fn range_by_features(&self) -> Option<SlopeAdvice> {
         // The stronger half: a strong blob beyond the range also leaves weaker smears of itself at other slopes.
         let features = &self.detection.features;

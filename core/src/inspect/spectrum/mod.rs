@@ -1,12 +1,8 @@
 //! The slopes that a burst needs: features found at each slope, evidence of the frames before any threshold, and
 //! advice.
 //!
-//! The features show where the detector found something; the *evidence* ([`crate::detector::SlopeFinding`]) shows where
-//! the motion stack has power that single frames do not have, also beyond the slopes that were searched. Advice
-//! compares the two with the grid.
-//!
-//! Two costs of a grid are computed here too: the loss of a blob's response half a step away from its slope, and the
-//! aliases of periodic textures, with their places in the picture.
+//! The *evidence* ([`crate::detector::SlopeFinding`]) shows where the motion stack has power that single frames do not
+//! have, also beyond the slopes that were searched. Aliases of periodic textures are found here too.
 
 mod advice;
 mod judgement;
@@ -17,7 +13,7 @@ pub use judgement::{SlopeJudgement, judgement};
 use super::ProbeCache;
 use crate::detector::slopes::SlopeEvidence;
 use crate::detector::{Detection, Feature, Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
-use crate::inspect::shares::direction_of;
+use crate::inspect::shares::directions;
 use crate::inspect::suspicion::stack_around;
 use crate::inspect::texture::{dirichlet, period_along};
 use crate::monitor::{Cancelled, Monitor};
@@ -132,7 +128,7 @@ pub fn coverage_share(slope: Slope, frames: usize, size: (usize, usize)) -> f32 
     part(slope.u, size.0) * part(slope.v, size.1)
 }
 
-/// The coordinates of the slope of the grid, or of its continuation beyond the rim, nearest to a slope.
+/// Coordinates in the grid, or in its continuation beyond the rim.
 fn nearest(grid: &SlopeGrid, slope: Slope) -> [i64; 2] {
     let (i, j) = grid.position(slope);
     [i.round() as i64, j.round() as i64]
@@ -143,7 +139,6 @@ pub fn features_at_slopes(detection: &Detection) -> Vec<usize> {
     counts_at_slopes(detection, |_| true)
 }
 
-/// As [`features_at_slopes`], of the features for which `counts_too` holds.
 fn counts_at_slopes(detection: &Detection, counts_too: impl Fn(&Feature) -> bool) -> Vec<usize> {
     let grid = &detection.slopes;
     let (nu, nv) = (grid.u.count as i64, grid.v.count as i64);
@@ -155,9 +150,8 @@ fn counts_at_slopes(detection: &Detection, counts_too: impl Fn(&Feature) -> bool
     counts
 }
 
-/// The index of the slope of `grid` with the most of `counts` features, and their number; `None` where there are none.
-/// Features on the rim are mostly of motions beyond it, so they count only where there are no others. Of equal slopes
-/// the slowest is taken, then the first.
+/// The index of the slope of `grid` with the most of `counts` features, and their number. Features on the rim, which
+/// are mostly of motions beyond it, count only where there are no others; of equal slopes the slowest is taken.
 pub fn slope_with_most_features(grid: &SlopeGrid, counts: &[usize]) -> Option<(usize, usize)> {
     let is_inner = |index: usize| {
         let (i, j) = grid.coordinates(index);
@@ -188,14 +182,15 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
         .into_iter()
         .map(|at| {
             let is_searched = inside(at);
+            let of_searched = |counts: &[usize]| if is_searched { counts[(at[1] * nu + at[0]) as usize] } else { 0 };
             let slope = grid.at(at[0] as f32, at[1] as f32);
             SlopeBar {
                 at,
                 slope,
                 is_searched,
                 is_on_rim: is_searched && grid.on_rim(at[0] as usize, at[1] as usize),
-                features: if is_searched { counts[(at[1] * nu + at[0]) as usize] } else { 0 },
-                at_limit: if is_searched { limits[(at[1] * nu + at[0]) as usize] } else { 0 },
+                features: of_searched(&counts),
+                at_limit: of_searched(&limits),
                 // An empty sum would be −0.
                 evidence: seen.iter().filter(|(place, _)| *place == at).fold(0.0, |sum, (_, s)| sum + s) / total,
                 coverage: coverage_share(slope, detection.frames_used.len(), cache.burst.size()),
@@ -225,7 +220,6 @@ pub struct Alias {
 
 const AMBIGUOUS: f32 = 0.5;
 const SIGNIFICANT: f32 = 6.5;
-/// Maximum number of windows examined: the most significant ones.
 const MAX_WINDOWS: usize = 120;
 /// Relative difference below which two periods are the same.
 const SAME_PERIOD: f32 = 0.12;
@@ -261,11 +255,8 @@ fn aliases(
             match found.iter_mut().find(same) {
                 Some(alias) => {
                     alias.correlation = alias.correlation.max(period.correlation);
-                    let is_new = alias
-                        .places
-                        .iter()
-                        .all(|[u, v]| (u - window.centre[0]).hypot(v - window.centre[1]) > HALF_PX as f32);
-                    if is_new {
+                    let apart = |[u, v]: &[f32; 2]| (u - window.centre[0]).hypot(v - window.centre[1]);
+                    if alias.places.iter().all(|place| apart(place) > HALF_PX as f32) {
                         alias.places.push(window.centre);
                     }
                 }
@@ -281,7 +272,6 @@ fn aliases(
             }
         }
     }
-    // Textures with aliases within the slopes searched come first.
     let matters = |alias: &Alias| (alias.inside_range > 0, alias.places.len());
     found.sort_by(|a, b| matters(b).cmp(&matters(a)).then(b.correlation.total_cmp(&a.correlation)));
     Ok(found)
@@ -298,14 +288,6 @@ fn believed(window: &SlopeEvidence, confirmed: &[SlopeEvidence]) -> Slope {
     smallest.map_or(window.slope, |e| e.slope)
 }
 
-/// The directions of the axes that have several slopes.
-fn directions(grid: &SlopeGrid) -> Vec<[f32; 2]> {
-    let origin = grid.at(0.0, 0.0);
-    let towards = |to: Slope| direction_of(Slope::new(to.u - origin.u, to.v - origin.v));
-    let axes = [(grid.u.count, grid.at(1.0, 0.0)), (grid.v.count, grid.at(0.0, 1.0))];
-    axes.into_iter().filter(|(count, _)| *count > 1).map(|(_, to)| towards(to)).collect()
-}
-
 /// The number of slopes whole periods away from `slope` within the range of the axis along `direction`.
 fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32) -> usize {
     let along = |s: Slope| s.u * direction[0] + s.v * direction[1];
@@ -317,7 +299,6 @@ fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32
     (-reach..=reach).filter(around).count()
 }
 
-/// The highest side lobe of the mean over `frames` frames, between two aliases.
 fn highest_lobe(frames: usize) -> f32 {
     // Beyond the first zero, which lies 1/N of a period from the peak.
     let first = 1.0 / frames as f64;
@@ -332,14 +313,13 @@ mod tests {
     #[test]
     fn the_loss_grows_with_step_and_frames_and_not_with_scale() {
         let step_loss = |step: f32, frames, sigma| response_loss(0.5 * step, frames, sigma);
-        // The step that METHOD recommends, 2σ/(N − 1), loses little; twice that begins to matter.
+        // The step 2σ/(N − 1) loses little.
         let recommended = 2.0 * 1.9 / 9.0;
         let loss = step_loss(recommended, 10, 1.9);
         assert!((0.02..0.08).contains(&loss), "{loss}");
         assert!(step_loss(3.0 * recommended, 10, 1.9) > 5.0 * loss);
         assert!(step_loss(recommended, 20, 1.9) > loss && step_loss(recommended, 10, 4.0) < loss);
         assert_eq!((step_loss(1.0, 1, 2.0), step_loss(0.0, 10, 2.0)), (0.0, 0.0));
-        // Far beyond, no response remains.
         assert!(step_loss(60.0, 20, 1.9) > 0.9);
     }
 }

@@ -5,8 +5,7 @@ use super::model::{TwoViewModel, straight_fundamental, straightened};
 use super::points::RayPair;
 use nalgebra::{Matrix3, Vector3};
 
-/// For each feature of one image the features of the other with an error of at most a limit, as
-/// [`TwoViewModel::error_px`] has it.
+/// For each feature of one image the features of the other to some [`TwoViewModel::error_px`].
 #[derive(Debug)]
 pub struct GuidingBand {
     max_squared: f64,
@@ -15,22 +14,19 @@ pub struct GuidingBand {
 
 #[derive(Debug)]
 enum Kind {
-    /// The epipolar line of each feature, and the other image's features; each with the squared length of the first two
-    /// elements of its line.
+    /// The features' epipolar lines, and the other image's features, with squared lengths of the lines' normals.
     Epipolar { lines: Vec<(Vector3<f64>, f64)>, others: Vec<([f64; 2], f64)> },
     /// From the features to the others.
     Homography { homography: Homography, places: Vec<[f64; 2]>, others: Vec<[f64; 2]> },
 }
 
 impl TwoViewModel {
-    /// The features `b` of image B near the places that are expected for the features `a` of image A, to
-    /// `max_error_px`.
+    /// The features `b` of image B near the places expected for the features `a` of image A, to `max_error_px`.
     pub fn band_in_b(&self, a: &[[f64; 2]], b: &[[f64; 2]], max_error_px: f64) -> GuidingBand {
         self.band(a, b, max_error_px, false)
     }
 
-    /// The features `a` of image A near the places that are expected for the features `b` of image B, to
-    /// `max_error_px`.
+    /// The features `a` of image A near the places expected for the features `b` of image B, to `max_error_px`.
     pub fn band_in_a(&self, a: &[[f64; 2]], b: &[[f64; 2]], max_error_px: f64) -> GuidingBand {
         self.band(b, a, max_error_px, true)
     }
@@ -64,8 +60,7 @@ impl TwoViewModel {
 }
 
 impl GuidingBand {
-    /// Calls `on` with the index of each feature of the other image near the place expected for feature `index`, in
-    /// order.
+    /// Calls `on` with each feature of the other image near the place expected for feature `index`, in order.
     pub fn for_each_within(&self, index: usize, mut on: impl FnMut(usize)) {
         match &self.kind {
             Kind::Epipolar { lines, others } => {

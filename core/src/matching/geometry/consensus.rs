@@ -1,27 +1,18 @@
 //! Robust estimation: the model that most of the matches agree on, despite outliers.
 //!
-//! RANSAC (Fischler and Bolles, 1981) with later improvements. Samples come by quality at first; a model's quality is a
-//! smooth cost that does not depend on one threshold; each model that is the best so far is improved at once by
-//! iteratively reweighted least squares over all its inliers (local optimisation: Chum, Matas and Kittler, "Locally
-//! Optimized RANSAC", 2003; reweighting as in MAGSAC++); scoring stops as soon as a model cannot become the best;
-//! sampling stops once a better model would have been found with the requested confidence; and a model that explains
-//! only a degenerate part of the scene may be repaired ([`Problem::repair`]).
+//! RANSAC (Fischler and Bolles, 1981) with a smooth cost instead of a count, each best model so far improved at once by
+//! reweighted least squares over all its inliers (local optimisation: Chum, Matas and Kittler, "Locally Optimized
+//! RANSAC", 2003), early ends of scoring and sampling, and repair of degenerate models ([`Problem::repair`]).
 //!
 //! Samples. PROSAC (Chum and Matas, "Matching with PROSAC", CVPR 2005) draws from the best few matches at first and
-//! enlarges that set, until after [`UNIFORM_AFTER`] samples it draws from all matches alike, as plain RANSAC does. If
-//! the order by quality is useful, good samples come early; otherwise nothing is lost.
+//! from all alike after [`UNIFORM_AFTER`] samples: nothing is lost where the order by quality is of no use.
 //!
-//! Cost. Plain RANSAC counts residuals below a threshold, so its result depends on that threshold. MAGSAC++ (Barath,
-//! Noskova, Ivashechkin and Matas, "MAGSAC++, a Fast, Reliable and Accurate Robust Estimator", CVPR 2020) instead takes
-//! the noise's scale σ as uniformly distributed between 0 and σ_max and integrates it out: a residual's weight falls
-//! smoothly from zero error to the largest one, k·σ_max, and its cost rises from 0 to a constant. Residuals follow a χ
-//! distribution of four degrees of freedom, and k = 3.64 is its quantile of 99 %, as in the paper. Costs here are
-//! scaled to reach 1 at the threshold. For four degrees of freedom the incomplete gamma functions of the paper are
-//! elementary: with x = r²/(2σ²_max), Γ(3/2, x) = ½√π·erfc(√x) + √x·e⁻ˣ and γ(5/2, x) = ¾√π·erf(√x) − (x^½·3/2 +
-//! x^3/2)·e⁻ˣ. They are tabulated once over the squared residual.
+//! Cost. MAGSAC++ (Barath, Noskova, Ivashechkin and Matas, "MAGSAC++, a Fast, Reliable and Accurate Robust Estimator",
+//! CVPR 2020) takes the noise's scale σ as uniformly distributed between 0 and σ_max and integrates it out. Residuals
+//! follow a χ distribution of four degrees of freedom, for which the paper's incomplete gamma functions are elementary:
+//! with x = r²/(2σ²_max), Γ(3/2, x) = ½√π·erfc(√x) + √x·e⁻ˣ and γ(5/2, x) = ¾√π·erf(√x) − (x^½·3/2 + x^3/2)·e⁻ˣ.
 //!
-//! Everything happens in a fixed order on one thread, and the random numbers are ChaCha's, which a seed determines for
-//! all time: the same matches, parameters and seed give the same bits.
+//! The order is fixed, on one thread, and the random numbers are ChaCha's: the same input and seed give the same bits.
 
 use crate::matching::params::MatchParams;
 use crate::monitor::{Cancelled, Monitor};
@@ -38,7 +29,7 @@ pub(super) trait Problem {
 
     fn count(&self) -> usize;
 
-    /// Appends all models that fit the sample exactly; none for a degenerate sample.
+    /// Appends the models that fit the sample exactly; none for a degenerate sample.
     fn solve(&self, sample: &[usize], models: &mut Vec<Self::Model>);
 
     /// Squared error of a match under a model; infinite where it is undefined.
@@ -62,14 +53,12 @@ pub(super) trait Problem {
 const MIN_ITERATIONS: usize = 50;
 /// Maximum number of steps of a local optimisation; most end after three to five.
 const POLISH_STEPS: usize = 50;
-/// Decrease of the cost, in matches, below which a step is the last.
 const POLISH_TOLERANCE: f64 = 1e-3;
-/// Damping of the first step, its factor after a success, its factor after a failure, and the value beyond which a
-/// local optimisation ends.
+/// Damping: of the first step, its factors after a success and a failure, and its largest value.
 const DAMPING: (f64, f64, f64, f64) = (1e-6, 0.1, 100.0, 100.0);
 
-/// The model with the minimum cost, if any, for inliers with an error of at most `max_error` in the problem's unit; and
-/// the number of samples drawn. `order` are the indices of all matches, the most promising first.
+/// The model with the minimum cost for inliers with errors of at most `max_error`, if any, and the number of samples
+/// drawn. `order` are the indices of all matches, the most promising first.
 pub(super) fn estimate<P: Problem>(
     problem: &P,
     order: Vec<usize>,
@@ -107,7 +96,8 @@ pub(super) fn estimate<P: Problem>(
             if best.as_ref().is_some_and(|(_, cost)| candidate.1 >= *cost) {
                 continue;
             }
-            let inliers = inlier_count(problem, &candidate.0, &loss);
+            let is_inlier = |index: &usize| loss.is_inlier(problem.squared_error(&candidate.0, *index));
+            let inliers = (0..count).filter(is_inlier).count();
             best = Some(candidate);
             needed = iterations_needed(inliers, count, P::SAMPLE_SIZE, f64::from(params.confidence))
                 .max(MIN_ITERATIONS)
@@ -119,7 +109,6 @@ pub(super) fn estimate<P: Problem>(
     Ok((best.map(|(model, _)| model), iterations))
 }
 
-/// The best model after descent on a smoother cost and repair of a degenerate model.
 fn finished<P: Problem>(
     problem: &P,
     mut best: (P::Model, f64),
@@ -147,7 +136,7 @@ fn finished<P: Problem>(
     best
 }
 
-/// The sum of the costs of all matches, or `None` as soon as it reaches `limit`.
+/// The sum of the costs; `None` as soon as it reaches `limit`.
 fn cost_below<P: Problem>(problem: &P, model: &P::Model, loss: &Loss, limit: f64) -> Option<f64> {
     let mut sum = 0.0;
     for index in 0..problem.count() {
@@ -189,10 +178,6 @@ fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (
     best
 }
 
-fn inlier_count<P: Problem>(problem: &P, model: &P::Model, loss: &Loss) -> usize {
-    (0..problem.count()).filter(|&index| loss.is_inlier(problem.squared_error(model, index))).count()
-}
-
 /// Number of samples after which at least one consists of inliers alone, with the probability `confidence`.
 fn iterations_needed(inliers: usize, count: usize, sample_size: usize, confidence: f64) -> usize {
     // Without replacement, as samples are drawn.
@@ -209,8 +194,7 @@ fn iterations_needed(inliers: usize, count: usize, sample_size: usize, confidenc
 
 /// The largest residual in units of σ_max: the 99 % quantile of χ with four degrees of freedom.
 const K: f64 = 3.64;
-/// Number of steps of the table over the squared residual, 0 … threshold². Linear interpolation between them is exact
-/// to about 10⁻⁵ of the cost.
+/// Steps of the table over the squared residual; interpolation between them is exact to about 10⁻⁵ of the cost.
 const STEPS: usize = 2048;
 
 struct Table {
@@ -259,7 +243,7 @@ pub(super) struct Loss {
 }
 
 impl Loss {
-    /// Creates the loss; `threshold` is the largest residual of an inlier, in the residuals' unit.
+    /// `threshold` is the largest residual of an inlier.
     pub(super) fn new(threshold: f64) -> Self {
         Self { table: &TABLE, steps_per_squared_error: STEPS as f64 / (threshold * threshold) }
     }
@@ -289,8 +273,7 @@ impl Loss {
     }
 }
 
-/// Number of samples after which all matches are drawn from. The paper takes ten times as many, more than are drawn
-/// here by default.
+/// Number of samples after which all matches are drawn from; the paper takes ten times as many.
 const UNIFORM_AFTER: f64 = 20_000.0;
 
 pub(super) struct Sampler {
@@ -307,20 +290,12 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
-    /// `order` begins with the most promising and has at least `size` matches.
+    /// `order` has at least `size` matches.
     pub(super) fn new(order: Vec<usize>, size: usize, seed: u64) -> Self {
-        let count = order.len();
         // The samples among the first `size` that UNIFORM_AFTER uniform samples of all matches would hold.
-        let expected = (0..size).fold(UNIFORM_AFTER, |t, i| t * (size - i) as f64 / (count - i) as f64);
-        Self {
-            random: ChaCha8Rng::seed_from_u64(seed),
-            order,
-            open: size,
-            drawn: 0.0,
-            expected,
-            grows_after: 1.0,
-            size,
-        }
+        let expected = (0..size).fold(UNIFORM_AFTER, |t, i| t * (size - i) as f64 / (order.len() - i) as f64);
+        let random = ChaCha8Rng::seed_from_u64(seed);
+        Self { random, order, open: size, drawn: 0.0, expected, grows_after: 1.0, size }
     }
 
     pub(super) fn draw(&mut self, sample: &mut [usize]) {
@@ -406,15 +381,11 @@ mod tests {
     }
 
     #[test]
-    fn outliers_do_not_move_the_mean() {
+    fn outliers_do_not_move_the_mean_too_few_have_none_and_cancelling_ends_it() {
         let numbers = [1.0, 1.2, 0.9, 1.1, 0.8, 40.0, 50.0, 60.0, 70.0, -30.0, -99.0].to_vec();
         let (mean, iterations) = found(numbers, &Monitor::default()).expect("not cancelled");
         assert!((mean.expect("a mean") - 1.0).abs() < 0.01);
         assert_eq!(iterations, MIN_ITERATIONS);
-    }
-
-    #[test]
-    fn too_few_have_no_model_and_cancelling_ends_it() {
         assert_eq!(found(Vec::new(), &Monitor::default()), Ok((None, 0)));
         let monitor = Monitor::default();
         monitor.cancel();
@@ -430,17 +401,13 @@ mod tests {
     }
 
     #[test]
-    fn the_gammas_are_the_integrals_they_stand_for() {
+    fn the_gammas_are_integrals_and_the_cost_is_that_of_the_weight_times_the_residual() {
         for x in [0.01, 0.5, 2.0, 6.6] {
             let upper = integral(|t| t.sqrt() * (-t).exp(), x, 60.0);
             assert!((upper_gamma_3_2(x) - upper).abs() < 1e-7, "{x}: {upper}");
             let lower = integral(|t| t * t.sqrt() * (-t).exp(), 0.0, x);
             assert!((lower_gamma_5_2(x) - lower).abs() < 1e-7, "{x}: {lower}");
         }
-    }
-
-    #[test]
-    fn the_cost_is_the_integral_of_the_weight_times_the_residual() {
         // So that reweighted least squares descends on the cost.
         for r in [0.1f64, 0.4, 0.8] {
             let whole = integral(|t| t * raw_weight(t * t), 0.0, 1.0);
@@ -483,21 +450,18 @@ mod tests {
 
     #[test]
     fn a_set_of_just_one_sample_works_and_a_seed_fixes_all() {
-        let mut sample = [0; 4];
-        Sampler::new(vec![3, 1, 0, 2], 4, 0).draw(&mut sample);
-        sample.sort_unstable();
-        assert_eq!(sample, [0, 1, 2, 3]);
-        let draws = |seed: u64| {
-            let mut sampler = Sampler::new((0..99).collect(), 4, seed);
+        let drawn = |count: usize, seed: u64| {
             let mut sample = [0; 4];
-            (0..200)
-                .map(|_| {
-                    sampler.draw(&mut sample);
-                    sample
-                })
-                .collect::<Vec<_>>()
+            Sampler::new((0..count).collect(), 4, seed).draw(&mut sample);
+            sample.sort_unstable();
+            sample
         };
-        assert_eq!(draws(5), draws(5));
-        assert_ne!(draws(5), draws(6));
+        assert_eq!(drawn(4, 0), [0, 1, 2, 3]);
+        let below = |seed: u64| {
+            let mut sampler = Sampler::new(vec![0; 9], 4, seed);
+            [(); 200].map(|()| sampler.below(99))
+        };
+        assert_eq!(below(5), below(5));
+        assert_ne!(below(5), below(6));
     }
 }

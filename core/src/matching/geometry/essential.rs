@@ -1,19 +1,15 @@
 //! The essential matrix E: the geometry of two views with known intrinsics, and the relative pose that follows from it,
 //! up to the length of the translation.
 //!
-//! Directions d = (x, y, 1) satisfy d_bᵀ·E·d_a = 0 with E = `[t]×·R`. Five matches leave four dimensions of matrices, E
-//! = x·X + y·Y + z·Z + W, on which det E = 0 and 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations in the 20 monomials of
-//! x, y, z. Elimination leaves a polynomial of the tenth degree in z (Nistér, "An Efficient Solution to the Five-Point
-//! Relative Pose Problem", PAMI 2004), whose real roots are up to ten solutions. More matches are fitted by the
-//! Levenberg–Marquardt method over rotation and direction of translation, which also works for planes, for which linear
-//! fits are undetermined.
+//! Directions d = (x, y, 1) satisfy d_bᵀ·E·d_a = 0 with E = `[t]×·R`. Five matches leave E = x·X + y·Y + z·Z + W, on
+//! which det E = 0 and 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations. Elimination leaves a polynomial of the tenth
+//! degree in z (Nistér, "An Efficient Solution to the Five-Point Relative Pose Problem", PAMI 2004). More matches are
+//! fitted by the Levenberg–Marquardt method over rotation and direction of translation, which also works for planes.
+//! Errors are Sampson distances in pixels, by way of the focal lengths.
 //!
-//! Errors are Sampson distances in pixels: the gradient is with respect to the pixels' coordinates, by way of the focal
-//! lengths.
-//!
-//! Pose: E has four solutions, two rotations and both signs of the translation. Only in one of them do points lie in
-//! front of both cameras (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., 9.6.2; the decomposition here is
-//! Horn's, "Recovering Baseline and Orientation from 'Essential' Matrix", 1990, which needs no singular values).
+//! Of the four poses of E, in only one do points lie in front of both cameras (Hartley and Zisserman, "Multiple View
+//! Geometry", 2nd ed., 9.6.2; the decomposition is Horn's, "Recovering Baseline and Orientation from 'Essential'
+//! Matrix", 1990).
 
 use super::consensus::Problem;
 use super::linear::{epipolar_row, equation};
@@ -78,12 +74,8 @@ impl Problem for EssentialProblem<'_> {
         // Levenberg–Marquardt damping: parameters that the matches hardly determine move least.
         let damped = normal + SMatrix::<f64, 5, 5>::identity() * (damping * normal.trace() / 5.0);
         let step = damped.cholesky()?.solve(&-right);
-        let turn = nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(
-            1.0,
-            0.5 * step[0],
-            0.5 * step[1],
-            0.5 * step[2],
-        ));
+        let half = nalgebra::Quaternion::new(1.0, 0.5 * step[0], 0.5 * step[1], 0.5 * step[2]);
+        let turn = nalgebra::UnitQuaternion::new_normalize(half);
         let rotation = turn.to_rotation_matrix().into_inner() * pose.rotation;
         let translation = (pose.translation + along_1 * step[3] + along_2 * step[4]).try_normalize(0.0)?;
         let e = RelativePose { rotation, translation }.essential();
@@ -97,8 +89,7 @@ fn tangents(v: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, v.cross(&first)]
 }
 
-/// Exponents of x, y and z in the 20 monomials, in the order of elimination: the first ten are eliminated, the others
-/// stay.
+/// Exponents of x, y and z in the monomials; the first ten are eliminated.
 const MONOMIALS: [[usize; 3]; 20] = [
     [3, 0, 0],
     [0, 3, 0],
@@ -122,11 +113,10 @@ const MONOMIALS: [[usize; 3]; 20] = [
     [0, 0, 0],
 ];
 
-/// Coefficients of a polynomial in x, y, z up to the third degree, in the order of [`MONOMIALS`].
+/// Coefficients in the order of [`MONOMIALS`].
 type Cubic = [f64; 20];
 
-/// Index in [`MONOMIALS`] of the product of two monomials given by their indices; 20 for a product beyond the third
-/// degree.
+/// Index in [`MONOMIALS`] of the product of two of them; 20 beyond the third degree.
 static PRODUCT: LazyLock<[[usize; 20]; 20]> = LazyLock::new(|| {
     let sum = |i: usize, j: usize| std::array::from_fn(|axis| MONOMIALS[i][axis] + MONOMIALS[j][axis]);
     let index = |exponents: [usize; 3]| MONOMIALS.iter().position(|of| *of == exponents).unwrap_or(20);
@@ -150,12 +140,8 @@ fn add_product(sum: &mut Cubic, factor: f64, p: &Cubic, p_places: &[usize], q: &
 
 /// Up to ten essential matrices for which five matches hold exactly.
 fn from_five(pairs: &[&RayPair; 5]) -> Vec<Matrix3<f64>> {
-    let Some(basis) = null_space::<4>(&mut pairs.map(epipolar_row)) else {
-        return Vec::new();
-    };
-    let Some(reduced) = eliminated(&basis) else {
-        return Vec::new();
-    };
+    let Some(basis) = null_space::<4>(&mut pairs.map(epipolar_row)) else { return Vec::new() };
+    let Some(reduced) = eliminated(&basis) else { return Vec::new() };
     let rows = polynomial_rows(&reduced);
     real_roots(&determinant(&rows)).into_iter().filter_map(|z| solution(&rows, &basis, z)).collect()
 }
@@ -273,8 +259,7 @@ fn solution(rows: &[[InZ; 3]; 3], basis: &[Vector9; 4], z: f64) -> Option<Matrix
     (norm.is_finite() && norm > 0.0).then(|| matrix_of(&(e / norm)))
 }
 
-/// Pose of camera B relative to camera A: a point X in A's frame is at R·X + t in B's. The length of t is unknown and
-/// set to 1.
+/// Pose of camera B relative to camera A: a point X in A's frame is at R·X + t in B's; t has the length 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelativePose {
     /// Rotation R, from A's frame to B's.
@@ -289,16 +274,7 @@ impl RelativePose {
         cross_matrix(&self.translation) * self.rotation
     }
 
-    /// The angle of the rotation, radians, 0 … π.
-    pub fn rotation_angle(&self) -> f64 {
-        // From both sine and cosine: each alone is inexact at one of the ends.
-        let r = &self.rotation;
-        let sine = Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12).norm();
-        libm::atan2(sine, r.trace() - 1.0)
-    }
-
-    /// The depths, along A's and B's axes, at which the two rays in the directions (x, y, 1) of `pair` come closest.
-    /// `None` for parallel directions.
+    /// The depths along both axes at which the rays of `pair` come closest. `None` for parallel directions.
     fn depths(&self, pair: &RayPair) -> Option<(f64, f64)> {
         // depth_b·d_b = depth_a·R·d_a + t, by least squares.
         let (a, b) = (self.rotation * pair.a_homogeneous(), pair.b_homogeneous());
@@ -311,7 +287,7 @@ impl RelativePose {
 }
 
 /// The four poses of an essential matrix, (R₁, t), (R₂, t), (R₁, −t), (R₂, −t); `None` for a degenerate matrix.
-pub(super) fn poses_of(e: &Matrix3<f64>) -> Option<[RelativePose; 4]> {
+fn poses_of(e: &Matrix3<f64>) -> Option<[RelativePose; 4]> {
     let (c0, c1, c2) = (e.column(0), e.column(1), e.column(2));
     // t is perpendicular to all columns.
     let crosses = [c0.cross(&c1), c1.cross(&c2), c2.cross(&c0)];

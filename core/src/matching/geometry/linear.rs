@@ -1,24 +1,17 @@
 //! Models that linear equations of the matches give: the fundamental matrix, and the homography.
 //!
-//! The fundamental matrix F gives the line of image B on which the match of a point of image A lies, for unknown
-//! cameras: corresponding points satisfy x_bᵀ·F·x_a = 0. Seven of them leave a line of matrices, on which det F = 0 has
-//! up to three solutions (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., 11.1.2). More are fitted by the
-//! eight-point algorithm (Hartley, "In Defense of the Eight-Point Algorithm", PAMI 1997) with each match divided by the
-//! gradient of its equation, which makes the minimised algebraic error the Sampson distance; the estimator repeats this
-//! until it converges.
+//! The fundamental matrix F: x_bᵀ·F·x_a = 0 for unknown cameras. Seven matches leave a line of matrices, on which det F
+//! = 0 has up to three solutions (Hartley and Zisserman, "Multiple View Geometry", 2nd ed., 11.1.2). More are fitted by
+//! the eight-point algorithm (Hartley, "In Defense of the Eight-Point Algorithm", PAMI 1997) with each match divided by
+//! the gradient of its equation: the algebraic error is then the Sampson distance.
 //!
-//! Two causes of wrong solutions from seven points are checked. Points of a sample that lie on different sides of the
-//! epipoles would be behind one of the cameras (Chum, Werner and Matas, "Epipolar Geometry Estimation via Oriented
-//! Epipolar Constraints", ICPR 2004). And if most of the matches that a matrix explains lie on one plane, it is one of
-//! many that fit that plane and nothing else. Then the plane's homography and two points off it may give a better one:
-//! plane and parallax, as in "Two-View Geometry Estimation Unaffected by a Dominant Plane" (CVPR 2005, by the same
-//! authors), with the plane searched among all inliers instead of a sample's seven points.
+//! Two causes of wrong solutions are checked: points on different sides of the epipoles, behind a camera (Chum, Werner
+//! and Matas, "Epipolar Geometry Estimation via Oriented Epipolar Constraints", ICPR 2004); and a dominant plane, whose
+//! homography with two points off it may give a better matrix ("Two-View Geometry Estimation Unaffected by a Dominant
+//! Plane", CVPR 2005, by the same authors; here the plane is searched among all inliers).
 //!
-//! The homography H maps each point of image A to one of image B, where the scene is a plane or the camera only turned:
-//! x_b ~ H·x_a. Four matches determine it by the direct linear transform; more are fitted by the same equations, each
-//! divided by the depth under the previous estimate, which makes the algebraic error the distance in the image (Hartley
-//! and Zisserman, 4.1 and 4.2). The error of a match is the symmetric transfer error: the root mean square of the
-//! distances in both images.
+//! The homography H, for a plane or a camera that only turned: x_b ~ H·x_a, by the direct linear transform from four
+//! matches or more, each divided by its depth under the previous estimate (Hartley and Zisserman, 4.1 and 4.2).
 
 use super::consensus::{Loss, Problem, Sampler};
 use super::points::{RayPair, Vector9, cross_matrix, matrix_of, min_eigenvector, null_space, null_vector};
@@ -29,10 +22,8 @@ pub(super) struct FundamentalProblem<'a> {
     pub pairs: &'a [RayPair],
 }
 
-/// Number of samples of four inliers in the search for a dominant plane: a plane that holds half of them is missed once
-/// in 600 times.
+/// Samples of four inliers in the search for a plane: one that holds half of them is missed once in 600 times.
 const PLANE_ITERATIONS: usize = 100;
-/// Maximum number of pairs of points off the plane that are tried.
 const PARALLAX_ITERATIONS: usize = 300;
 
 impl Problem for FundamentalProblem<'_> {
@@ -81,10 +72,9 @@ impl Problem for FundamentalProblem<'_> {
         for _ in 0..PARALLAX_ITERATIONS {
             let [first, second] = [0, 1].map(|_| off_plane[sampler.below(off_plane.len())]);
             let Some(f) = from_plane_and_parallax(&plane.forward, first, second) else { continue };
-            let limit = best.as_ref().map_or(f64::INFINITY, |(_, cost)| *cost);
             // Points on the plane fit each of these matrices.
             let cost: f64 = off_plane.iter().map(|pair| loss.cost(sampson_squared(&f, pair))).sum();
-            if cost < limit {
+            if best.is_none_or(|(_, min)| cost < min) {
                 best = Some((f, cost));
             }
         }
@@ -93,7 +83,7 @@ impl Problem for FundamentalProblem<'_> {
 }
 
 impl FundamentalProblem<'_> {
-    /// The homography of a plane that holds at least half of the model's inliers; `None` if no such plane was found.
+    /// The homography of a plane that holds at least half of the model's inliers.
     fn dominant_plane(&self, model: &Matrix3<f64>, loss: &Loss, sampler: &mut Sampler) -> Option<Homography> {
         let inliers: Vec<RayPair> =
             self.pairs.iter().filter(|pair| loss.is_inlier(sampson_squared(model, pair))).copied().collect();
@@ -116,21 +106,19 @@ impl FundamentalProblem<'_> {
     }
 }
 
-/// The coefficients of F's elements, row by row, in x_bᵀ·F·x_a.
+/// Coefficients of F's elements, row by row, in x_bᵀ·F·x_a.
 pub(super) fn epipolar_row(pair: &RayPair) -> [f64; 9] {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     [u * x, u * y, u, v * x, v * y, v, x, y, 1.0]
 }
 
-/// The squared Sampson distance: to first order, the distance that both points together must move to satisfy F exactly.
-/// Infinite at the epipoles.
+/// The squared Sampson distance; infinite at the epipoles.
 pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
     let (value, gradient) = equation(f, pair, [1.0; 2]);
     if gradient > 0.0 { value * value / gradient } else { f64::INFINITY }
 }
 
-/// The value x_bᵀ·F·x_a, and the squared length of its gradient with respect to the four coordinates in pixels, of
-/// which `px` make a unit along each axis.
+/// x_bᵀ·F·x_a, and the squared length of its gradient by the coordinates in pixels, of which `px` make a unit.
 #[inline(always)]
 pub(super) fn equation(f: &Matrix3<f64>, pair: &RayPair, px: [f64; 2]) -> (f64, f64) {
     let ([x, y], [u, v]) = (pair.a, pair.b);
@@ -143,9 +131,7 @@ pub(super) fn equation(f: &Matrix3<f64>, pair: &RayPair, px: [f64; 2]) -> (f64, 
 
 /// Up to three matrices of rank 2 for which seven matches hold exactly.
 fn from_seven(pairs: &[&RayPair; 7]) -> Vec<Matrix3<f64>> {
-    let Some([first, second]) = null_space::<2>(&mut pairs.map(epipolar_row)) else {
-        return Vec::new();
-    };
+    let Some([first, second]) = null_space::<2>(&mut pairs.map(epipolar_row)) else { return Vec::new() };
     let (first, second) = (matrix_of(&first), matrix_of(&second));
     // det(first + z·second), a cubic in z, from its values at four places.
     let determinant = |z: f64| (first + second * z).determinant();
@@ -156,19 +142,16 @@ fn from_seven(pairs: &[&RayPair; 7]) -> Vec<Matrix3<f64>> {
     real_roots(&[d0, linear, square, d3]).into_iter().map(|z| (first + second * z).normalize()).collect()
 }
 
-/// Whether all points can be in front of both cameras: e_b × x_b and F·x_a then point the same way for all of them, or
-/// opposite ways for all of them.
+/// Whether all points can be in front of both cameras: e_b × x_b and F·x_a then agree in sense for all or for none.
 fn is_oriented(f: &Matrix3<f64>, pairs: &[&RayPair]) -> bool {
-    let Some(epipole) = null_vector(&f.transpose()) else {
-        return false;
-    };
+    let Some(epipole) = null_vector(&f.transpose()) else { return false };
     let side = |pair: &&RayPair| epipole.cross(&pair.b_homogeneous()).dot(&(f * pair.a_homogeneous()));
     let first = side(&pairs[0]);
     pairs.iter().all(|pair| side(pair) * first > 0.0)
 }
 
 /// The nearest matrix of rank 2, with elements whose squares sum to 1.
-pub(super) fn of_rank_two(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+fn of_rank_two(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let v = null_vector(matrix)?;
     let f = matrix - matrix * v * v.transpose();
     let norm = f.norm();
@@ -185,19 +168,16 @@ fn from_plane_and_parallax(h: &Matrix3<f64>, first: &RayPair, second: &RayPair) 
     (norm.is_finite() && norm > 0.0).then(|| f / norm)
 }
 
-/// A homography and its inverse, with signs that put matches in front of the camera.
+/// A homography from A to B and its inverse, with signs that put matches in front of the camera.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Homography {
-    /// From A to B.
     pub forward: Matrix3<f64>,
-    /// From B to A.
     pub backward: Matrix3<f64>,
 }
 
 impl Homography {
-    /// The matrix with the sign for which most of `pairs` are mapped to positive third coordinates; `None` for a matrix
-    /// that has no inverse.
-    pub(super) fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a RayPair>) -> Option<Self> {
+    /// With the sign for which most of `pairs` get positive third coordinates; `None` for a matrix that has no inverse.
+    fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a RayPair>) -> Option<Self> {
         let depth = |p: &RayPair| h.m31 * p.a[0] + h.m32 * p.a[1] + h.m33;
         let sign: f64 = pairs.map(|p| if depth(p) < 0.0 { -1.0 } else { 1.0 }).sum();
         let norm = h.norm();
@@ -207,8 +187,7 @@ impl Homography {
         if !(norm > 0.0 && determinant.abs() > 1e-9) {
             return None;
         }
-        // A point that is mapped with a positive third coordinate w comes back with 1/w, so the inverse has the right
-        // sign too.
+        // What is mapped with a third coordinate w comes back with 1/w: the inverse has the right sign too.
         Some(Self { forward, backward: forward.try_inverse()? })
     }
 }
@@ -279,8 +258,7 @@ impl Problem for HomographyProblem<'_> {
     }
 }
 
-/// Coefficients of H's elements, row by row, in the two equations of a match; each equation is the transfer's error in
-/// u or v times its depth.
+/// Coefficients of H's elements in the two equations of a match: the transfer's error in u or v times its depth.
 fn transfer_rows(pair: &RayPair) -> [[f64; 9]; 2] {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     [[-x, -y, -1.0, 0.0, 0.0, 0.0, u * x, u * y, u], [0.0, 0.0, 0.0, -x, -y, -1.0, v * x, v * y, v]]

@@ -1,9 +1,7 @@
 //! Geometric verification: finds the putative matches that agree on one geometry of the two views.
 //!
-//! The data flow: matched points → `points` (normalised coordinates) → samples that are solved exactly (`linear`,
-//! `essential`) and scored against all matches (`consensus`) → a [`TwoViewModel`] in pixels, each match's error under
-//! it, and the inliers. [`verify`] is the composition. [`RelativePose`] is that of the cameras, from an essential
-//! matrix.
+//! The data flow of [`verify`]: matched points → `points` (normalised coordinates) → samples that are solved exactly
+//! (`linear`, `essential`) and scored against all matches (`consensus`) → a [`TwoViewModel`] in pixels and the inliers.
 //!
 //! No library is used: none of the maintained estimators for Rust has the improvements made since RANSAC (local
 //! optimisation, marginal cost, degenerate samples), and bindings to C++ would need its toolchain.
@@ -20,9 +18,9 @@ pub use band::GuidingBand;
 pub use essential::RelativePose;
 pub use model::TwoViewModel;
 
-use super::MatchError;
 use super::camera::Camera;
 use super::params::{Geometry, MatchParams};
+use crate::detector::DetectError;
 use crate::monitor::{Cancelled, Monitor};
 use consensus::estimate;
 use points::{Normalisation, RayPair};
@@ -32,11 +30,9 @@ use points::{Normalisation, RayPair};
 pub struct Verification {
     /// The geometry; `None` where fewer than [`MatchParams::min_inliers`] matches agree on any.
     pub model: Option<TwoViewModel>,
-    /// For each match whether it is an inlier: its error is at most [`MatchParams::max_error_px`]. All are false
-    /// without a model.
+    /// For each match whether its error is at most [`MatchParams::max_error_px`]; all false without a model.
     pub inlier: Vec<bool>,
-    /// For each match its error in pixels, see [`TwoViewModel::error_px`]; infinite where that is undefined, and
-    /// without a model.
+    /// For each match its [`TwoViewModel::error_px`]; infinite without a model.
     pub error_px: Vec<f32>,
     /// Number of samples drawn.
     pub iterations: usize,
@@ -62,35 +58,28 @@ pub struct PointPair {
 
 /// Finds the geometry that most of `pairs` agree on; `None` where [`MatchParams::geometry`] is none. Both images are
 /// from [`MatchParams::camera`].
-///
-/// # Errors
-/// [`MatchError::Param`] for parameters that make no sense, [`MatchError::Cancelled`] once `monitor` was cancelled.
 pub fn verify(
     pairs: &[PointPair],
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<Option<Verification>, MatchError> {
+) -> Result<Option<Verification>, DetectError> {
     params.validate()?;
     let points: Vec<RayPair> = pairs.iter().map(|p| RayPair { a: p.a, b: p.b }).collect();
     let mut order: Vec<usize> = (0..pairs.len()).collect();
     order.sort_by(|&i, &j| pairs[i].rank.total_cmp(&pairs[j].rank));
     let (model, iterations) = match (params.geometry, &params.camera) {
         (Geometry::None, _) => return Ok(None),
-        (Geometry::Fundamental, _) => fundamental_of(&points, order, params, monitor)?,
-        (Geometry::Homography, _) => homography_of(&points, order, params, monitor)?,
         (Geometry::Essential, Some(camera)) => essential_of(&points, order, camera, params, monitor)?,
         (Geometry::Essential, None) => unreachable!("validation asks for the camera"),
+        (Geometry::Fundamental | Geometry::Homography, _) => in_pixels(&points, order, params, monitor)?,
     };
     Ok(Some(judge(pairs, model, iterations, params)))
 }
 
-/// Counts the inliers of a model, and drops the model if they are too few.
 fn judge(pairs: &[PointPair], model: Option<TwoViewModel>, iterations: usize, params: &MatchParams) -> Verification {
-    let none = || Verification {
-        model: None,
-        inlier: vec![false; pairs.len()],
-        error_px: vec![f32::INFINITY; pairs.len()],
-        iterations,
+    let none = || {
+        let (inlier, error_px) = (vec![false; pairs.len()], vec![f32::INFINITY; pairs.len()]);
+        Verification { model: None, inlier, error_px, iterations }
     };
     let Some(model) = model else { return none() };
     let error_px: Vec<f32> = pairs.iter().map(|pair| model.error_px(pair.a, pair.b) as f32).collect();
@@ -101,22 +90,21 @@ fn judge(pairs: &[PointPair], model: Option<TwoViewModel>, iterations: usize, pa
 
 type ModelFound = Result<(Option<TwoViewModel>, usize), Cancelled>;
 
-fn fundamental_of(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
-    let (normalisation, normalised) = Normalisation::of(points);
-    let problem = linear::FundamentalProblem { pairs: &normalised };
+/// The fundamental matrix or the homography.
+fn in_pixels(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
+    let (normalisation, pairs) = Normalisation::of(points);
     let max_error = f64::from(params.max_error_px) * normalisation.scale;
-    let (model, iterations) = estimate(&problem, order, max_error, params, monitor)?;
-    let in_pixels = |f| TwoViewModel::Fundamental { fundamental: normalisation.fundamental_in_pixels(&f).normalize() };
-    Ok((model.map(in_pixels), iterations))
-}
-
-fn homography_of(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
-    let (normalisation, normalised) = Normalisation::of(points);
-    let problem = linear::HomographyProblem { pairs: &normalised };
-    let max_error = f64::from(params.max_error_px) * normalisation.scale;
-    let (model, iterations) = estimate(&problem, order, max_error, params, monitor)?;
-    let in_pixels = |h: linear::Homography| TwoViewModel::homography(&normalisation.homography_in_pixels(&h.forward));
-    Ok((model.and_then(in_pixels), iterations))
+    if params.geometry == Geometry::Homography {
+        let problem = linear::HomographyProblem { pairs: &pairs };
+        let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
+        let forward = found.map(|h| normalisation.homography_in_pixels(&h.forward));
+        let both = forward.and_then(|forward| Some((forward, forward.try_inverse()?)));
+        return Ok((both.map(|(forward, backward)| TwoViewModel::Homography { forward, backward }), iterations));
+    }
+    let problem = linear::FundamentalProblem { pairs: &pairs };
+    let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
+    let fundamental = found.map(|f| normalisation.fundamental_in_pixels(&f).normalize());
+    Ok((fundamental.map(|fundamental| TwoViewModel::Fundamental { fundamental }), iterations))
 }
 
 fn essential_of(
@@ -136,7 +124,6 @@ fn essential_of(
 
 #[cfg(test)]
 pub(in crate::matching) mod tests {
-    use super::essential::RelativePose;
     use super::*;
     use crate::matching::Camera;
     use crate::synth::random::Stream;
@@ -145,7 +132,6 @@ pub(in crate::matching) mod tests {
     struct Scene {
         pairs: Vec<PointPair>,
         is_true: Vec<bool>,
-        pose: RelativePose,
         camera: Camera,
     }
 
@@ -156,17 +142,16 @@ pub(in crate::matching) mod tests {
         RelativePose { rotation, translation: Vector3::new(0.9, 0.1, -0.3).normalize() }
     }
 
-    /// `inliers` points seen by a camera that moves by `pose`, with `sigma` pixels of noise in both images, and
+    /// `inliers` points seen by a camera that moves by [`pose`], with `sigma` pixels of noise in both images, and
     /// `outliers` pairs of random places. `depth` gives the depth of a point from its direction.
     fn scene(
         random: &mut Stream,
         camera: Camera,
-        pose: RelativePose,
         (inliers, outliers): (usize, usize),
         sigma: f64,
         mut depth: impl FnMut(&mut Stream, [f64; 2]) -> f64,
     ) -> Scene {
-        let mut pairs = Vec::new();
+        let (pose, mut pairs) = (pose(), Vec::new());
         let inside = |p: [f64; 2]| p[0] > 0.0 && p[1] > 0.0 && p[0] < SIZE.0 as f64 - 1.0 && p[1] < SIZE.1 as f64 - 1.0;
         while pairs.len() < inliers {
             let a = [random.within(0.0, 639.0), random.within(0.0, 479.0)];
@@ -189,11 +174,15 @@ pub(in crate::matching) mod tests {
             pairs.swap(i, j);
             is_true.swap(i, j);
         }
-        Scene { pairs, is_true, pose, camera }
+        Scene { pairs, is_true, camera }
+    }
+
+    fn camera() -> Camera {
+        Camera::centred(640, 480, 600.0)
     }
 
     fn in_space(random: &mut Stream, counts: (usize, usize), sigma: f64) -> Scene {
-        scene(random, Camera::centred(640, 480, 600.0), pose(), counts, sigma, |random, _| random.within(3.0, 9.0))
+        scene(random, camera(), counts, sigma, |random, _| random.within(3.0, 9.0))
     }
 
     /// The places in both images of `count` points of a scene in space, without noise.
@@ -208,7 +197,7 @@ pub(in crate::matching) mod tests {
     /// A scene with all points on one slanted plane.
     fn on_a_plane(random: &mut Stream, counts: (usize, usize), sigma: f64) -> Scene {
         let depth = |_: &mut Stream, [x, y]: [f64; 2]| 4.0 / (1.0 + 0.3 * x - 0.2 * y);
-        scene(random, Camera::centred(640, 480, 600.0), pose(), counts, sigma, depth)
+        scene(random, camera(), counts, sigma, depth)
     }
 
     fn params(geometry: Geometry, camera: &Camera) -> MatchParams {
@@ -222,20 +211,14 @@ pub(in crate::matching) mod tests {
     }
 
     fn found(scene: &Scene, geometry: Geometry) -> Verification {
-        verify(&scene.pairs, &params(geometry, &scene.camera), &Monitor::default())
-            .expect("not cancelled")
-            .expect("asked for")
+        let found = verify(&scene.pairs, &params(geometry, &scene.camera), &Monitor::default());
+        found.expect("not cancelled").expect("asked for")
     }
 
     /// (true matches among the inliers, wrong ones among the inliers).
     fn judged(scene: &Scene, found: &Verification) -> (usize, usize) {
         let called = |truth: bool| scene.is_true.iter().zip(&found.inlier).filter(|(t, i)| **t == truth && **i).count();
         (called(true), called(false))
-    }
-
-    /// Angle between two directions, degrees, whatever their signs.
-    fn angle_deg(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-        a.cross(b).norm().atan2(a.dot(b).abs()).to_degrees()
     }
 
     #[test]
@@ -274,25 +257,22 @@ pub(in crate::matching) mod tests {
         }
     }
 
-    fn inliers_of(scene: &Scene, found: &Verification) -> Vec<([f64; 2], [f64; 2])> {
-        scene.pairs.iter().zip(&found.inlier).filter(|(_, i)| **i).map(|(p, _)| (p.a, p.b)).collect()
-    }
-
     #[test]
     fn half_outliers_leave_the_pose_exact() {
         for seed in 0..5 {
             let mut random = Stream::new(0, 200 + seed);
             let scene = in_space(&mut random, (200, 200), 0.5);
             let found = found(&scene, Geometry::Essential);
-            let inliers = inliers_of(&scene, &found);
+            let inliers = scene.pairs.iter().zip(&found.inlier).filter(|(_, i)| **i);
+            let inliers: Vec<_> = inliers.map(|(p, _)| (p.a, p.b)).collect();
             let (pose, in_front) = found.model.and_then(|m| m.relative_pose(&inliers)).expect("a pose");
             // All true inliers, and of the wrong ones about half.
             assert!(in_front >= 196, "{in_front} of {}", inliers.len());
-            let turn = pose.rotation.transpose() * scene.pose.rotation;
-            let turn_deg = RelativePose { rotation: turn, ..pose }.rotation_angle().to_degrees();
-            let shift_deg = angle_deg(&pose.translation, &scene.pose.translation);
+            let truth = self::pose();
+            let turn = pose.rotation.transpose() * truth.rotation;
+            let turn_deg = Rotation3::from_matrix_unchecked(turn).angle().to_degrees();
+            let shift_deg = pose.translation.angle(&truth.translation).to_degrees();
             assert!(turn_deg < 0.15 && shift_deg < 0.7, "seed {seed}: {turn_deg}°, {shift_deg}°");
-            assert!(pose.translation.dot(&scene.pose.translation) > 0.0, "the right way round");
         }
     }
 
@@ -302,7 +282,7 @@ pub(in crate::matching) mod tests {
         for seed in 0..5 {
             let mut random = Stream::new(0, 250 + seed);
             let scene = on_a_plane(&mut random, (200, 200), 0.5);
-            let truth = TwoViewModel::Essential { essential: scene.pose.essential(), camera: scene.camera.clone() };
+            let truth = TwoViewModel::Essential { essential: pose().essential(), camera: scene.camera.clone() };
             let loss = super::consensus::Loss::new(3.0);
             let cost = |model: &TwoViewModel| -> f64 {
                 scene.pairs.iter().map(|p| loss.cost(model.error_px(p.a, p.b).powi(2))).sum()
@@ -320,7 +300,7 @@ pub(in crate::matching) mod tests {
             let depth = |random: &mut Stream, [x, y]: [f64; 2]| {
                 if random.within(0.0, 1.0) < 0.9 { 6.0 / (1.0 + 0.3 * x - 0.2 * y) } else { random.within(2.5, 5.0) }
             };
-            let scene = scene(&mut random, Camera::centred(640, 480, 600.0), pose(), (200, 100), 0.3, depth);
+            let scene = scene(&mut random, camera(), (200, 100), 0.3, depth);
             let (right, wrong) = judged(&scene, &found(&scene, Geometry::Fundamental));
             assert!(right >= 197 && wrong <= 6, "seed {seed}: {right} right, {wrong} wrong");
         }
@@ -329,25 +309,30 @@ pub(in crate::matching) mod tests {
     #[test]
     fn the_lens_is_taken_out() {
         let mut random = Stream::new(0, 7);
-        let scene = scene(&mut random, camera_bending(), pose(), (100, 0), 0.0, |random, _| random.within(3.0, 9.0));
+        let scene = scene(&mut random, camera_bending(), (100, 0), 0.0, |random, _| random.within(3.0, 9.0));
         let found = found(&scene, Geometry::Essential);
         let worst = found.error_px.iter().copied().fold(0.0, f32::max);
         assert!(worst < 1e-3, "{worst} px");
         let model = found.model.expect("a model");
-        // The true point is on the curve.
         for pair in scene.pairs.iter().take(20) {
-            for (point, curve) in [(pair.b, model.locus_in_b(pair.a, SIZE)), (pair.a, model.locus_in_a(pair.b, SIZE))] {
-                let off = curve.windows(2).map(|w| from_segment(point, w[0], w[1])).fold(f64::INFINITY, f64::min);
-                assert!(off < 0.1, "{point:?} is {off} px from its curve");
-            }
+            through_the_match(pair, &model, 0.1);
         }
     }
 
+    /// Checks that the lines of the possible matches of both points go through the other one, to `max` px.
+    fn through_the_match(pair: &PointPair, model: &TwoViewModel, max: f64) -> [Vec<[f64; 2]>; 2] {
+        let lines = [model.locus_in_b(pair.a, SIZE), model.locus_in_a(pair.b, SIZE)];
+        for (point, line) in [pair.b, pair.a].iter().zip(&lines) {
+            let off = line.windows(2).map(|w| from_segment(*point, w[0], w[1])).fold(f64::INFINITY, f64::min);
+            assert!(off < max, "{point:?} is {off} px from its line");
+        }
+        lines
+    }
+
     fn from_segment(p: [f64; 2], q: [f64; 2], r: [f64; 2]) -> f64 {
-        let (along, to) = ([r[0] - q[0], r[1] - q[1]], [p[0] - q[0], p[1] - q[1]]);
-        let squared = along[0] * along[0] + along[1] * along[1];
-        let part = ((to[0] * along[0] + to[1] * along[1]) / squared).clamp(0.0, 1.0);
-        (to[0] - part * along[0]).hypot(to[1] - part * along[1])
+        let [p, q, r] = [p, q, r].map(nalgebra::Vector2::from);
+        let (along, to) = (r - q, p - q);
+        (to - along * (to.dot(&along) / along.norm_squared()).clamp(0.0, 1.0)).norm()
     }
 
     #[test]
@@ -356,12 +341,11 @@ pub(in crate::matching) mod tests {
         let scene = in_space(&mut random, (50, 0), 0.0);
         let model = found(&scene, Geometry::Fundamental).model.expect("a model");
         for pair in &scene.pairs {
-            for (point, line) in [(pair.b, model.locus_in_b(pair.a, SIZE)), (pair.a, model.locus_in_a(pair.b, SIZE))] {
-                assert!(line.len() == 2 && from_segment(point, line[0], line[1]) < 1e-3, "{point:?}, {line:?}");
+            for line in through_the_match(pair, &model, 1e-3) {
                 // Ends are on the image's border.
                 let border =
                     |p: &[f64; 2]| [p[0] + 0.5, p[1] + 0.5, p[0] - 639.5, p[1] - 479.5].iter().any(|x| x.abs() < 1e-6);
-                assert!(line.iter().all(border), "{line:?}");
+                assert!(line.len() == 2 && line.iter().all(border), "{line:?}");
             }
         }
         let scene = on_a_plane(&mut random, (50, 0), 0.0);
@@ -399,7 +383,6 @@ pub(in crate::matching) mod tests {
 
     #[test]
     fn hopeless_input_has_no_model_and_no_nan() {
-        let camera = Camera::centred(640, 480, 600.0);
         let mut random = Stream::new(0, 10);
         let place = |random: &mut Stream| [random.within(0.0, 639.0), random.within(0.0, 479.0)];
         let mut inputs: Vec<Vec<PointPair>> = (0..9)
@@ -417,7 +400,7 @@ pub(in crate::matching) mod tests {
         forty(|i, _| [[i, 3.0], [i, 3.0]]);
         for pairs in &inputs {
             for geometry in [Geometry::Fundamental, Geometry::Essential, Geometry::Homography] {
-                let params = MatchParams { max_iterations: 300, min_inliers: 15, ..params(geometry, &camera) };
+                let params = MatchParams { max_iterations: 300, min_inliers: 15, ..params(geometry, &camera()) };
                 let found = verify(pairs, &params, &Monitor::default()).expect("not cancelled").expect("asked for");
                 assert_eq!((found.inlier.len(), found.error_px.len()), (pairs.len(), pairs.len()));
                 assert!(found.error_px.iter().all(|e| !e.is_nan() && *e >= 0.0));
@@ -431,9 +414,9 @@ pub(in crate::matching) mod tests {
         // Without any motion everything fits.
         let still: Vec<PointPair> =
             (0..40).map(|_| place(&mut random)).map(|a| PointPair { a, b: a, rank: 0.0 }).collect();
-        let homography = verify(&still, &params(Geometry::Homography, &camera), &Monitor::default());
+        let homography = verify(&still, &params(Geometry::Homography, &camera()), &Monitor::default());
         assert_eq!(homography.expect("valid").expect("asked for").inlier_count(), 40);
-        assert_eq!(verify(&still, &params(Geometry::None, &camera), &Monitor::default()), Ok(None));
+        assert_eq!(verify(&still, &params(Geometry::None, &camera()), &Monitor::default()), Ok(None));
     }
 
     #[test]

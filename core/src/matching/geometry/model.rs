@@ -6,8 +6,7 @@ use super::points::RayPair;
 use crate::matching::camera::Camera;
 use nalgebra::{Matrix3, Vector3};
 
-/// Relation between the points of image A and those of image B. Pixels are in Burstscope's convention: the centre of
-/// the first one is (0, 0).
+/// Relation between the points of image A and those of image B, in pixels; the centre of the first one is (0, 0).
 #[derive(Debug, Clone, PartialEq)]
 pub enum TwoViewModel {
     /// Any scene, unknown cameras: x_bᵀ·F·x_a = 0 for pixels x = (u, v, 1).
@@ -35,15 +34,9 @@ pub enum TwoViewModel {
 const CURVE_POINTS: usize = 65;
 
 impl TwoViewModel {
-    /// A homography of pixels, positive in front of the cameras; `None` for a matrix without an inverse.
-    pub(super) fn homography(h: &Matrix3<f64>) -> Option<Self> {
-        Some(Self::Homography { forward: *h, backward: h.try_inverse()? })
-    }
-
-    /// Error of the match of `a` in image A with `b` in image B, in pixels. For epipolar geometry the Sampson distance
-    /// (to first order, the distance that both points together must move to satisfy it), with the lens's distortion
-    /// removed; for a homography the root mean square of the transfers' distances in A and in B. Infinite where it is
-    /// undefined: at the epipoles, or behind the camera.
+    /// Error of the match of `a` in image A with `b` in image B, in pixels: the Sampson distance (to first order, how
+    /// far both points together must move to satisfy it) with the lens's distortion removed, or the root mean square of
+    /// a homography's transfers in A and in B. Infinite at the epipoles and behind the camera.
     pub fn error_px(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
         let squared = match self {
             Self::Fundamental { fundamental } => sampson_squared(fundamental, &RayPair { a, b }),
@@ -59,8 +52,7 @@ impl TwoViewModel {
     }
 
     /// Possible places in image B, of `size` (columns, rows), of the point `a` of image A, as a line through (u, v)
-    /// points: a straight piece of the epipolar line, a curve where the lens bends it, the single point of a
-    /// homography. Empty where that is outside the image.
+    /// points: one point for a homography, bent by a lens, empty outside the image.
     pub fn locus_in_b(&self, a: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
         self.locus(a, size, false)
     }
@@ -72,19 +64,13 @@ impl TwoViewModel {
 
     fn locus(&self, point: [f64; 2], size: (usize, usize), into_a: bool) -> Vec<[f64; 2]> {
         let turned = |m: &Matrix3<f64>| if into_a { m.transpose() } else { *m };
+        let line = |m: &Matrix3<f64>, [u, v]: [f64; 2]| turned(m) * Vector3::new(u, v, 1.0);
+        let straight = |line| clipped(&line, Bounds::of_image(size)).map_or_else(Vec::new, Vec::from);
         match self {
-            Self::Fundamental { fundamental } => {
-                let line = turned(fundamental) * Vector3::new(point[0], point[1], 1.0);
-                clipped(&line, Bounds::of_image(size)).map_or_else(Vec::new, Vec::from)
-            }
+            Self::Fundamental { fundamental } => straight(line(fundamental, point)),
             Self::Essential { essential, camera } => {
-                let [u, v] = straightened(camera, point);
-                let line = turned(&straight_fundamental(essential, camera)) * Vector3::new(u, v, 1.0);
-                if camera.is_straight() {
-                    clipped(&line, Bounds::of_image(size)).map_or_else(Vec::new, Vec::from)
-                } else {
-                    bent(&line, camera, size)
-                }
+                let line = line(&straight_fundamental(essential, camera), straightened(camera, point));
+                if camera.is_straight() { straight(line) } else { bent(&line, camera, size) }
             }
             Self::Homography { forward, backward } => {
                 let there = mapped(if into_a { backward } else { forward }, point);
@@ -93,12 +79,10 @@ impl TwoViewModel {
         }
     }
 
-    /// The relative pose of the cameras for which most of `pairs` (of matched pixels, as a rule the inliers) lie in
-    /// front of both, and their number. `None` for all models but an essential matrix.
+    /// The relative pose for which most of `pairs` (matched pixels, as a rule the inliers) lie in front of both
+    /// cameras, and their number. `None` for all models but an essential matrix.
     pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {
-        let Self::Essential { essential, camera } = self else {
-            return None;
-        };
+        let Self::Essential { essential, camera } = self else { return None };
         let directions: Vec<RayPair> =
             pairs.iter().map(|(a, b)| RayPair { a: camera.direction_of(*a), b: camera.direction_of(*b) }).collect();
         pose_in_front(essential, directions.iter())
@@ -180,9 +164,7 @@ fn bent(line: &Vector3<f64>, camera: &Camera, size: (usize, usize)) -> Vec<[f64;
                 Bounds { low: [0, 1].map(|i| reach.low[i].min(p[i])), high: [0, 1].map(|i| reach.high[i].max(p[i])) };
         }
     }
-    let Some([start, end]) = clipped(line, reach) else {
-        return Vec::new();
-    };
+    let Some([start, end]) = clipped(line, reach) else { return Vec::new() };
     let k = camera.matrix();
     let seen = |part: f64| {
         let straight = [0, 1].map(|i| start[i] + part * (end[i] - start[i]));

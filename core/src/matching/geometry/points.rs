@@ -1,10 +1,8 @@
-//! Matched points, the normalised coordinates in which models are estimated, and the small linear algebra of the
-//! solvers: null spaces and smallest eigenvectors.
+//! Matched points, the normalised coordinates in which models are estimated, and the solvers' small linear algebra.
 //!
-//! Pixel coordinates are in the hundreds, so that the terms of an epipolar equation differ by factors of 10⁵ and linear
-//! fits lose digits. Estimation therefore uses coordinates around the points' centre and of about unit size (Hartley,
-//! "In Defense of the Eight-Point Algorithm", PAMI 1997). Both images share one scale, so that an error in these
-//! coordinates is one in pixels up to a factor.
+//! In pixels the terms of an epipolar equation differ by factors of 10⁵, and linear fits lose digits. So coordinates
+//! are around the points' centre and of about unit size (Hartley, "In Defense of the Eight-Point Algorithm", PAMI
+//! 1997), with one scale for both images, so that an error is one in pixels up to a factor.
 
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
@@ -54,12 +52,10 @@ impl Normalisation {
         Matrix3::new(s, 0.0, -s * centre[0], 0.0, s, -s * centre[1], 0.0, 0.0, 1.0)
     }
 
-    /// The fundamental matrix of pixels, from the one in normalised coordinates.
     pub(super) fn fundamental_in_pixels(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
         self.matrix(self.centre_b).transpose() * f * self.matrix(self.centre_a)
     }
 
-    /// The homography of pixels from A to B, from the one in normalised coordinates.
     pub(super) fn homography_in_pixels(&self, h: &Matrix3<f64>) -> Matrix3<f64> {
         let s = self.scale;
         let [x, y] = self.centre_b;
@@ -74,9 +70,8 @@ pub(super) fn matrix_of(vector: &Vector9) -> Matrix3<f64> {
     Matrix3::from_row_iterator(vector.iter().copied())
 }
 
-/// An orthonormal basis of the `D` dimensions of vectors that are perpendicular to all `9 − D` rows; `None` where the
-/// rows are (nearly) dependent, so that there are more such dimensions. Elimination with full pivoting, which for so
-/// small a system is as exact as a decomposition and much faster.
+/// An orthonormal basis of the vectors perpendicular to all `9 − D` rows, by elimination with full pivoting; `None` for
+/// (nearly) dependent rows.
 pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vector9; D]> {
     let count = rows.len();
     debug_assert_eq!(count + D, 9, "each row takes away one dimension");
@@ -127,20 +122,15 @@ pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vecto
 
 /// The unit vector x that minimises xᵀ·`matrix`·x; `None` for a matrix that is not finite.
 pub(super) fn min_eigenvector(matrix: &SMatrix<f64, 9, 9>) -> Option<Vector9> {
-    if !matrix.iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let eigen = SymmetricEigen::try_new(*matrix, f64::EPSILON, 500)?;
+    let matrix = Some(*matrix).filter(|matrix| matrix.iter().all(|x| x.is_finite()))?;
+    let eigen = SymmetricEigen::try_new(matrix, f64::EPSILON, 500)?;
     let min = (0..9).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
     Some(eigen.eigenvectors.column(min).into_owned())
 }
 
 /// The unit vector x that minimises |`matrix`·x|: for a matrix of rank 2 its right null vector.
 pub(super) fn null_vector(matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
-    let normal = matrix.transpose() * matrix;
-    if !normal.iter().all(|x| x.is_finite()) {
-        return None;
-    }
+    let normal = Some(matrix.transpose() * matrix).filter(|normal| normal.iter().all(|x| x.is_finite()))?;
     let eigen = SymmetricEigen::try_new(normal, f64::EPSILON, 500)?;
     let min = (0..3).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
     Some(eigen.eigenvectors.column(min).into_owned())

@@ -1,13 +1,9 @@
-//! The real roots of polynomials in one unknown, for the minimal solvers: the cubic of seven points, the tenth degree
-//! of five.
-//!
-//! `polycool` finds them between given bounds, each between two neighbouring extrema, without complex arithmetic. A
-//! double root may be found or missed, depending on rounding.
+//! The real roots of polynomials in one unknown, for the solvers of seven points (a cubic) and of five (tenth degree).
+//! A double root may be found or missed, depending on rounding.
 
 use polycool::PolyDyn;
 
-/// The real roots of the polynomial Σ `coefficients[k]`·xᵏ, in ascending order, as exact as an `f64` allows. Empty for
-/// a constant, and where a coefficient is not finite.
+/// The real roots of Σ `coefficients[k]`·xᵏ, ascending. Empty for a constant, and where a coefficient is not finite.
 pub(super) fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     let largest = coefficients.iter().fold(0.0, |max: f64, c| max.max(c.abs()));
     if !(largest.is_finite() && largest > 0.0) || coefficients.iter().any(|c| c.is_nan()) {
@@ -42,16 +38,19 @@ mod tests {
 
     #[test]
     fn simple_cases() {
-        const NONE: [f64; 0] = [];
-        assert_eq!(real_roots(&[]), NONE);
-        assert_eq!(real_roots(&[3.0]), NONE);
-        assert_eq!(real_roots(&[0.0, 0.0]), NONE);
-        assert_eq!(real_roots(&[f64::NAN, 1.0]), NONE);
-        assert_eq!(real_roots(&[6.0, -2.0]), [3.0]);
-        assert_eq!(real_roots(&[1.0, 0.0, 1.0]), NONE);
-        assert_eq!(real_roots(&[-4.0, 0.0, 1.0]), [-2.0, 2.0]);
-        assert_eq!(real_roots(&[-4.0, 0.0, 1.0, 0.0, 0.0]), [-2.0, 2.0]);
-        assert_eq!(real_roots(&[0.0, 0.0, 0.0, 1.0]), [0.0]);
+        let cases: [(&[f64], &[f64]); 8] = [
+            (&[], &[]),
+            (&[3.0], &[]),
+            (&[0.0, 0.0], &[]),
+            (&[f64::NAN, 1.0], &[]),
+            (&[6.0, -2.0], &[3.0]),
+            (&[1.0, 0.0, 1.0], &[]),
+            (&[-4.0, 0.0, 1.0, 0.0, 0.0], &[-2.0, 2.0]),
+            (&[0.0, 0.0, 0.0, 1.0], &[0.0]),
+        ];
+        for (coefficients, roots) in cases {
+            assert_eq!(real_roots(coefficients), roots);
+        }
     }
 
     proptest! {

@@ -4,8 +4,9 @@ use super::PlaneTexture;
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::project::Model;
 use crate::app::style::ACCENT;
+use crate::detector::coherence::FrameResponse;
 use crate::detector::coherence::Shape;
-use crate::inspect::shares::{FrameShare, Shares};
+use crate::inspect::shares::Shares;
 use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
 use crate::requests::Probed;
@@ -41,7 +42,7 @@ fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut Plane
     let side = (ui.available_width() / columns as f32).min(44.0).floor();
     let (rect, response) = ui.allocate_exact_size(vec2(side * columns as f32, side * rows as f32), Sense::click());
     let display = model.ranges_of_side(model.probe.side).intensity;
-    texture.draw(ui, rect, ("probe patches", &answer.probe), display, || montage(&shares.frames, columns, rows));
+    texture.draw(ui, rect, ("probe patches", &answer.probe), display, || montage(&shares.patches, columns, rows));
     let frame_at = |pos: egui::Pos2| {
         let from = pos - rect.min;
         let index = (from.y / side) as usize * columns + ((from.x / side) as usize).min(columns - 1);
@@ -75,18 +76,18 @@ fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut Plane
     }
 }
 
-fn montage(frames: &[FrameShare], columns: usize, rows: usize) -> Plane {
-    let side = frames[0].patch.width();
+fn montage(patches: &[Plane], columns: usize, rows: usize) -> Plane {
+    let side = patches[0].width();
     Plane::from_fn(side * columns, side * rows, |x, y| {
         let index = y / side * columns + x / side;
-        frames.get(index).map_or(f32::NAN, |frame| frame.patch.at(x % side, y % side))
+        patches.get(index).map_or(f32::NAN, |patch| patch.at(x % side, y % side))
     })
 }
 
 /// Draws the response of each frame, with one standard deviation of its noise to each side.
 fn plot_ui(ui: &mut Ui, shares: &Shares) {
     let covering = || shares.frames.iter().filter(|frame| frame.covers);
-    let point = |frame: &FrameShare| [frame.frame as f64, f64::from(frame.value)];
+    let point = |frame: &FrameResponse| [frame.frame as f64, f64::from(frame.value)];
     let response = still_plot("shares")
         .height(96.0)
         .show_x(false)
@@ -123,16 +124,8 @@ mod tests {
 
     #[test]
     fn patches_lie_row_by_row_and_what_is_over_is_empty() {
-        let frame = |index: usize| FrameShare {
-            frame: index,
-            pos_frame: [0.0, 0.0],
-            covers: true,
-            value: 0.0,
-            sigma_d: 0.0,
-            patch: Plane::from_fn(2, 2, |u, v| (10 * index + 2 * v + u) as f32),
-        };
-        let frames: Vec<FrameShare> = (0..3).map(frame).collect();
-        let picture = montage(&frames, 2, 2);
+        let patch = |index: usize| Plane::from_fn(2, 2, |u, v| (10 * index + 2 * v + u) as f32);
+        let picture = montage(&[0, 1, 2].map(patch), 2, 2);
         assert_eq!(picture.size(), (4, 4));
         assert_eq!((picture.at(0, 0), picture.at(3, 1), picture.at(1, 2)), (0.0, 13.0, 21.0));
         assert!(picture.at(2, 2).is_nan() && picture.at(3, 3).is_nan());
