@@ -36,7 +36,7 @@ pub struct Feature {
     /// Running index of the grid's slope at which it was found.
     pub slope_index: usize,
     /// Whether `slope` is at the end of the range that was searched and the response still rises beyond: the motion
-    /// lies outside. See [`crate::detector::limit`].
+    /// lies outside. See `limit`.
     pub at_slope_limit: bool,
 }
 

@@ -1,6 +1,6 @@
 //! Tests that a sample of D goes through until it is a feature, in order: one record each.
 //!
-//! The search decides ([`super::search`], then [`super::refine`], then [`super::distinct`]). Whatever else the program
+//! The search decides (`search`, then `refine`, then `distinct`). Whatever else the program
 //! knows of a test it reads here; the value and the limit of one candidate come from [`crate::inspect::telling`].
 //!
 //! Words in braces stand for numbers of the candidate: `crate::inspect::fate::TestReport::word` has those of all

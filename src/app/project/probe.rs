@@ -353,6 +353,8 @@ mod tests {
     use crate::app::project::tests::Bench;
     use crate::detector::NoiseGate;
     use crate::detector::params::doc;
+    use crate::inspect::{ProbeOptions, probe};
+    use crate::monitor::Monitor;
 
     fn answered(model: &Model) -> (Side, crate::requests::BurstId, [f32; 2]) {
         let answer = model.probe.answer.as_ref().filter(|_| model.probe.is_current()).expect("answered");
@@ -450,5 +452,31 @@ mod tests {
         bench.model.apply_change(&change(doc::SLOPE_DIRECTION, "90"));
         let slopes = bench.model.params.slopes;
         assert_eq!((slopes.u.count, slopes.u.max, bench.model.slopes), (9, 4.0, SlopeChoice::Given));
+    }
+
+    #[test]
+    fn each_burst_is_probed_where_it_lies_and_the_answer_is_that_of_its_own_search() {
+        let mut bench = Bench::with_two_charts();
+        let ids = Side::BOTH.map(|side| bench.model.burst_of(side).expect("open").id);
+        for (side, place) in [(Side::B, [80.0, 30.0]), (Side::A, [110.0, 30.0]), (Side::B, [20.0, 40.0])] {
+            bench.model.probe_place(side, place);
+            assert!(bench.model.probe.answer.is_none(), "what was said of the other burst is not shown");
+            bench.settle();
+            assert_eq!(answered(&bench.model), (side, ids[side as usize], place));
+            let model = &bench.model;
+            let answer = model.probe.answer.as_ref().expect("there");
+            let cache = &answer.request.traced.cache;
+            assert_eq!(cache.detection().features, model.found_of(side).expect("found").detection.features);
+            let expected = probe(cache, place, &ProbeOptions::default(), &Monitor::default()).expect("inside");
+            assert_eq!(answer.probe.fates, expected.fates);
+            assert!(model.untraced().is_none() && !model.probe_is_stale() && model.probe_is_here());
+        }
+        assert_eq!(Side::BOTH.map(|side| bench.model.burst_of(side).expect("open").id), ids, "nothing was swapped");
+        // This place is inside of A only.
+        bench.model.probe_place(Side::B, [110.0, 30.0]);
+        assert_eq!((bench.model.probe.side, bench.model.probe.place()), (Side::B, Some([20.0, 40.0])));
+        // In *One burst* only A is looked at, and B's probe waits.
+        bench.model.open_workspace(Workspace::Inspect);
+        assert!(!bench.model.probe_is_here() && bench.model.probe.is_current());
     }
 }

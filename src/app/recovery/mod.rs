@@ -191,3 +191,47 @@ impl Recovery {
         self.own.remove();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::{Bench, open};
+    use std::path::Path;
+
+    fn kept_in(folder: &Path) -> KeptIn {
+        KeptIn { folder: folder.to_owned(), every: Duration::ZERO }
+    }
+
+    #[test]
+    fn an_offered_session_is_restored_forgotten_or_kept() {
+        let home = tempfile::tempdir().expect("a folder");
+        let mut bench = Bench::new();
+        bench.model.take_burst(open((64, 48), 5));
+        for _ in 0..2 {
+            let left = Record::new(home.path()).expect("made");
+            left.write(&session_text(&bench.model).expect("a burst is open")).expect("written");
+        }
+        let kept = kept_in(home.path());
+        let mut recovery = Recovery::begin(Some(&kept), &mut bench.model.messages).expect("made");
+        let (Bench { model, engine }, mut restoring) = (&mut bench, Restoring::default());
+        let more = |recovery: &Recovery| recovery.offer().map(|offer| offer.more);
+        assert_eq!(more(&recovery), Some(1));
+        recovery.settle(RecoveryChoice::Restore, &mut restoring, model, engine);
+        let request = restoring.waits_for(model).expect("its burst is opened");
+        recovery.give_up_unless(Some(request));
+        assert!(recovery.offer().is_some_and(|offer| offer.is_restoring));
+        // Something else is opened: the session stays offered.
+        recovery.give_up_unless(None);
+        assert!(recovery.offer().is_some_and(|offer| !offer.is_restoring));
+        recovery.settle(RecoveryChoice::Restore, &mut restoring, model, engine);
+        recovery.restored(restoring.waits_for(model).expect("its burst is opened"), true);
+        assert_eq!(more(&recovery), Some(0));
+        // It is removed only after a question.
+        for (choice, asks) in [(RecoveryChoice::Discard, true), (RecoveryChoice::Keep, false)] {
+            recovery.settle(choice, &mut restoring, model, engine);
+            assert_eq!((more(&recovery), recovery.is_asking()), (Some(0), asks), "{choice:?}");
+        }
+        recovery.settle(RecoveryChoice::Remove, &mut restoring, model, engine);
+        assert_eq!((more(&recovery), recovery.is_asking()), (None, false));
+    }
+}

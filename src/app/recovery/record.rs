@@ -166,4 +166,20 @@ mod tests {
         record.write_in_turn("old", turn).expect("nothing to do");
         assert_eq!(std::fs::read_to_string(record.session()).expect("read"), "new");
     }
+
+    #[test]
+    fn the_latest_comes_first_and_a_window_that_kept_nothing_leaves_nothing() {
+        let home = tempfile::tempdir().expect("a folder");
+        let records: Vec<Record> = (0..3).map(|_| Record::new(home.path()).expect("made")).collect();
+        for (record, age) in records.iter().zip([10, 5]) {
+            record.write("a = 1").expect("written");
+            let then = SystemTime::now() - std::time::Duration::from_secs(age);
+            File::options().write(true).open(record.session()).expect("there").set_modified(then).expect("set");
+        }
+        let names: Vec<PathBuf> = records.iter().map(|record| record.session().to_path_buf()).collect();
+        drop(records);
+        let found = Record::left_behind(home.path());
+        assert_eq!(found.iter().map(Record::session).collect::<Vec<_>>(), [&names[1], &names[0]]);
+        assert_eq!(files(home.path()), 4);
+    }
 }

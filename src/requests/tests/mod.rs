@@ -1,6 +1,7 @@
 //! Tests of requests: when two are the same, that the answer is the library's, and how a request ends.
 
 mod answers;
+mod datasets;
 mod ending;
 mod sameness;
 
@@ -10,6 +11,7 @@ use crate::detector::{DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
 use crate::requests::{Request, Work};
 use crate::synth::ChartParams;
+use std::path::Path;
 use std::sync::OnceLock;
 
 fn chart(seed: u64) -> ChartParams {
@@ -45,4 +47,10 @@ fn source() -> DetectionSource {
 
 fn answer<R: Request>(request: R) -> Result<R::Answer, JobError> {
     request.compute(&Work::alone(&Monitor::default()))
+}
+
+fn write_chart(folder: &Path, seed: u64) {
+    let monitor = Monitor::default();
+    let (burst, truth) = crate::synth::synth_chart(&chart(seed), &monitor).expect("valid parameters");
+    crate::synth::write_burst(folder, &burst, &truth, &monitor).expect("written");
 }

@@ -1,6 +1,6 @@
 //! Localisation: a feature's exact place, slope and scale, from the pixels of its own and neighbouring slopes.
 //!
-//! The quadratic fit of [`crate::detector::refine`] leaves errors of a tenth of an input pixel even without noise, and
+//! The quadratic fit of `refine` leaves errors of a tenth of an input pixel even without noise, and
 //! the long tails of D's Gaussians let neighbours pull. So, starting from the fit:
 //!
 //! - **Place**: the extremum of a kernel (`crate::kernel::compact_kernel`) whose zero lies where D's own scale puts a

@@ -1,6 +1,6 @@
 //! Judgement of the slopes of a search: one sentence, and one set of changes that mends whatever is wrong: direction,
 //! range and step of both axes at once. The *evidence* of the frames decides; the features *at the limit*
-//! ([`crate::detector::limit`]) only where the frames show nothing clear.
+//! (`limit`) only where the frames show nothing clear.
 
 use super::{SlopeAdvice, Subject};
 use crate::detector::advice::grouped;

@@ -274,3 +274,35 @@ impl Model {
         slot.against.show(with);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::project::tests::Bench;
+
+    #[test]
+    fn either_burst_is_compared_with_its_own_truth_and_takes_the_comparison_along() {
+        let mut bench = Bench::with_two_charts();
+        bench.model.show_against(Side::B, Some(With::Truth));
+        assert!(bench.model.pair.look.features, "the comparison is seen");
+        bench.run_until(|model, _| model.shown_comparison(Side::B).is_some());
+        assert!(bench.model.shown_comparison(Side::A).is_none());
+        bench.model.show_against(Side::A, Some(With::Truth));
+        bench.run_until(|model, _| model.shown_comparison(Side::A).is_some());
+        let summaries = |model: &Model| Side::BOTH.map(|side| model.shown_comparison(side).map(|s| s.summary.clone()));
+        for side in Side::BOTH {
+            let (slot, shown) = (&bench.model.slots[side], bench.model.shown_comparison(side).expect("there").clone());
+            assert!(Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
+            // All discs of the side's own chart are found or missed.
+            let discs = shown.count(Kind::Same) + shown.count(Kind::Theirs);
+            let truth = slot.burst.as_ref().expect("open").truth(&crate::Monitor::default()).expect("valid");
+            assert_eq!(discs, truth.expect("a chart").features.len());
+            assert!(shown.count(Kind::Same) > 0, "{}", shown.summary);
+        }
+        let before = summaries(&bench.model);
+        bench.model.swap_sides();
+        bench.settle();
+        let [a, b] = summaries(&bench.model);
+        assert_eq!([b, a], before);
+    }
+}

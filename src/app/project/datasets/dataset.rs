@@ -217,3 +217,79 @@ pub struct StateCounts {
     pub failed: usize,
     pub features: usize,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::burst::OpenOptions;
+    use crate::dataset::DatasetSource;
+    use std::path::Path;
+
+    fn dataset(count: usize) -> Dataset {
+        let burst = |k: usize| BurstFiles { name: format!("b{k}"), paths: vec![format!("/n/{k}").into()] };
+        Dataset::new(OpenDataset {
+            strays: Vec::new(),
+            source: DatasetSource::of_bursts(vec!["/n".into()]),
+            bursts: Arc::new((0..count).map(burst).collect()),
+            frames_of_one: None,
+            folder: Some(Path::new("/n-burstscope").into()),
+            folder_error: None,
+            params: SearchParams::default(),
+            open: OpenOptions::default(),
+            finished: (0..count).map(|k| (k == 0).then_some(FinishedBurst { features: 7, seconds: 0.5 })).collect(),
+            other_params: None,
+        })
+    }
+
+    #[test]
+    fn states_follow_what_happens() {
+        let mut open = dataset(3);
+        assert_eq!(open.counts(), StateCounts { done: 1, failed: 0, features: 7 });
+        let finished = FinishedBurst { features: 5, seconds: 1.25 };
+        open.begin_detection(&SearchParams::default());
+        for event in [
+            DatasetEvent::Begun { index: 0 },
+            DatasetEvent::Begun { index: 1 },
+            DatasetEvent::Done { index: 1, finished },
+            DatasetEvent::Begun { index: 2 },
+        ] {
+            open.take_event(&event);
+        }
+        assert_eq!(open.states[1].text(), "5 · 1.2 s");
+        assert_eq!((open.counts().done, &open.states[2]), (2, &BurstState::Running));
+        open.stop();
+        assert_eq!(open.states[2], BurstState::Waiting);
+        open.take_event(&DatasetEvent::Failed { index: 2, error: "x.png: empty".into() });
+        assert_eq!(open.states[2].sentence(), "failed: x.png: empty");
+        open.take_event(&DatasetEvent::Begun { index: 99 });
+        // Failed bursts are tried again; with other parameters all bursts are.
+        open.begin_detection(&SearchParams::default());
+        assert_eq!((open.counts().done, open.counts().failed), (2, 0));
+        let mut other = SearchParams::default();
+        other.detector.levels = 2;
+        open.begin_detection(&other);
+        assert_eq!((open.counts().done, open.params.detector.levels), (0, 2));
+    }
+
+    #[test]
+    fn cameras_are_named_after_their_bursts() {
+        let open = dataset(3);
+        assert_eq!(open.place_of_camera("b1.png"), Some(1));
+        assert_eq!(open.place_of_camera("images/b2.png"), Some(2));
+        assert_eq!(open.place_of_camera("b0"), Some(0));
+        assert_eq!((open.place_of_camera("b3.png"), open.place_of_camera("1621.5")), (None, None));
+    }
+
+    #[test]
+    fn a_and_b_are_two_bursts() {
+        let mut open = dataset(3);
+        open.choose(0, 1);
+        open.choose(1, 2);
+        assert_eq!(open.pair, [Some(1), Some(2)]);
+        open.choose(1, 1);
+        assert_eq!(open.pair, [None, Some(1)], "a burst is not both");
+        open.choose(1, 1);
+        open.choose(0, 9);
+        assert_eq!(open.pair, [None, None]);
+    }
+}
