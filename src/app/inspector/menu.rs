@@ -189,10 +189,10 @@ pub(super) fn picture_menu_ui(
             }
             ui.separator();
         }
-        if let Some((side, place)) = place.mid_burst {
-            if ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help).clicked() {
-                model.probe_place(side, place);
-            }
+        if let Some((side, place)) = place.mid_burst
+            && ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help).clicked()
+        {
+            model.probe_place(side, place);
         }
         if let Some(readout) = &place.readout {
             let value = format!("Copy value {}", number(readout.value, 4));
