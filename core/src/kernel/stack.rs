@@ -10,6 +10,7 @@
 use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
 use crate::plane::Plane;
 use crate::plane::vectors::Aligned;
+use multiversion::multiversion;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -128,7 +129,7 @@ impl<'a> RowStacker<'a> {
         let columns = &run.columns;
         let sided = run.inner.iter().any(|inner| inner != columns);
         let sources = match run.mixes || sided {
-            true => sources(frames, slopes[group.start], run, v, mixed, sums),
+            true => sources(frames, slopes[group.start], run, v, mixed),
             false => Vec::new(),
         };
         let mut taps: Vec<Tap<'_>> = Vec::with_capacity(if run.mixes { sources.len() } else { 0 });
@@ -164,7 +165,6 @@ fn sources<'s>(
     run: &Run<'_>,
     v: usize,
     mixed: &'s mut Vec<f32>,
-    sums: &mut WeightedRows,
 ) -> Vec<Source<'s>> {
     let wide = &run.wide;
     mixed.resize(run.covering.len() * wide.len(), 0.0);
@@ -174,12 +174,18 @@ fn sources<'s>(
         if offset.part_v == 0.0 {
             return Source { frame, pixels: pixels.row(y), left: 0 };
         }
-        let row = |y: usize, weight: f32| Tap::new(&pixels.row(y)[wide.clone()], weight, 0.0);
-        let n = wide.len();
-        sums.make(&[row(y, 1.0 - offset.part_v), row(y + 1, offset.part_v)], 0, n, 0..1, mixed, n);
+        mix(&pixels.row(y)[wide.clone()], &pixels.row(y + 1)[wide.clone()], offset.part_v, mixed);
         Source { frame, pixels: mixed, left: wide.start }
     };
     run.covering.iter().zip(mixed.chunks_mut(wide.len())).map(source).collect()
+}
+
+/// `out = (1 − part)·upper + part·lower`. Two rows are too few for [`WeightedRows`], whose setting up they would wait for.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn mix(upper: &[f32], lower: &[f32], part: f32, out: &mut [f32]) {
+    for ((out, upper), lower) in out.iter_mut().zip(upper).zip(lower) {
+        *out = part.mul_add(*lower, (1.0 - part) * upper);
+    }
 }
 
 /// Computes the columns `side` of row `v`, which not all `sources` cover.
