@@ -24,7 +24,7 @@ pub struct OpenError {
 pub enum OpenErrorKind {
     /// Opening was cancelled.
     Cancelled,
-    /// What was asked for makes no sense: nothing, files with folders, a stack among frames, a level out of its range.
+    /// A request that makes no sense: nothing, files with folders, a stack among frames, a level out of its range.
     Request,
     /// There is no such file or folder.
     NotFound,

@@ -317,7 +317,7 @@ impl Quantity {
     /// Sets the value of `feature` to that of a file's cell.
     ///
     /// # Errors
-    /// What the cell must be.
+    /// The values that the cell may have, in words.
     pub fn read(self, feature: &mut Feature, cell: &str) -> Result<(), &'static str> {
         match self.record().place {
             Place::Real(at) => *at(feature) = cell.parse().map_err(|_| "a number")?,

@@ -108,7 +108,7 @@ impl TestReport {
         if is_finite || boundless.is_empty() { sentence } else { boundless }
     }
 
-    /// What stands for a word in braces in the sentences of [`crate::detector::test::TestRecord`].
+    /// The text in place of a word in braces in the sentences of [`crate::detector::test::TestRecord`].
     pub(super) fn word(&self, name: &str) -> String {
         let (value, limit) = (self.value.unwrap_or(f64::NAN), self.limit.unwrap_or(f64::NAN));
         match (name, self.rival) {

@@ -1,5 +1,5 @@
-//! What the panes of the inspector share: their widgets between passes, their names (in headers, on tabs, for screen
-//! readers and tests), and the pairs of panes of A and of B between which match lines are drawn.
+//! Parts that the panes of the inspector share: their widgets between passes, their names (in headers, on tabs, for
+//! screen readers and tests), and the pairs of panes of A and of B between which match lines are drawn.
 
 use super::aside::Aside;
 use crate::app::canvas;
