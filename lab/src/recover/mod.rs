@@ -33,7 +33,7 @@ use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::words;
-use expected::{expected, nearest_slope};
+use expected::expected;
 use ground::Ground;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -429,9 +429,4 @@ impl RecoverStudy {
         copy.sources = Vec::new();
         Ok(copy)
     }
-}
-
-/// Index of the slope of the search that is nearest to a thing's.
-pub fn nearest_searched(cache: &ProbeCache, truth: &FeatureTruth) -> usize {
-    nearest_slope(&cache.trail, Slope::new(truth.slope_u as f32, truth.slope_v as f32))
 }
