@@ -19,6 +19,7 @@ pub mod combine;
 pub mod describe;
 pub mod distinct;
 pub mod feature;
+pub mod field;
 pub mod limit;
 pub mod localise;
 pub mod memory;
