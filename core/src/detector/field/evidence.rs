@@ -92,7 +92,7 @@ fn band(frame: &Plane, cell_px: usize, monitor: &Monitor) -> Result<Plane, Cance
 
 /// Sum of the frames that are shifted by one slope.
 struct Stack {
-    /// S²/N, of the power of one frame; N is the number of frames that show the place.
+    /// S²/N, of the power of one frame.
     power: Plane,
     /// Variance of the frames around their mean, smoothed.
     residual: Plane,
@@ -102,27 +102,26 @@ impl Stack {
     fn new(bands: &[Plane], slope: Slope, cell_px: usize, monitor: &Monitor) -> Result<Self, Cancelled> {
         monitor.check()?;
         let (width, height) = bands[0].size();
-        let middle = 0.5 * (bands.len() as f32 - 1.0);
-        let [mut sum, mut squares, mut count] = [(); 3].map(|()| Plane::zeros(width, height));
+        let count = bands.len() as f32;
+        let middle = 0.5 * (count - 1.0);
+        let [mut sum, mut squares] = [Plane::zeros(width, height), Plane::zeros(width, height)];
         let mut row = vec![0.0; width];
         for (t, band) in bands.iter().enumerate() {
             let cells_per_frame = (t as f32 - middle) / cell_px as f32;
             let [shift_u, shift_v] = [slope.u, slope.v].map(|slope| Shift::new(slope * cells_per_frame));
-            let columns = shift_u.inside(width);
-            for v in shift_v.inside(height) {
+            for v in 0..height {
                 shifted_row(band, v, &shift_u, &shift_v, &mut row);
                 // Squares after the shift: interpolation smooths noise, and slope 0 would be favoured without.
-                let sums = sum.row_mut(v)[columns.clone()].iter_mut().zip(&mut squares.row_mut(v)[columns.clone()]);
-                sums.zip(&row[columns.clone()]).for_each(|((sum, squares), x)| {
+                let sums = sum.row_mut(v).iter_mut().zip(squares.row_mut(v));
+                sums.zip(&row).for_each(|((sum, squares), x)| {
                     *sum += x;
                     *squares += x * x;
                 });
-                count.row_mut(v)[columns.clone()].iter_mut().for_each(|count| *count += 1.0);
             }
         }
-        for ((sum, square), &count) in sum.data_mut().iter_mut().zip(squares.data_mut()).zip(count.data()) {
-            *sum *= *sum / count.max(1.0);
-            *square = if count < 3.0 { f32::NAN } else { (*square - *sum) / (count - 1.0) };
+        for (sum, square) in sum.data_mut().iter_mut().zip(squares.data_mut()) {
+            *sum *= *sum / count;
+            *square = (*square - *sum) / (count - 1.0);
         }
         Ok(Self { power: sum, residual: smoothed(&squares, NOISE_WINDOW_CELLS, monitor)? })
     }
@@ -157,17 +156,9 @@ impl Shift {
         ];
         Self { whole: whole as i64, weights }
     }
-
-    /// Places of an axis of `count` cells whose shifted place lies on it: a frame says nothing of the others.
-    fn inside(&self, count: usize) -> std::ops::Range<usize> {
-        let beyond = i64::from(self.weights[1] != 1.0);
-        let inside = |place: i64| place.clamp(0, count as i64) as usize;
-        inside(-self.whole)..inside(count as i64 - self.whole - beyond)
-    }
 }
 
-/// Row `v` of the band at the places (u, v) + shift. Cells beyond the edge, which cubic interpolation weighs a little,
-/// repeat the nearest one.
+/// Row `v` of the band at the places (u, v) + shift; beyond the edge the nearest cell is repeated.
 fn shifted_row(band: &Plane, v: usize, shift_u: &Shift, shift_v: &Shift, out: &mut [f32]) {
     let (width, height) = band.size();
     // One column before the first place and two behind the last one are needed.

@@ -2,7 +2,7 @@
 //!
 //! The evidence of all cells in a window adds up. A large window knows most but sees only what most of it does; a small
 //! one sees small things and is easily led astray. So the largest decides first, and each smaller one overrules it only
-//! where another slope has [`OVERRULING_NATS`] more evidence in it: by chance alone odds of e⁶ are rare among the
+//! where another slope has [`OVERRULING_NATS`] more evidence in it: by chance alone odds of e⁵ are rare among the
 //! windows of a picture. The decided motions then follow how the scene's motion changes within a window: each cell's
 //! evidence is read at its own motion plus a common offset, whose sum over the window has its peak where the window is
 //! off on average. The offset is held by a prior, as noise would move each cell where it likes.
@@ -17,15 +17,17 @@ use crate::plane::sample::bilinear;
 use rayon::prelude::*;
 
 /// Standard deviations of the windows that decide, cells.
-const DECIDING_CELLS: [f64; 4] = [24.0, 12.0, 6.0, 3.0];
+const DECIDING_CELLS: [f64; 4] = [28.0, 14.0, 7.0, 3.5];
 /// Standard deviations of the windows whose offsets refine the motions, cells.
 const REFINING_CELLS: [f64; 3] = [24.0, 16.0, 12.0];
 /// Evidence that a smaller window needs for another slope than the larger one's, nats.
-const OVERRULING_NATS: f32 = 6.0;
+const OVERRULING_NATS: f32 = 5.0;
 /// Steps of the sweep between two slopes that differ.
 const OTHER_STEPS: f32 = 0.9;
+/// Standard deviation of the peak's distance from the best slope, steps: hardly a constraint.
+const PEAK_STEPS: f32 = 2.0;
 /// Standard deviation of the offsets, pixels of smear between the first and the last frame.
-const OFFSET_SMEAR_PX: f32 = 0.9;
+const OFFSET_SMEAR_PX: f32 = 1.2;
 
 /// Variance of a motion that no evidence describes: structure that moves otherwise within the window, (px/frame)² of a
 /// smear of this many pixels.
@@ -36,7 +38,6 @@ pub(super) fn motions(evidence: &Evidence, monitor: &Monitor) -> Result<(Vec<Mot
     let sweep = Sweep { evidence, active: [evidence.grid.u.count > 1, evidence.grid.v.count > 1] };
     let mut cells = sweep.decided(monitor)?;
     if sweep.active != [false; 2] {
-        sweep.remove_outliers(&mut cells);
         for cells_sigma in REFINING_CELLS {
             sweep.refine(&mut cells, cells_sigma, monitor)?;
         }
@@ -98,8 +99,7 @@ impl Sweep<'_> {
         let (i, j) = (inside(i, grid.u.count), inside(j, grid.v.count));
         let around = |di: i64, dj: i64| sum((j as i64 + dj) as usize * grid.u.count + (i as i64 + di) as usize);
         let (gradient, information) = self.derivatives(&around);
-        // A priori the motion is as likely anywhere within half a step.
-        let offset = offset(gradient, information, 0.5);
+        let offset = offset(gradient, information, PEAK_STEPS);
         Cell { index, at: [i as f32 + offset[0], j as f32 + offset[1]], information, window_cells }
     }
 
@@ -120,24 +120,6 @@ impl Sweep<'_> {
             0.0
         };
         ([gradient_u, gradient_v], [uu, uv, vv])
-    }
-
-    /// Gives each cell the median motion of the 5×5 cells around it, along each axis: single cells at the rims of
-    /// windows go.
-    fn remove_outliers(&self, cells: &mut [Cell]) {
-        let (width, height) = self.evidence.size;
-        let around = |x: usize, size: usize| x.saturating_sub(2)..(x + 3).min(size);
-        let median = |place: usize| {
-            [0, 1].map(|axis| {
-                let rows = around(place / width, height);
-                let places = rows.flat_map(|v| around(place % width, width).map(move |u| v * width + u));
-                let mut values: Vec<f32> = places.map(|place| cells[place].at[axis]).collect();
-                let middle = values.len() / 2;
-                *values.select_nth_unstable_by(middle, f32::total_cmp).1
-            })
-        };
-        let medians: Vec<[f32; 2]> = (0..cells.len()).into_par_iter().map(median).collect();
-        cells.iter_mut().zip(medians).for_each(|(cell, at)| cell.at = at);
     }
 
     /// Moves each cell by the offset that its window of `sigma_cells` asks for.
@@ -247,9 +229,9 @@ fn offset([gradient_u, gradient_v]: [f32; 2], information: [f32; 3], prior_steps
 fn window_sums(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let by = (sigma_cells / 4.0).floor().max(1.0) as usize;
     let mut sums = if by == 1 {
-        smoothed(plane, sigma_cells, monitor)?
+        summed(plane, sigma_cells, monitor)?
     } else {
-        let few = smoothed(&means(plane, by), sigma_cells / by as f64, monitor)?;
+        let few = summed(&means(plane, by), sigma_cells / by as f64, monitor)?;
         let place = |x: usize| (x as f32 + 0.5) / by as f32 - 0.5;
         let (last_u, last_v) = ((few.width() - 1) as f32, (few.height() - 1) as f32);
         Plane::from_fn(plane.width(), plane.height(), |u, v| {
@@ -259,6 +241,18 @@ fn window_sums(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Pla
     let area = (std::f64::consts::TAU * sigma_cells * sigma_cells) as f32;
     sums.data_mut().iter_mut().for_each(|sum| *sum *= area);
     Ok(sums)
+}
+
+/// `plane` smoothed by a Gaussian of `sigma_cells`, with nothing beyond its edges: a repeated edge would count as often
+/// as all it stands for.
+fn summed(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
+    let (width, height) = plane.size();
+    let margin = (3.0 * sigma_cells).ceil() as usize;
+    let mut wide = Plane::zeros(width + 2 * margin, height + 2 * margin);
+    (0..height).for_each(|v| wide.row_mut(v + margin)[margin..margin + width].copy_from_slice(plane.row(v)));
+    let wide = smoothed(&wide, sigma_cells, monitor)?;
+    let rows = (0..height).flat_map(|v| wide.row(v + margin)[margin..margin + width].iter().copied());
+    Ok(Plane::from_vec(width, height, rows.collect()))
 }
 
 /// Means of squares of `by`² cells, and of what is left of them at the right and lower edge.
