@@ -10,6 +10,8 @@
 //! (The paper has no such step: its features carry the slope at which they were found.)
 
 mod evidence;
+#[cfg(test)]
+mod tests;
 mod windows;
 
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
